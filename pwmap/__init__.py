@@ -1,0 +1,1 @@
+"""Exact analysis of piecewise-linear discontinuous maps; diagrams and their graphs."""

@@ -1,0 +1,246 @@
+"""Branches, special points and the diagram they form, for any map of the line.
+
+A branch is a curve over the parameter: fixed points of an iterate P_j, or a jump of P_j
+whose one-sided limits lie strictly on opposite sides of the diagonal. A special point ends
+branches. Both packages share these classes and their export (:mod:`pwmap.graph`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+import networkx as nx
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+class BranchKind(str, Enum):
+    """What a branch is a curve of."""
+
+    FIXED_POINT = "fixed-point"
+    JUMP = "jump"
+
+    __str__ = str.__str__
+
+
+class PointKind(str, Enum):
+    """What ends or marks branches; the value is the code used in tables and graphs."""
+
+    LP = "LP"
+    PD = "PD"
+    BC = "BC"
+    FF = "FF"
+    WC = "WC"
+    FALL = "FALL"
+    EP = "EP"
+
+    __str__ = str.__str__
+
+    @property
+    def meaning(self) -> str:
+        """One phrase for a legend or a table."""
+        return _MEANINGS[self.value]
+
+
+_MEANINGS = {
+    "LP": "fold: multiplier +1",
+    "PD": "flip: multiplier -1",
+    "BC": "border collision: a fixed point meets a jump",
+    "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
+    "WC": "word change: the sequence of events changes, the map does not jump",
+    "FALL": "free fall: the return is lost",
+    "EP": "end point: end of the parameter span or of the window",
+}
+
+
+def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np.generic]:
+    array = np.array(values, dtype=dtype)
+    if array.ndim != 1:
+        raise ValueError(f"a branch needs one-dimensional arrays, got shape {array.shape}")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Branch:
+    """A curve between two special points, with one word all along.
+
+    Parameters
+    ----------
+    id
+        Name of the branch, unique in its diagram, without ``:``.
+    kind
+        Fixed points of P_order, or a jump of P_order that crosses the diagonal.
+    order
+        The iterate j >= 1 the branch belongs to.
+    word
+        Sequence of events (toy) or of visited pieces (piecewise-linear map).
+    parameter, x, multiplier
+        Samples along the curve, each of shape (n,), n >= 1. The multiplier of a jump is nan.
+    ends
+        Ids of the special points at the first and the last sample.
+    exact
+        Exact expressions as text, by name, e.g. ``{"x": "r/(a + 1)"}``; empty for the toy.
+    """
+
+    id: str
+    kind: BranchKind
+    order: int
+    word: str
+    parameter: FloatArray
+    x: FloatArray
+    multiplier: FloatArray
+    ends: tuple[str, str]
+    exact: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if ":" in self.id:
+            raise ValueError(f"a branch id must not contain ':', got {self.id!r}")
+        if self.order < 1:
+            raise ValueError(f"order must be at least 1, got {self.order}")
+        for name in ("parameter", "x", "multiplier"):
+            object.__setattr__(self, name, _locked(getattr(self, name), float))
+        if not self.parameter.shape == self.x.shape == self.multiplier.shape != (0,):
+            raise ValueError(
+                "parameter, x and multiplier must have one common length of at least 1, got "
+                f"{self.parameter.size}, {self.x.size} and {self.multiplier.size}"
+            )
+        object.__setattr__(self, "kind", BranchKind(self.kind))
+
+    @property
+    def stable(self) -> BoolArray:
+        """Shape (n,): whether |multiplier| < 1; False all along a jump branch."""
+        return np.asarray(np.abs(self.multiplier) < 1.0)
+
+    def __len__(self) -> int:
+        return int(self.parameter.size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpecialPoint:
+    """A point of the (parameter, x) plane where branches end or meet.
+
+    Parameters
+    ----------
+    id
+        Name of the point, unique in its diagram, without ``:``.
+    kind
+        One of the codes of :class:`PointKind`.
+    parameter, x
+        Where it lies.
+    branches
+        Ids of the branches that end here.
+    order
+        The iterate it belongs to.
+    note
+        What the code leaves open, e.g. ``"persistence"`` or ``"fold"`` for a BC.
+    exact
+        Exact expressions as text, by name; empty for the toy.
+    """
+
+    id: str
+    kind: PointKind
+    parameter: float
+    x: float
+    branches: tuple[str, ...] = ()
+    order: int = 1
+    note: str = ""
+    exact: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if ":" in self.id:
+            raise ValueError(f"a point id must not contain ':', got {self.id!r}")
+        object.__setattr__(self, "kind", PointKind(self.kind))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Diagram:
+    """Branches and special points over one parameter.
+
+    Parameters
+    ----------
+    parameter_name, x_name
+        Names for axes, tables and graph attributes, e.g. ``"eps_n1"`` and ``"phi_s"``.
+    branches, points
+        In the order in which they were found; ends of branches refer to ids of points.
+    """
+
+    parameter_name: str
+    x_name: str
+    branches: tuple[Branch, ...]
+    points: tuple[SpecialPoint, ...]
+
+    def __post_init__(self) -> None:
+        known = {point.id for point in self.points}
+        if len(known) != len(self.points):
+            raise ValueError("the ids of the special points are not unique")
+        if len({branch.id for branch in self.branches}) != len(self.branches):
+            raise ValueError("the ids of the branches are not unique")
+        for branch in self.branches:
+            for end in branch.ends:
+                if end not in known:
+                    raise ValueError(f"branch {branch.id!r} ends at unknown point {end!r}")
+
+    def branch(self, branch_id: str) -> Branch:
+        """Look a branch up by its id; KeyError if there is none."""
+        for branch in self.branches:
+            if branch.id == branch_id:
+                return branch
+        raise KeyError(f"no branch {branch_id!r} in this diagram")
+
+    def point(self, point_id: str) -> SpecialPoint:
+        """Look a special point up by its id; KeyError if there is none."""
+        for point in self.points:
+            if point.id == point_id:
+                return point
+        raise KeyError(f"no special point {point_id!r} in this diagram")
+
+    def graph(self) -> nx.MultiGraph:
+        """How the branches hang together.
+
+        Returns
+        -------
+        networkx.MultiGraph
+            Nodes are special points, edges are branches keyed by their id. All numeric
+            attributes are floats, all others text, so that every export format keeps them.
+        """
+        graph = nx.MultiGraph(parameter=self.parameter_name, x=self.x_name)
+        for point in self.points:
+            graph.add_node(
+                point.id,
+                kind=str(point.kind),
+                parameter=float(point.parameter),
+                x=float(point.x),
+                order=float(point.order),
+                note=point.note,
+                **{f"{name}_exact": text for name, text in point.exact.items()},
+            )
+        for branch in self.branches:
+            first, last = branch.ends
+            graph.add_edge(
+                first,
+                last,
+                key=branch.id,
+                kind=str(branch.kind),
+                order=float(branch.order),
+                word=branch.word,
+                stable=_share(branch),
+                parameter_min=float(branch.parameter.min()),
+                parameter_max=float(branch.parameter.max()),
+                x_min=float(branch.x.min()),
+                x_max=float(branch.x.max()),
+                samples=float(len(branch)),
+                **{f"{name}_exact": text for name, text in branch.exact.items()},
+            )
+        return graph
+
+
+def _share(branch: Branch) -> str:
+    """``"yes"``, ``"no"`` or ``"partly"``: is the branch stable?"""
+    inner = branch.stable[1:-1] if len(branch) > 2 else branch.stable
+    return "yes" if inner.all() else "partly" if inner.any() else "no"

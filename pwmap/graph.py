@@ -1,0 +1,361 @@
+r"""Graphs to and from files without loss: GraphML, GEXF, JSON node-link and DOT.
+
+Every format holds the same graph, the one :func:`sanitised` returns: an undirected multigraph
+whose ids and edge keys are text and whose attributes are floats or text. The writers and
+readers are those of networkx and pydot. What a format cannot say by itself is said like this:
+
+- An attribute whose name the format uses for itself (``id``) is stored with its type added,
+  ``id:float`` or ``id:str``; no other name holds a colon. GEXF gives each name one type, so an
+  attribute that is a number here and text there is stored likewise.
+- GraphML: the edge key is the id of the edge.
+- GEXF: the edge key is the label of the edge; the graph attributes, for which GEXF has no
+  place, are the name of the graph, as JSON.
+- JSON: numbers that JSON lacks are tagged as in MongoDB's Extended JSON, for instance
+  ``{"$numberDouble": "NaN"}``.
+- DOT: text is quoted with ``\"``, ``\\``, ``\n`` and ``\r``; numbers are not quoted and are
+  spelt without exponent or as ``nan``, ``inf`` and ``minus_inf``; the edge key is ``key``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import io
+import json
+import math
+import numbers
+import os
+import re
+import reprlib
+import uuid
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Set
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+import numpy as np
+import pydot
+
+Attributes = dict[str, Any]
+
+_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0, Char
+_DOT_WORDS = {"nan": "nan", "inf": "inf", "-inf": "minus_inf"}  # -inf is no word of DOT
+_DOT_ESCAPES = str.maketrans({'"': r"\"", "\\": r"\\", "\n": r"\n", "\r": r"\r"})
+_DOT_UNESCAPES = {'"': '"', "\\": "\\", "n": "\n", "r": "\r"}
+# networkx < 3.4 calls the edges of node-link data "link" and lacks the keyword "edges"
+_EDGES = "edges" if "edges" in inspect.signature(nx.node_link_data).parameters else "link"
+
+
+def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
+    """Copy a graph into the form that every file format keeps.
+
+    Parameters
+    ----------
+    graph
+        An undirected multigraph. Ids of nodes and keys of edges are non-empty text without
+        ``:``, names of attributes are identifiers, and values are numbers, text or enums of
+        these. Text holds only characters of XML 1.0.
+
+    Returns
+    -------
+    networkx.MultiGraph
+        The same nodes and edges in the same order, with floats and plain text only. A graph
+        that was sanitised stays as it is.
+
+    Raises
+    ------
+    TypeError, ValueError
+        One sentence that names the node or edge, the attribute and the value.
+    """
+    if not isinstance(graph, nx.MultiGraph) or graph.is_directed():
+        raise TypeError(f"expected an undirected networkx.MultiGraph, got {type(graph).__name__}")
+    copy = nx.MultiGraph()
+    copy.graph.update(_plain_attributes(graph.graph, "the graph"))
+    for node, data in graph.nodes(data=True):
+        name = _identifier(node, "the id of a node")
+        copy.add_nodes_from([(name, _plain_attributes(data, f"node {name!r}"))])
+    for u, v, key, data in graph.edges(keys=True, data=True):
+        key_of = f"between {u!r} and {v!r}"
+        name = _identifier(key, f"the key of an edge {key_of}")
+        ends = _identifier(u, "the id of a node"), _identifier(v, "the id of a node")
+        copy.add_edges_from([(*ends, name, _plain_attributes(data, f"edge {name!r} {key_of}"))])
+    return copy
+
+
+def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
+    """Write a graph; :func:`read_graph` gives back exactly ``sanitised(graph)``.
+
+    The file is written beside its final place and then renamed, so that an interrupted write
+    leaves an older file as it was.
+
+    Parameters
+    ----------
+    graph
+        For instance ``diagram.graph()``; see :func:`sanitised` for what it may hold.
+    path
+        The suffix chooses the format: .graphml, .gexf, .json, .dot or .gv.
+
+    Returns
+    -------
+    pathlib.Path
+        Where the graph was written.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the graph does not suit the formats, or the suffix is unknown.
+    FileNotFoundError
+        If the folder does not exist.
+    """
+    path = Path(path)
+    form = _format(path)
+    taken = set(form.taken.split())
+    content = form.encode(_rebuilt(sanitised(graph), lambda data: _typed_names(data, taken)))
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
+    temporary = path.with_name(f".{uuid.uuid4().hex}.tmp")
+    try:
+        with temporary.open("xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    return path
+
+
+def read_graph(path: str | Path) -> nx.MultiGraph:
+    """Read a graph that :func:`write_graph` wrote.
+
+    Parameters
+    ----------
+    path
+        The suffix chooses the format, as for writing.
+
+    Returns
+    -------
+    networkx.MultiGraph
+        Equal to the sanitised graph: nodes, keyed edges and all attributes, in their order.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is unknown or the file does not hold such a graph.
+    FileNotFoundError
+        If there is no such file.
+    """
+    path = Path(path)
+    decode = _format(path).decode
+    content = path.read_bytes()
+    try:
+        return sanitised(_rebuilt(decode(content), _plain_names))
+    except (AttributeError, LookupError, SyntaxError, TypeError, ValueError, nx.NetworkXError) as e:
+        raise ValueError(f"{path} does not hold a graph written by write_graph: {e}") from e
+
+
+def _identifier(value: object, where: str) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{where} must be text, got {value!r}")
+    if not value or ":" in value:
+        raise ValueError(f"{where} must be non-empty text without ':', got {value!r}")
+    return _text(value, where)
+
+
+def _text(value: str, where: str) -> str:
+    if bad := _NOT_XML.search(value):
+        raise ValueError(f"{where} holds U+{ord(bad[0]):04X}, which XML 1.0 cannot: {value!r}")
+    return str.__str__(value)  # a plain str also of a subclass
+
+
+def _plain_attributes(data: Mapping[object, object], where: str) -> Attributes:
+    for name in data:
+        if not isinstance(name, str) or not name.isidentifier():
+            raise ValueError(f"{where}: the name of an attribute must be an identifier: {name!r}")
+    return {
+        str.__str__(name): _plain(value, f"{where}, attribute {name}")
+        for name, value in data.items()
+    }
+
+
+def _plain(value: object, where: str) -> float | str:
+    if isinstance(value, Enum):
+        value = value.value
+    if isinstance(value, str):
+        return _text(value, where)
+    if not isinstance(value, numbers.Real | np.bool_):
+        raise TypeError(f"{where}: expected a number or text, got {reprlib.repr(value)}")
+    try:
+        number = float(value)
+    except OverflowError as error:
+        raise ValueError(f"{where}: the number is too large for a float") from error
+    return math.nan if math.isnan(number) else number  # one nan, without sign or payload
+
+
+def _rebuilt(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
+    """Copy a graph, each dictionary of attributes changed."""
+    copy = nx.MultiGraph()
+    copy.graph.update(change(graph.graph))
+    copy.add_nodes_from((node, change(data)) for node, data in graph.nodes(data=True))
+    edges = graph.edges(keys=True, data=True)
+    copy.add_edges_from((u, v, key, change(data)) for u, v, key, data in edges)
+    return copy
+
+
+def _typed_names(data: Attributes, names: Set[str]) -> Attributes:
+    return {
+        f"{name}:{type(value).__name__}" if name in names else name: value
+        for name, value in data.items()
+    }
+
+
+def _plain_names(data: Attributes) -> Attributes:
+    return {name.partition(":")[0]: value for name, value in data.items()}
+
+
+def _of_two_types(table: Iterable[Attributes]) -> set[str]:
+    columns = {(name, type(value)) for data in table for name, value in data.items()}
+    return {name for name, count in Counter(name for name, _ in columns).items() if count == 2}
+
+
+def _to_graphml(graph: nx.MultiGraph) -> bytes:
+    file = io.BytesIO()
+    nx.write_graphml_xml(graph, file)
+    return file.getvalue().replace(b"\r", b"&#13;")  # XML reads a bare one as \n
+
+
+def _from_graphml(content: bytes) -> nx.MultiGraph:
+    graph = nx.read_graphml(io.BytesIO(content), edge_key_type=str, force_multigraph=True)
+    del graph.graph["node_default"], graph.graph["edge_default"]
+    return graph
+
+
+def _to_gexf(graph: nx.MultiGraph) -> bytes:
+    mixed = _of_two_types(graph.nodes.values()) | _of_two_types(graph.edges.values())
+    copy = _rebuilt(graph, lambda data: _typed_names(data, mixed))
+    for _, _, key, data in copy.edges(keys=True, data=True):
+        data["label"] = key
+    copy.graph = {"name": json.dumps(_tagged(graph.graph), allow_nan=False)}
+    file = io.BytesIO()
+    nx.write_gexf(copy, file)
+    return file.getvalue()
+
+
+def _from_gexf(content: bytes) -> nx.MultiGraph:
+    read = nx.read_gexf(io.BytesIO(content))  # a graph without keys if no edges are parallel
+    graph = nx.MultiGraph()
+    graph.graph.update(json.loads(read.graph["name"], object_hook=_untagged))
+    for node, data in read.nodes(data=True):
+        del data["label"]
+        graph.add_nodes_from([(node, data)])
+    for u, v, data in read.edges(data=True):
+        del data["id"]
+        graph.add_edges_from([(u, v, data.pop("label"), data)])
+    return graph
+
+
+def _tagged(data: Attributes) -> Attributes:
+    return {
+        name: value
+        if isinstance(value, str) or math.isfinite(value)
+        else {"$numberDouble": json.dumps(value)}
+        for name, value in data.items()
+    }
+
+
+def _untagged(data: Attributes) -> Attributes | float:
+    return float(data["$numberDouble"]) if "$numberDouble" in data else data
+
+
+def _to_json(graph: nx.MultiGraph) -> bytes:
+    data = nx.node_link_data(_rebuilt(graph, _tagged), **{_EDGES: "edges"})
+    return json.dumps(data, allow_nan=False, ensure_ascii=False, indent=1).encode()
+
+
+def _from_json(content: bytes) -> nx.MultiGraph:
+    data = json.loads(content, object_hook=_untagged)
+    return nx.node_link_graph(data, **{_EDGES: "edges"})
+
+
+def _to_dot(graph: nx.MultiGraph) -> bytes:
+    # pydot guesses from a text whether to quote it ("<b>" would become markup) and does not
+    # escape backslashes, so the few statements are written here.
+    lines = [f"{_dot(name)}={_dot(value)};" for name, value in graph.graph.items()]
+    lines += [f"{_dot(node)} {_dot_list(data)};" for node, data in graph.nodes(data=True)]
+    lines += [
+        f"{_dot(u)} -- {_dot(v)} {_dot_list({'key': key, **data})};"
+        for u, v, key, data in graph.edges(keys=True, data=True)
+    ]
+    return "\n".join(["graph {", *lines, "}", ""]).encode()
+
+
+def _dot_list(data: Attributes) -> str:
+    return f"[{', '.join(f'{_dot(name)}={_dot(value)}' for name, value in data.items())}]"
+
+
+def _dot(value: float | str) -> str:
+    if isinstance(value, str):
+        return f'"{value.translate(_DOT_ESCAPES)}"'
+    return f"{Decimal(repr(value)):f}" if math.isfinite(value) else _DOT_WORDS[repr(value)]
+
+
+def _undot(token: str) -> Any:
+    if token.startswith('"'):
+        return re.sub(r"\\(.)", lambda found: _DOT_UNESCAPES[found[1]], token[1:-1])
+    return float(token.replace("minus_", "-"))
+
+
+def _from_dot(content: bytes) -> nx.MultiGraph:
+    complaint = io.StringIO()
+    with warnings.catch_warnings(), contextlib.redirect_stdout(complaint):
+        warnings.simplefilter("ignore")  # pydot calls pyparsing by names that are deprecated
+        parsed = pydot.graph_from_dot_data(content.decode())
+    if parsed is None:
+        raise ValueError(f"pydot cannot read it: {complaint.getvalue()}")
+
+    def attributes(element: pydot.Common) -> Attributes:
+        return {_undot(name): _undot(value) for name, value in element.get_attributes().items()}
+
+    graph = nx.MultiGraph()
+    graph.graph.update(attributes(parsed[0]))
+    graph.add_nodes_from(
+        (_undot(node.get_name()), attributes(node)) for node in parsed[0].get_nodes()
+    )
+    for edge in parsed[0].get_edges():
+        ends, data = (edge.get_source(), edge.get_destination()), attributes(edge)
+        graph.add_edges_from([(*map(_undot, map(str, ends)), data.pop("key"), data)])
+    return graph
+
+
+@dataclass(frozen=True, slots=True)
+class _Format:
+    """How to write and read, and which names of attributes the way through networkx takes."""
+
+    encode: Callable[[nx.MultiGraph], bytes]
+    decode: Callable[[bytes], nx.MultiGraph]
+    taken: str
+
+
+_ARGUMENTS = "self node_for_adding u_for_edge v_for_edge key "  # of the methods of MultiGraph
+_GEXF_NAMES = "id label type weight start end pid parents slices spells viz networkx_key"
+_FORMATS = {
+    ".graphml": _Format(_to_graphml, _from_graphml, _ARGUMENTS + "id node_default edge_default"),
+    ".gexf": _Format(_to_gexf, _from_gexf, _ARGUMENTS + _GEXF_NAMES),
+    ".json": _Format(_to_json, _from_json, _ARGUMENTS + "id source target"),
+    ".dot": _Format(_to_dot, _from_dot, "key"),
+    ".gv": _Format(_to_dot, _from_dot, "key"),
+}
+
+
+def _format(path: Path) -> _Format:
+    known = ", ".join(_FORMATS)
+    try:
+        return _FORMATS[path.suffix.lower()]
+    except KeyError:
+        raise ValueError(f"unknown suffix {path.suffix!r} of {path}; known are {known}") from None

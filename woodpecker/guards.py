@@ -1,0 +1,209 @@
+"""Closed-form motion of the spring oscillator, and the first root of a guard.
+
+Every guard f (a gap, a normal force, a friction bound, a slip velocity) obeys f'''' = kappa f''
+inside a mode, because it is affine in d, or a single or double integral of d without a constant
+torque. Its jet (f, f', f'', f''') at the start therefore fixes it for all times,
+
+    f(t) = f0 + f1 t + f2 t^2 c2(kappa t^2) + f3 t^3 c3(kappa t^2),
+
+with Stumpff's functions c_k(x) = 1/k! + x/(k+2)! + x^2/(k+4)! + ... [Stiefel1971, sec. 11].
+The roots of f' have closed forms; between them f is monotone: the first root of f is bracketed
+without sampling, cannot be stepped over, and is refined to the last bit.
+"""
+
+from __future__ import annotations
+
+import math
+
+from woodpecker.compiled import jit
+
+TWO_PI = 2.0 * math.pi
+EPSILON = 2.220446049250313e-16  # spacing of doubles at 1
+
+
+@jit
+def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, float, float]:
+    """c0, t c1, t^2 c2, t^3 c3, t^4 c4 at kappa t^2; omega = sqrt(|kappa|).
+
+    Each is the integral over t of the one before it. The series serves |kappa| t^2 < 1, where the
+    closed forms cancel; its tenth term is below 1e-18.
+    """
+    x = kappa * t * t
+    if abs(x) < 1.0:
+        c3 = c4 = 0.0
+        for n in range(9, -1, -1):
+            c3 = 1.0 + c3 * x / ((2 * n + 4) * (2 * n + 5))
+            c4 = 1.0 + c4 * x / ((2 * n + 5) * (2 * n + 6))
+        c3, c4 = c3 / 6.0, c4 / 24.0
+        c2, c1 = 0.5 + x * c4, 1.0 + x * c3
+        return 1.0 + x * c2, t * c1, t * t * c2, t * t * t * c3, t * t * t * t * c4
+    half = 0.5 * omega * t
+    if kappa < 0.0:
+        s, c = math.sin(half), math.cos(half)
+        c0 = 1.0 - 2.0 * s * s
+    else:
+        s, c = math.sinh(half), math.cosh(half)
+        c0 = 1.0 + 2.0 * s * s
+    s1 = 2.0 * s * c / omega
+    s2 = 2.0 * (s / omega) * (s / omega)
+    return c0, s1, s2, (s1 - t) / kappa, (s2 - 0.5 * t * t) / kappa
+
+
+@jit
+def value(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
+) -> tuple[float, float]:
+    """f(t) and f'(t) from the jet of f at 0."""
+    _, s1, s2, s3, _ = stumpff(kappa, omega, t)
+    return f0 + f1 * t + f2 * s2 + f3 * s3, f1 + f2 * s1 + f3 * s2
+
+
+@jit
+def bracketed(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, low: float, high: float
+) -> float:
+    """Root of f in (low, high], f > 0 right of low, f <= 0 at high; Newton kept inside by halving.
+
+    A zero of f at low itself is not the root: it is where the guard has just fired.
+    """
+    t, step = high, high - low
+    for _ in range(200):
+        f, slope = value(f0, f1, f2, f3, kappa, omega, t)
+        if f > 0.0:
+            low = t
+        else:
+            high = t
+        if f == 0.0:
+            return t
+        trial = t - f / slope if slope < 0.0 else low
+        if not (low < trial < high) or abs(trial - t) > 0.5 * abs(step):
+            trial = 0.5 * (low + high)
+        step = trial - t
+        t = trial
+        if abs(step) <= EPSILON * t or t in (low, high):
+            break
+    return t
+
+
+@jit
+def first_root(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
+) -> float:
+    """First t in (0, horizon] where f falls through zero; inf if there is none.
+
+    f must be positive right after 0, though its first derivatives at 0 may vanish. A root slightly
+    beyond the horizon may be returned; callers take the minimum.
+    """
+    if kappa < 0.0:
+        return _first_root_trigonometric(f0, f1, f2, f3, kappa, omega, horizon)
+    return _first_root_monotone_pieces(f0, f1, f2, f3, kappa, omega, horizon)
+
+
+@jit
+def _first_root_trigonometric(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
+) -> float:
+    """f = mean + drift t - a cos(omega t) - b sin(omega t): skip to the swing that reaches zero."""
+    a, b = -f2 / kappa, -f3 / (kappa * omega)
+    mean, drift, radius = f0 + a, f1 - f3 / kappa, math.hypot(a, b)
+    if abs(drift) <= 4.0 * EPSILON * (abs(f1) + abs(f3 / kappa)):
+        drift = 0.0  # two equal numbers were subtracted: nothing but rounding is left
+    if mean - radius + min(0.0, drift * horizon if drift != 0.0 else 0.0) > 0.0:
+        return math.inf
+    if drift >= 0.0 and mean - radius >= 0.0:
+        return math.inf
+    fastest = radius * omega
+    if abs(drift) >= fastest:
+        if drift >= 0.0:
+            return math.inf
+        return _root_or_later(
+            f0, f1, f2, f3, kappa, omega, 0.0, -(mean + radius) / drift, horizon
+        )
+    # f' = drift + fastest sin(omega t - psi) vanishes at minima omega t = psi - beta + 2 pi k and
+    # at the maxima (pi - 2 beta) before them.
+    beta = math.asin(drift / fastest)
+    theta = (math.atan2(b, a) - beta) % TWO_PI
+    period, fall = TWO_PI / omega, (math.pi - 2.0 * beta) / omega
+    low = theta / omega
+    lowest = value(f0, f1, f2, f3, kappa, omega, low)[0]
+    if lowest >= 0.0:
+        if drift >= 0.0:
+            return math.inf
+        swings = max(1.0, math.floor(-lowest / (drift * period)))
+        while lowest >= 0.0:
+            low = theta / omega + swings * period
+            if low - fall > horizon or low == math.inf:
+                return math.inf
+            lowest = value(f0, f1, f2, f3, kappa, omega, low)[0]
+            swings += 1.0
+    return _root_or_later(f0, f1, f2, f3, kappa, omega, max(0.0, low - fall), low, horizon)
+
+
+@jit
+def _first_root_monotone_pieces(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
+) -> float:
+    """At most two critical points (kappa >= 0): try the pieces between them in turn."""
+    first, second = _critical_points(f1, f2, f3, kappa, omega)
+    low = 0.0
+    for t in (first, second):
+        if t < math.inf:
+            if low > horizon:
+                return math.inf
+            if value(f0, f1, f2, f3, kappa, omega, t)[0] < 0.0:
+                return _root_or_later(f0, f1, f2, f3, kappa, omega, low, t, horizon)
+            low = t
+    # Beyond the last critical point f is monotone; double the step until it is negative.
+    step = low if low > 0.0 else (1.0 / omega if omega > 0.0 else 1.0)
+    if value(f0, f1, f2, f3, kappa, omega, low + step)[1] >= 0.0:
+        return math.inf
+    high = low + step
+    while low <= horizon and omega * high < 700.0 and high < 1e30:
+        if value(f0, f1, f2, f3, kappa, omega, high)[0] <= 0.0:
+            return _root_or_later(f0, f1, f2, f3, kappa, omega, low, high, horizon)
+        low, high = high, 2.0 * high
+    return math.inf
+
+
+@jit
+def _critical_points(
+    f1: float, f2: float, f3: float, kappa: float, omega: float
+) -> tuple[float, float]:
+    """Positive roots of f' in ascending order, inf where there are fewer than two."""
+    if kappa > 0.0:  # with E = exp(omega t): p E^2 + drift E + q = 0
+        p, q = 0.5 * (f2 / omega + f3 / kappa), 0.5 * (f3 / kappa - f2 / omega)
+        middle, start = f1 - f3 / kappa, 1.0
+    else:  # f1 + f2 t + f3 t^2 / 2 = 0
+        p, middle, q, start = 0.5 * f3, f2, f1, 0.0
+    root_1, root_2 = math.inf, math.inf
+    discriminant = middle * middle - 4.0 * p * q
+    if p == 0.0:
+        if middle != 0.0:
+            root_1 = -q / middle
+    elif discriminant >= 0.0:
+        half = -0.5 * (middle + math.copysign(math.sqrt(discriminant), middle))
+        root_1 = half / p
+        root_2 = q / half if half != 0.0 else root_1
+    root_1 = root_1 if root_1 > start else math.inf
+    root_2 = root_2 if root_2 > start else math.inf
+    if kappa > 0.0:
+        root_1 = math.log(root_1) / omega if root_1 < math.inf else math.inf
+        root_2 = math.log(root_2) / omega if root_2 < math.inf else math.inf
+    return min(root_1, root_2), max(root_1, root_2)
+
+
+@jit
+def _root_or_later(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float,
+    low: float, high: float, horizon: float,
+) -> float:  # fmt: skip
+    """Root in (low, high], or inf when it cannot come before the horizon."""
+    if low > horizon:
+        return math.inf
+    if low > 0.0 and value(f0, f1, f2, f3, kappa, omega, low)[0] <= 0.0:
+        low, high = 0.0, low  # the maximum is below resolution: the root lies left of it
+    if high > horizon:
+        if value(f0, f1, f2, f3, kappa, omega, horizon)[0] > 0.0:
+            return math.inf
+        high = horizon
+    return bracketed(f0, f1, f2, f3, kappa, omega, low, high)

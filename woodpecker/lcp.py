@@ -1,0 +1,514 @@
+"""Linear complementarity problems, and the contact problems of the paper written as one.
+
+Lemke's path solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
+unknowns, :func:`enumerate_lcp` finds all solutions of a small one. Impact in compression, impact
+in expansion and the choice of accelerations share one form, :func:`contact_lcp`, after
+F. Pfeiffer, C. Glocker, Multibody Dynamics with Unilateral Contacts, Wiley 1996
+[Pfeiffer1996, chs. 6-8].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from itertools import product
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int_]
+BoolArray = npt.NDArray[np.bool_]
+
+# All of these apply to an equilibrated problem: matrix entries and right-hand side up to 1.
+_ZERO = 1e-12  # a value or ratio below is a tie: some hundred roundings of a dozen unknowns
+_PIVOT = 1e-10  # a smaller pivot would leave fewer than six digits of the solution
+_RANK = 1e-11  # smaller singular values of a complementary basis count as zero
+_FEASIBLE = 1e-9  # violation allowed to an enumerated solution: _ZERO over a basis of cond 1e3
+_SAME = 1e-7  # two enumerated solutions closer than this are one: _FEASIBLE, with a margin
+_SWEEPS = 8  # equilibration halves the error of the exponents per sweep: 2^40 -> 2^0.2
+
+_MAX_ENUMERATED = 12  # unknowns, hence 4096 bases
+
+
+class LcpStatus(Enum):
+    """How Lemke's path ended."""
+
+    SOLVED = "the problem is solved"
+    RAY = "Lemke's path ends in a ray: no solution found"
+    PIVOT_LIMIT = "the pivot limit is reached: no solution found"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LcpResult:
+    """End of Lemke's path for y = A x + b; NaN in x and y unless SOLVED."""
+
+    x: FloatArray  # shape (n,), >= 0
+    y: FloatArray  # shape (n,), >= 0, zero wherever x is not
+    pivots: int
+    status: LcpStatus
+
+    def __post_init__(self) -> None:
+        _lock(self.x, self.y)
+
+    @property
+    def success(self) -> bool:
+        """Whether x and y solve the problem."""
+        return self.status is LcpStatus.SOLVED
+
+
+def lemke(a: npt.ArrayLike, b: npt.ArrayLike, *, max_pivots: int = 1000) -> LcpResult:
+    """Solve y = A x + b, x >= 0, y >= 0, x.y = 0 by Lemke's method [Leine2001, Eqs. 4-5].
+
+    The problem is relaxed to y = A x + z 1 + b with a covering variable z >= 0, feasible for
+    large z. The path starts at x = 0 with the smallest such z and exchanges complementary
+    variables until z leaves the basis. The leaving row is the lexicographic minimum of
+    B^-1 [b, I] over the entering column, so that no basis recurs however many ratios tie.
+    Rows and columns are scaled by powers of two first: units do not matter.
+
+    Parameters
+    ----------
+    a
+        Matrix A, shape (n, n).
+    b
+        Vector b, shape (n,).
+    max_pivots
+        Pivots after which to give up; the longest paths grow like 2^n.
+
+    Returns
+    -------
+    LcpResult
+        A solution, or the status that says why there is none. For copositive A whose
+        homogeneous solutions v all have v.b >= 0, a ray does not occur; in general a
+        ray is no proof that the problem has no solution.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not match or an entry is not finite.
+    """
+    problem = _equilibrate(*_checked(a, b))
+    n = problem.b.size
+    if problem.b.min(initial=0.0) >= 0.0:
+        return _solution(problem, np.arange(n), problem.b, 0)
+    cover = 2 * n  # columns: y_1..y_n, x_1..x_n, z
+    columns = np.hstack([np.eye(n), -problem.a, -np.ones((n, 1))])
+    start = np.column_stack([problem.b, np.eye(n)])
+    basis = np.arange(n)
+    entering, row = cover, _lexicographic_minimum(start)
+    for pivots in range(1, max_pivots + 1):
+        leaving, basis[row] = int(basis[row]), entering
+        if leaving == cover:
+            values = np.linalg.solve(columns[:, basis], problem.b)
+            return _solution(problem, basis, values, pivots)
+        entering = (leaving + n) % cover
+        right = np.column_stack([start, columns[:, entering]])
+        table = np.linalg.solve(columns[:, basis], right)  # afresh: no error accumulates
+        candidates = np.flatnonzero(table[:, -1] > _PIVOT)
+        if not candidates.size:
+            return _failure(n, pivots, LcpStatus.RAY)
+        row = _leaving_row(table, candidates, basis == cover)
+    return _failure(n, max_pivots, LcpStatus.PIVOT_LIMIT)
+
+
+def enumerate_lcp(a: npt.ArrayLike, b: npt.ArrayLike) -> list[FloatArray]:
+    """All solutions x of y = A x + b, x >= 0, y >= 0, x.y = 0, by trying the 2^n bases.
+
+    A singular basis is skipped if inconsistent; otherwise its solution of least norm (of the
+    scaled unknowns) stands for the whole continuum, and counts if it is feasible.
+
+    Parameters
+    ----------
+    a, b
+        Matrix A of shape (n, n) and vector b of shape (n,), n <= 12.
+
+    Returns
+    -------
+    list of arrays of shape (n,)
+        The distinct solutions, those with fewest positive unknowns first.
+
+    Raises
+    ------
+    ValueError
+        If n > 12, the shapes do not match or an entry is not finite.
+    """
+    problem = _equilibrate(*_checked(a, b))
+    n = problem.b.size
+    if n > _MAX_ENUMERATED:
+        raise ValueError(f"enumeration takes at most {_MAX_ENUMERATED} unknowns, got {n}")
+    found: list[FloatArray] = []
+    for support in sorted(product((False, True), repeat=n), key=sum):
+        x = _complementary_point(problem, np.array(support, dtype=bool))
+        if _solves(problem, x) and all(_differ(x, other) for other in found):
+            found.append(x)
+    return [problem.size * problem.column * np.maximum(x, 0.0) for x in found]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactLcp:
+    """Impulses and velocities (or forces and accelerations) of n contacts; NaN unless SOLVED.
+
+    Velocities of closed and of sticking contacts are exactly zero.
+    """
+
+    impulse_n: FloatArray  # Lambda_N, shape (n,), N s (or N), Lambda_N >= floor
+    impulse_t: FloatArray  # Lambda_T, shape (n,), N s (or N)
+    gamma_n: FloatArray  # normal relative velocity, shape (n,), m/s (or m/s^2), >= 0
+    gamma_t: FloatArray  # tangential relative velocity, shape (n,), m/s (or m/s^2)
+    status: LcpStatus
+
+    def __post_init__(self) -> None:
+        _lock(self.impulse_n, self.impulse_t, self.gamma_n, self.gamma_t)
+
+    @property
+    def success(self) -> bool:
+        """Whether the contact problem is solved."""
+        return self.status is LcpStatus.SOLVED
+
+
+def solve_contact_lcp(
+    delassus: npt.ArrayLike,
+    free: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    floor: npt.ArrayLike = 0.0,
+    sliding: npt.ArrayLike = 0,
+) -> ContactLcp:
+    """Impulses (or forces) of n contacts by Lemke's path on :func:`contact_lcp`.
+
+    Solves gamma = G Lambda + free with, per contact,
+
+    - 0 <= Lambda_N - floor  perp  gamma_N >= 0,
+    - |Lambda_T| <= mu Lambda_N; gamma_T > 0 => Lambda_T = -mu Lambda_N and
+      gamma_T < 0 => Lambda_T = +mu Lambda_N; if it slides already: Lambda_T = -s mu Lambda_N.
+
+    Compression: free = velocities before the impact, floor 0. Expansion: free = velocities
+    after compression, floor = eps_N Lambda_NC. Acceleration level: free = accelerations without
+    contact forces, floor 0, s = sign of the sliding velocity [Pfeiffer1996, chs. 6-8].
+
+    Parameters
+    ----------
+    delassus
+        G = [[G_NN, G_NT], [G_TN, G_TT]] = W^T M^-1 W, shape (2n, 2n), normals first [1/kg].
+    free
+        Relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, shape (2n,).
+    mu
+        Friction coefficients [-] >= 0, scalar or shape (n,).
+    floor
+        Smallest normal impulses [N s] >= 0, scalar or shape (n,).
+    sliding
+        Sliding direction s, scalar or shape (n,): +1, -1, or 0 where the law decides.
+
+    Returns
+    -------
+    ContactLcp
+        One solution. There may be several (:func:`enumerate_contacts`) or none: Painleve.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not match or a value is out of range.
+    """
+    problem = _natural(_contacts(delassus, free, mu, floor, sliding))
+    result = lemke(*_contact_matrices(problem))
+    return _read(problem, result.x, result.y, result.status)
+
+
+def enumerate_contacts(
+    delassus: npt.ArrayLike,
+    free: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    floor: npt.ArrayLike = 0.0,
+    sliding: npt.ArrayLike = 0,
+) -> list[ContactLcp]:
+    """All solutions of the problem of :func:`solve_contact_lcp`, which see for the arguments.
+
+    Brute force over :func:`enumerate_lcp`, at most four contacts that do not slide; solutions
+    with the same impulses count once. An empty list proves that there is no solution, except
+    where G is singular.
+    """
+    problem = _natural(_contacts(delassus, free, mu, floor, sliding))
+    a, b = _contact_matrices(problem)
+    found: list[ContactLcp] = []
+    seen: list[FloatArray] = []
+    for x in enumerate_lcp(a, b):
+        y = np.where(x > 0.0, 0.0, np.maximum(a @ x + b, 0.0))
+        candidate = _read(problem, x, y, LcpStatus.SOLVED)
+        impulse = np.append(candidate.impulse_n, candidate.impulse_t) / problem.impulse
+        if all(_differ(impulse, other) for other in seen):
+            found.append(candidate)
+            seen.append(impulse)
+    return found
+
+
+def contact_lcp(
+    delassus: npt.ArrayLike,
+    free: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    floor: npt.ArrayLike = 0.0,
+    sliding: npt.ArrayLike = 0,
+) -> tuple[FloatArray, FloatArray]:
+    """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
+
+    Arguments as in :func:`solve_contact_lcp`. Size 3 per contact that does not slide and 1 per
+    sliding contact; E selects the former (columns of I), D = diag(mu), S = diag(s) with s = 1
+    where no direction is given. The derivation, after [Pfeiffer1996, chs. 6-8]:
+
+    Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
+
+    Tangential: Coulomb's law is a step from +mu Lambda_N to -mu Lambda_N. It splits into two
+    unilateral laws: the friction reserves and the two halves of the velocity,
+
+        Lambda_TR = E^T (D Lambda_N + Lambda_T) >= 0   perp   gamma_T^+ >= 0,
+        Lambda_TL = E^T (D Lambda_N - Lambda_T) >= 0   perp   gamma_T^- >= 0,
+        E^T gamma_T = gamma_T^+ - gamma_T^-.
+
+    Elimination: Lambda_T = E Lambda_TR - S D Lambda_N holds for both kinds of contact, so
+
+        Lambda = N (P + floor) + T Lambda_TR,   N = [I; -S D],   T = [0; E],
+
+    and Lambda_TL = 2 E^T D (P + floor) - Lambda_TR. With G_N, G_T the upper and lower n rows of
+    G, inserting Lambda in gamma = G Lambda + free leaves y = A x + b for
+
+        [gamma_N  ]   [G_N N      G_N T      0] [P        ]   [G_N N floor + free_N        ]
+        [gamma_T^+] = [E^T G_T N  E^T G_T T  I] [Lambda_TR] + [E^T (G_T N floor + free_T)  ]
+        [Lambda_TL]   [2 E^T D    -I         0] [gamma_T^-]   [2 E^T D floor               ].
+    """
+    return _contact_matrices(_contacts(delassus, free, mu, floor, sliding))
+
+
+def contact_residual(
+    solution: ContactLcp,
+    delassus: npt.ArrayLike,
+    free: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    floor: npt.ArrayLike = 0.0,
+    sliding: npt.ArrayLike = 0,
+) -> float:
+    """Largest violation [-] of the contact laws of :func:`solve_contact_lcp` by ``solution``.
+
+    Independent of the LCP: the laws are read as projections. Velocities are measured in
+    v sqrt(G_ii) and impulses in v / sqrt(G_ii), where v makes the largest of all free
+    velocities and floors 1, so that the number has no unit. NaN if not SOLVED.
+    """
+    problem = _natural(_contacts(delassus, free, mu, floor, sliding))
+    n = problem.mu.size
+    impulse = np.append(solution.impulse_n, solution.impulse_t) / problem.impulse
+    gamma = np.append(solution.gamma_n, solution.gamma_t) / problem.velocity
+    dynamics = problem.delassus @ impulse + problem.free - gamma
+    normal = np.minimum(impulse[:n] - problem.floor, gamma[:n])
+    bound = problem.mu * np.abs(impulse[:n])  # a negative Lambda_N shows in the normal law
+    nearest = np.clip(impulse[n:] - gamma[n:], -bound, bound)
+    coulomb = np.where(problem.sliding == 0, nearest, -problem.sliding * bound)
+    violations = np.concatenate([dynamics, normal, impulse[n:] - coulomb])
+    return float(np.abs(violations).max(initial=0.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Equilibrated:
+    """y = A x + b in units x = size column x', y = size y' / row, entries up to about 1."""
+
+    a: FloatArray
+    b: FloatArray
+    row: FloatArray
+    column: FloatArray
+    size: float
+
+
+def _checked(a: npt.ArrayLike, b: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Matrix and vector as finite float arrays of matching shapes."""
+    a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    if b.ndim != 1 or a.shape != (b.size, b.size):
+        raise ValueError(f"expected shapes (n, n) and (n,), got {a.shape} and {b.shape}")
+    if not (np.isfinite(a).all() and np.isfinite(b).all()):
+        raise ValueError("expected finite entries, got NaN or infinity")
+    return a, b
+
+
+def _equilibrate(a: FloatArray, b: FloatArray) -> _Equilibrated:
+    """Scale by powers of two, which rounds nothing, until all rows and columns reach up to 1.
+
+    Each sweep divides rows and columns by the root of their largest entry (Ruiz).
+    """
+    row, column = np.ones(b.size), np.ones(b.size)
+    for _ in range(_SWEEPS):
+        size = row[:, None] * np.abs(a) * column
+        row = row / np.sqrt(_positive(size.max(axis=1, initial=0.0)))
+        column = column / np.sqrt(_positive(size.max(axis=0, initial=0.0)))
+    row, column = _power_of_two(row), _power_of_two(column)
+    size_b = float(_power_of_two(_positive(np.abs(row * b).max(initial=0.0))))
+    return _Equilibrated(
+        a=row[:, None] * a * column, b=row * b / size_b, row=row, column=column, size=size_b
+    )
+
+
+def _positive(size: FloatArray) -> FloatArray:
+    """Sizes to divide by: 1 in place of 0."""
+    return np.where(size > 0.0, size, 1.0)
+
+
+def _power_of_two(value: FloatArray) -> FloatArray:
+    return np.exp2(np.round(np.log2(value)))
+
+
+def _solution(
+    problem: _Equilibrated, basis: IntArray, values: FloatArray, pivots: int
+) -> LcpResult:
+    """Result for basic variables ``basis`` (y_i: i, x_i: n + i) of the equilibrated problem."""
+    n = problem.b.size
+    both = np.zeros(2 * n)
+    both[basis] = np.maximum(values, 0.0)  # rounding may leave -1e-17
+    x, y = problem.size * problem.column * both[n:], problem.size / problem.row * both[:n]
+    return LcpResult(x=x, y=y, pivots=pivots, status=LcpStatus.SOLVED)
+
+
+def _failure(n: int, pivots: int, status: LcpStatus) -> LcpResult:
+    return LcpResult(x=np.full(n, np.nan), y=np.full(n, np.nan), pivots=pivots, status=status)
+
+
+def _leaving_row(table: FloatArray, candidates: IntArray, covers: BoolArray) -> int:
+    """Row of the lexicographic minimum of table[:, :-1] / table[:, -1]; z leaves if it can."""
+    ratios = table[candidates, :-1] / table[candidates, -1:]
+    smallest = ratios[:, 0] <= ratios[:, 0].min() + _ZERO
+    tied_cover = smallest & covers[candidates]
+    row = int(tied_cover.argmax()) if tied_cover.any() else _lexicographic_minimum(ratios)
+    return int(candidates[row])
+
+
+def _lexicographic_minimum(rows: FloatArray) -> int:
+    """Index of the row that comes first in lexicographic order, up to rounding."""
+    tied = np.arange(len(rows))
+    for column in rows.T:
+        values = column[tied]
+        tied = tied[values <= values.min() + _ZERO]
+        if tied.size == 1:
+            break
+    return int(tied[0])
+
+
+def _complementary_point(problem: _Equilibrated, support: BoolArray) -> FloatArray:
+    """Least-norm x with x = 0 off ``support`` and y = 0 on it (as nearly as possible)."""
+    x = np.zeros(support.size)
+    block = problem.a[np.ix_(support, support)]
+    x[support] = np.linalg.lstsq(block, -problem.b[support], rcond=_RANK)[0]
+    return x
+
+
+def _solves(problem: _Equilibrated, x: FloatArray) -> bool:
+    """Whether x satisfies the equilibrated problem up to rounding."""
+    y = problem.a @ x + problem.b
+    tolerance = _FEASIBLE * max(1.0, float(np.abs(x).max(initial=0.0)))
+    return bool(np.abs(np.minimum(x, y)).max(initial=0.0) <= tolerance)
+
+
+def _differ(x: FloatArray, other: FloatArray) -> bool:
+    tolerance = _SAME * max(1.0, float(np.abs(x).max(initial=0.0)))
+    return bool(np.abs(x - other).max(initial=0.0) > tolerance)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Contacts:
+    """Data of a contact problem, checked, with the units they are measured in."""
+
+    delassus: FloatArray  # (2n, 2n)
+    free: FloatArray  # (2n,)
+    mu: FloatArray  # (n,)
+    floor: FloatArray  # (n,)
+    sliding: IntArray  # (n,)
+    velocity: FloatArray  # unit of gamma and free, (2n,)
+    impulse: FloatArray  # unit of Lambda and floor, (2n,)
+
+
+def _contacts(
+    delassus: npt.ArrayLike,
+    free: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    floor: npt.ArrayLike,
+    sliding: npt.ArrayLike,
+) -> _Contacts:
+    """Check and broadcast the arguments of :func:`solve_contact_lcp`."""
+    g, free = _checked(delassus, free)
+    n, odd = divmod(free.size, 2)
+    if odd:
+        raise ValueError(
+            f"expected normal and tangential entries for each contact, got {2 * n + 1}"
+        )
+    mu, floor, s = (
+        np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (mu, floor, sliding)
+    )
+    for name, value in (("mu", mu), ("floor", floor)):
+        if not (np.isfinite(value) & (value >= 0.0)).all():
+            raise ValueError(f"{name} must be finite and >= 0, got {value}")
+    if not np.isin(s, (-1.0, 0.0, 1.0)).all():
+        raise ValueError(f"sliding must be -1, 0 or +1, got {s}")
+    one = np.ones(2 * n)
+    return _Contacts(
+        delassus=g, free=free, mu=mu, floor=floor, sliding=s.astype(int), velocity=one, impulse=one
+    )
+
+
+def _natural(problem: _Contacts) -> _Contacts:
+    """The same problem with diag(G) = 1 and the largest of free and floor equal to 1.
+
+    Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
+    """
+    n = problem.mu.size
+    root = np.sqrt(_positive(np.diag(problem.delassus)))
+    sizes = np.append(np.abs(problem.free) / root, problem.floor * root[:n])
+    v = float(_positive(sizes.max(initial=0.0)))
+    return _Contacts(
+        delassus=problem.delassus / np.outer(root, root),
+        free=problem.free / (v * root),
+        mu=problem.mu * root[n:] / root[:n],
+        floor=problem.floor * root[:n] / v,
+        sliding=problem.sliding,
+        velocity=v * root,
+        impulse=v / root,
+    )
+
+
+def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
+    """A and b of :func:`contact_lcp`."""
+    g, mu, n = problem.delassus, problem.mu, problem.mu.size
+    undecided = np.flatnonzero(problem.sliding == 0)
+    k = undecided.size
+    rows = np.append(np.arange(n), n + undecided)  # of G: gamma_N and E^T gamma_T
+    to_impulse = np.zeros((2 * n, n + k))  # [N T]
+    to_impulse[:n, :n] = np.eye(n)
+    to_impulse[n:, :n] = np.diag(-_signs(problem) * mu)
+    to_impulse[n + undecided, n + np.arange(k)] = 1.0
+    reserve = 2.0 * np.diag(mu)[undecided]  # 2 E^T D
+    a = np.zeros((n + 2 * k, n + 2 * k))
+    a[: n + k, : n + k] = (g @ to_impulse)[rows]
+    a[n : n + k, n + k :] = np.eye(k)
+    a[n + k :, :n], a[n + k :, n : n + k] = reserve, -np.eye(k)
+    start = g @ to_impulse[:, :n] @ problem.floor + problem.free
+    return a, np.append(start[rows], reserve @ problem.floor)
+
+
+def _signs(problem: _Contacts) -> FloatArray:
+    """Diagonal of S: Lambda_T = Lambda_TR - s mu Lambda_N, s = 1 where none is given."""
+    return np.where(problem.sliding == 0, 1.0, problem.sliding)
+
+
+def _read(problem: _Contacts, x: FloatArray, y: FloatArray, status: LcpStatus) -> ContactLcp:
+    """Impulses and velocities in SI units from x and y of :func:`contact_lcp`."""
+    n = problem.mu.size
+    undecided = problem.sliding == 0
+    k = int(undecided.sum())
+    impulse_n = x[:n] + problem.floor
+    impulse_t = -_signs(problem) * problem.mu * impulse_n
+    impulse_t[undecided] += x[n : n + k]
+    gamma_t = problem.delassus[n:] @ np.append(impulse_n, impulse_t) + problem.free[n:]
+    gamma_t[undecided] = y[n : n + k] - x[n + k :]
+    return ContactLcp(
+        impulse_n=impulse_n * problem.impulse[:n],
+        impulse_t=impulse_t * problem.impulse[n:],
+        gamma_n=y[:n] * problem.velocity[:n],
+        gamma_t=gamma_t * problem.velocity[n:],
+        status=status,
+    )
+
+
+def _lock(*arrays: FloatArray) -> None:
+    for array in arrays:
+        array.setflags(write=False)
