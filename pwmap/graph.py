@@ -1,8 +1,8 @@
 r"""Graphs to and from files without loss: GraphML, GEXF, JSON node-link and DOT.
 
 Every format holds the same graph, the one :func:`sanitised` returns: an undirected multigraph
-whose ids and edge keys are text and whose attributes are floats or text. The writers and
-readers are those of networkx and pydot. What a format cannot say by itself is said like this:
+whose ids and edge keys are text and whose attributes are floats or text. networkx writes and
+reads the first three formats, pydot reads DOT. What a format cannot say is said like this:
 
 - An attribute whose name the format uses for itself (``id``) is stored with its type added,
   ``id:float`` or ``id:str``; no other name holds a colon. GEXF gives each name one type, so an
@@ -29,6 +29,7 @@ import re
 import reprlib
 import uuid
 import warnings
+import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass
@@ -82,13 +83,13 @@ def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
     for u, v, key, data in graph.edges(keys=True, data=True):
         key_of = f"between {u!r} and {v!r}"
         name = _identifier(key, f"the key of an edge {key_of}")
-        ends = _identifier(u, "the id of a node"), _identifier(v, "the id of a node")
-        copy.add_edges_from([(*ends, name, _plain_attributes(data, f"edge {name!r} {key_of}"))])
+        clean = _plain_attributes(data, f"edge {name!r} {key_of}")
+        copy.add_edges_from([(str.__str__(u), str.__str__(v), name, clean)])
     return copy
 
 
 def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
-    """Write a graph; :func:`read_graph` gives back exactly ``sanitised(graph)``.
+    """Write a graph in the format of the suffix: .graphml, .gexf, .json, .dot or .gv.
 
     The file is written beside its final place and then renamed, so that an interrupted write
     leaves an older file as it was.
@@ -98,7 +99,7 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     graph
         For instance ``diagram.graph()``; see :func:`sanitised` for what it may hold.
     path
-        The suffix chooses the format: .graphml, .gexf, .json, .dot or .gv.
+        The file; its folder must exist.
 
     Returns
     -------
@@ -114,8 +115,8 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     """
     path = Path(path)
     form = _format(path)
-    taken = set(form.taken.split())
-    content = form.encode(_rebuilt(sanitised(graph), lambda data: _typed_names(data, taken)))
+    clean = _rebuilt(sanitised(graph), lambda data: _typed_names(data, form.taken))
+    content = form.encode(clean)
     if not path.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
     temporary = path.with_name(f".{uuid.uuid4().hex}.tmp")
@@ -132,12 +133,7 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
 
 def read_graph(path: str | Path) -> nx.MultiGraph:
-    """Read a graph that :func:`write_graph` wrote.
-
-    Parameters
-    ----------
-    path
-        The suffix chooses the format, as for writing.
+    """Read a file of :func:`write_graph` again.
 
     Returns
     -------
@@ -231,7 +227,11 @@ def _to_graphml(graph: nx.MultiGraph) -> bytes:
 
 
 def _from_graphml(content: bytes) -> nx.MultiGraph:
-    graph = nx.read_graphml(io.BytesIO(content), edge_key_type=str, force_multigraph=True)
+    root = ET.fromstring(content)
+    for data in root.iterfind(".//{*}data"):
+        data.text = data.text or ""  # networkx < 3.3 passes over attributes without text
+    reader = nx.GraphMLReader(edge_key_type=str, force_multigraph=True)
+    graph = reader.make_graph(root.find("{*}graph"), *reader.find_graphml_keys(root))
     del graph.graph["node_default"], graph.graph["edge_default"]
     return graph
 
@@ -339,23 +339,35 @@ class _Format:
 
     encode: Callable[[nx.MultiGraph], bytes]
     decode: Callable[[bytes], nx.MultiGraph]
-    taken: str
+    taken: Set[str]
 
 
-_ARGUMENTS = "self node_for_adding u_for_edge v_for_edge key "  # of the methods of MultiGraph
-_GEXF_NAMES = "id label type weight start end pid parents slices spells viz networkx_key"
+_ARGUMENTS = {"self", "node_for_adding", "u_for_edge", "v_for_edge", "key"}  # in networkx
+_GRAPHML = {"id", "node_default", "edge_default"}
+_GEXF = {
+    "networkx_key",
+    "id",
+    "label",
+    "type",
+    "weight",
+    "start",
+    "end",
+    "pid",
+    "parents",
+    "spells",
+    "viz",
+}
 _FORMATS = {
-    ".graphml": _Format(_to_graphml, _from_graphml, _ARGUMENTS + "id node_default edge_default"),
-    ".gexf": _Format(_to_gexf, _from_gexf, _ARGUMENTS + _GEXF_NAMES),
-    ".json": _Format(_to_json, _from_json, _ARGUMENTS + "id source target"),
-    ".dot": _Format(_to_dot, _from_dot, "key"),
-    ".gv": _Format(_to_dot, _from_dot, "key"),
+    ".graphml": _Format(_to_graphml, _from_graphml, _ARGUMENTS | _GRAPHML),
+    ".gexf": _Format(_to_gexf, _from_gexf, _ARGUMENTS | _GEXF),
+    ".json": _Format(_to_json, _from_json, _ARGUMENTS | {"id", "source", "target"}),
+    ".dot": _Format(_to_dot, _from_dot, {"key"}),
+    ".gv": _Format(_to_dot, _from_dot, {"key"}),
 }
 
 
 def _format(path: Path) -> _Format:
-    known = ", ".join(_FORMATS)
-    try:
-        return _FORMATS[path.suffix.lower()]
-    except KeyError:
-        raise ValueError(f"unknown suffix {path.suffix!r} of {path}; known are {known}") from None
+    if path.suffix.lower() not in _FORMATS:
+        known = ", ".join(_FORMATS)
+        raise ValueError(f"unknown suffix {path.suffix!r} of {path}; known are {known}")
+    return _FORMATS[path.suffix.lower()]

@@ -79,9 +79,6 @@ class Return:
     status: str
 
 
-# --- algebra ---------------------------------------------------------------------------------
-
-
 def dot(a: Sequence[mpf], b: Sequence[mpf]) -> mpf:
     return sum((x * y for x, y in zip(a, b, strict=True)), mpf(0))
 
@@ -122,37 +119,42 @@ def derivative(c: Series) -> Series:
     return [k * a for k, a in enumerate(c)][1:]
 
 
-def first_exit(c: Series, width: mpf, finest: mpf) -> mpf | None:
+def first_exit(c: Series, width: mpf) -> mpf | None:
     """First s in [0, width] where the polynomial, positive at 0, falls through zero.
 
-    Halves the interval until the coefficients prove on each part that there is no zero or that
-    the polynomial is monotone, so no pair of zeros is missed. Two zeros closer than `finest` count
-    as a touch, not as an exit.
+    Halves the interval until the coefficients prove on each part that there is no zero, or that
+    slope or curvature keep their sign, so no pair of zeros is missed. A dip below zero by no more
+    than rounding is a touch, not an exit.
     """
-    if not c:
+    if not c or c[0] <= 0:
+        return mpf(0) if c else None
+    if len(c) < 3:
+        c = [*c, mpf(0), mpf(0)]
+    size = [abs(a) * width**k for k, a in enumerate(c)]
+    if size[0] > sum(size[1:], mpf(0)):
         return None
-    scaled, power = [], mpf(1)
-    for a in c:
-        scaled.append(abs(a) * power)
-        power *= width
-    if c[0] <= 0:
-        return mpf(0)
-    if c[0] > sum(scaled[1:], mpf(0)):
-        return None
-    if scaled[1] > sum((k * a for k, a in enumerate(scaled[2:], 2)), mpf(0)):
-        return falling_zero(c, width) if value(c, width) <= 0 else None
-    if width < finest:
-        return None
+    bent = 2 * size[2] > sum((k * (k - 1) * a for k, a in enumerate(size[3:], 3)), mpf(0))
+    end = width
+    if bent and c[2] > 0 > c[1]:  # convex: up to its minimum it falls
+        rise = [-a for a in derivative(c)]
+        if value(rise, width) < 0:
+            end = crossing(rise, width)
+            if value(c, end) > -max(size) * mpf(10) ** (8 - mp.dps):
+                return None
+    if bent or size[1] > sum((k * a for k, a in enumerate(size[2:], 2)), mpf(0)):
+        return crossing(c, end) if value(c, end) <= 0 else None
     half = width / 2
-    found = first_exit(c, half, finest)
+    if half < mp.eps:
+        return None
+    found = first_exit(c, half)
     if found is not None:
         return found
-    found = first_exit(shifted(c, half), half, finest)
+    found = first_exit(shifted(c, half), half)
     return None if found is None else half + found
 
 
-def falling_zero(c: Series, width: mpf) -> mpf:
-    """Zero of a polynomial that falls monotonically from > 0 at 0 to <= 0 at width (Newton)."""
+def crossing(c: Series, width: mpf) -> mpf:
+    """The one zero of a polynomial that is > 0 at 0 and <= 0 at width (Newton, bracketed)."""
     slope = derivative(c)
     low, high, s = mpf(0), width, mpf(0)
     for _ in range(10 * mp.dps):
@@ -165,9 +167,6 @@ def falling_zero(c: Series, width: mpf) -> mpf:
             return new
         s = new
     return s
-
-
-# --- the toy [Eq. 6-10] ----------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -219,7 +218,9 @@ class Model:
         return self.motions[mode]
 
     def _solve_mode(self, mode: Mode) -> Motion:
-        columns, constraints, place = [], [], {}
+        columns: list[Vector] = []
+        constraints: list[Vector] = []
+        place: dict[int, int] = {}
         for i, touch in enumerate(mode):
             if touch is Touch.OPEN:
                 continue
@@ -276,10 +277,9 @@ class Model:
             (n_0, n_1), (t_0, t_1), mu = motion.normal[i], motion.tangential[i], self.mu[i]
             out.append(Guard(Kind.FORCE, i, affine((n_0, n_1))))
             if touch is Touch.STICK:
-                out += [
-                    Guard(Kind.CONE, i, affine((mu * n_0 + s * t_0, mu * n_1 + s * t_1)))
-                    for s in (1, -1)
-                ]
+                for s in (1, -1):
+                    bound = affine((mu * n_0 + s * t_0, mu * n_1 + s * t_1))
+                    out.append(Guard(Kind.CONE, i, bound))
             else:
                 w = [touch.slip * x / self.step for x in self.w_t[i]]
                 path = [dot(w, x) for x in zip(*c, strict=True)]
@@ -309,9 +309,6 @@ def lead(model: Model, guard: Guard, known: Mapping[int, int]) -> Guard:
     return Guard(guard.kind, guard.contact, guard.c[order:])
 
 
-# --- contact problems ------------------------------------------------------------------------
-
-
 def sticking_pair(
     model: Model, pair: Sequence[int], load: Vector, floor: Sequence[mpf], small: mpf
 ) -> list[Vector] | None:
@@ -321,8 +318,7 @@ def sticking_pair(
     forces, or None if it is empty.
     """
     i, j = pair
-    columns = [model.w_n[i], model.w_n[j], model.w_t[j]]
-    matrix = [list(row) for row in zip(*columns, strict=True)]
+    matrix = list(zip(model.w_n[i], model.w_n[j], model.w_t[j], strict=True))
     base, minus = solve(matrix, load, model.w_t[i])  # forces = base - minus * lambda_Ti
     mu_i, mu_j = model.mu[i], model.mu[j]
     conditions = [(base[0] - floor[0], -minus[0]), (base[1] - floor[1], -minus[1])]
@@ -354,53 +350,47 @@ def impact_phase(
     m_w = solve(model.mass, *w)
     delassus = [[dot(x, y) for y in m_w] for x in w]
     v = [dot(x, u) for x in w]
-    heavy = model.mass[0][0]
+    mu = [model.mu[i] for i in hit]
+    small_force = small * model.mass[0][0]
     found: list[tuple[Vector, list[Vector]]] = []
-    both_stick = (Touch.STICK,) * 2
-    for slips in product((Touch.STICK, Touch.UP, Touch.DOWN), repeat=len(hit)):
-        for closed in product((True, False), repeat=len(hit)):
-            if slips == both_stick and all(closed):
-                load = [-dot(row, u) for row in model.mass]
-                ends = sticking_pair(model, hit, load, floor, small * heavy)
-                if ends:
-                    found.insert(0, ([mpf(0)] * 3, ends))
-                continue
-            matrix, rhs = [], []
-            for k, i in enumerate(hit):
-                unit_n = [mpf(j == 2 * k) for j in range(len(w))]
-                matrix.append(delassus[2 * k] if closed[k] else unit_n)
-                rhs.append(-v[2 * k] if closed[k] else floor[k])
-                if slips[k] is Touch.STICK:
-                    matrix.append(delassus[2 * k + 1])
-                    rhs.append(-v[2 * k + 1])
-                else:  # Lambda_T = -slip mu Lambda_N
-                    coulomb = [slips[k].slip * model.mu[i] * x for x in unit_n]
-                    coulomb[2 * k + 1] = mpf(1)
-                    matrix.append(coulomb)
-                    rhs.append(mpf(0))
-            try:
-                (impulse,) = solve(matrix, rhs)
-            except ZeroDivisionError:
-                continue
-            after = [x + dot(row, impulse) for x, row in zip(v, delassus, strict=True)]
-            fits = True
-            for k, i in enumerate(hit):
-                n, t, v_n, v_t = *impulse[2 * k : 2 * k + 2], *after[2 * k : 2 * k + 2]
-                fits &= n - floor[k] >= -small * heavy and v_n >= -small
-                if slips[k] is Touch.STICK:
-                    fits &= abs(t) <= model.mu[i] * n + small * heavy
-                elif abs(n) > small * heavy:  # without a normal impulse any slip will do
-                    fits &= slips[k].slip * v_t >= -small
-            if fits:
-                kick = [dot(impulse, x) for x in zip(*m_w, strict=True)]
-                u_post = [x + y for x, y in zip(u, kick, strict=True)]
-                found.append((u_post, [impulse[::2]] * 2))
+    states = list(product((True, False), (0, 1, -1)))  # normally closed; slip direction
+    for choice in product(states, repeat=len(hit)):
+        if choice == ((True, 0),) * 2:
+            load = [-dot(row, u) for row in model.mass]
+            ends = sticking_pair(model, hit, load, floor, small_force)
+            found += [([mpf(0)] * 3, ends)] if ends else []
+            continue
+        matrix: list[Vector] = []
+        rhs: Vector = []
+        for k, (closed, slip) in enumerate(choice):
+            normal, tangential = 2 * k, 2 * k + 1
+            unit = [mpf(j == normal) for j in range(len(w))]
+            matrix.append(delassus[normal] if closed else unit)
+            rhs.append(-v[normal] if closed else floor[k])
+            coulomb = [slip * mu[k] * x for x in unit]  # Lambda_T + slip mu Lambda_N = 0
+            coulomb[tangential] = mpf(1)
+            matrix.append(coulomb if slip else delassus[tangential])
+            rhs.append(mpf(0) if slip else -v[tangential])
+        try:
+            (impulse,) = solve(matrix, rhs)
+        except ZeroDivisionError:
+            continue
+        after = [x + dot(row, impulse) for x, row in zip(v, delassus, strict=True)]
+        fits = True
+        for k, (_, slip) in enumerate(choice):
+            (n, t), (v_n, v_t) = impulse[2 * k : 2 * k + 2], after[2 * k : 2 * k + 2]
+            fits &= n - floor[k] >= -small_force and v_n >= -small
+            fits &= abs(t) <= mu[k] * n + small_force  # without an impulse any slip will do
+            fits &= slip * v_t >= -small or abs(n) <= small_force
+        if fits:
+            kick = [dot(impulse, x) for x in zip(*m_w, strict=True)]
+            found.append(([x + y for x, y in zip(u, kick, strict=True)], [impulse[::2]] * 2))
     if not found:
         raise Lost(f"impact at {names(hit)}: no solution")
     reach = [mpf(1), model.p["h_m"], model.p["h_s"]]
-    for u_other, _ in found[1:]:
-        if any(abs(x - y) * r > 1000 * small
-               for x, y, r in zip(found[0][0], u_other, reach, strict=True)):  # fmt: skip
+    for other, _ in found[1:]:
+        moved = [abs(x - y) * r for x, y, r in zip(found[0][0], other, reach, strict=True)]
+        if max(moved) > 1000 * small:
             raise Lost(f"impact at {names(hit)}: several solutions")
     return found[0]
 
@@ -410,11 +400,11 @@ def impact(model: Model, hit: Sequence[int], u: Vector) -> tuple[Vector, list[in
     small = model.zero * max(abs(dot(model.w_n[i], u)) for i in hit)
     none = [mpf(0)] * len(hit)
     u, (lambda_n, other) = impact_phase(model, hit, u, none, small)
-    floors = [[model.eps_n[i] * x for i, x in zip(hit, end, strict=True)]
-              for end in (lambda_n, other)]  # fmt: skip
-    if any(abs(x - y) > small * model.mass[0][0] for x, y in zip(*floors, strict=True)):
+    floor = [model.eps_n[i] * max(x, mpf(0)) for i, x in zip(hit, lambda_n, strict=True)]
+    spread = [model.eps_n[i] * (x - y) for i, x, y in zip(hit, lambda_n, other, strict=True)]
+    if max(abs(x) for x in spread) > small * model.mass[0][0]:
         raise Lost(f"impact at {names(hit)}: the impulses of compression are not unique")
-    u, _ = impact_phase(model, hit, u, [max(x, mpf(0)) for x in floors[0]], small)
+    u, _ = impact_phase(model, hit, u, floor, small)
     resting = [i for i in hit if abs(dot(model.w_n[i], u)) <= 1000 * small]
     return halted(u, resting), resting
 
@@ -441,53 +431,53 @@ def decide(
             options.append([Touch.UP if slip > 0 else Touch.DOWN, Touch.OPEN])
     found: list[tuple[Mode, list[Series]]] = []
     for choice in product(*options):
-        mode = list(FREE)
-        for i, touch in zip(resting, choice, strict=True):
-            mode[i] = touch
+        touch = dict(zip(resting, choice, strict=True))
+        mode = (touch.get(0, FREE[0]), touch.get(1, FREE[1]), touch.get(2, FREE[2]))
         if choice == (Touch.STICK,) * 2:
-            d = q[2] - q[1]
-            load = [-(x + y * d) for x, y in zip(model.h_0, model.h_1, strict=True)]
+            load = [-x - y * (q[2] - q[1]) for x, y in zip(model.h_0, model.h_1, strict=True)]
             small = model.zero * model.unit[Kind.FORCE]
             if sticking_pair(model, resting, load, [mpf(0)] * 2, small):
-                raise Lost(f"at rest on contacts {names(resting)}")
+                found.append((mode, [[x, mpf(0), mpf(0)] for x in q]))
             continue
         try:
-            c = model.series(tuple(mode), q, u)
+            c = model.series(mode, q, u)
         except ZeroDivisionError:
             continue
-        leads = [lead(model, g, known) for g in model.guards(tuple(mode), c)]
+        leads = [lead(model, g, known) for g in model.guards(mode, c)]
         if all(g.c[0] > 0 if g.c else g.kind is not Kind.SLIP for g in leads):
-            found.append((tuple(mode), c))
+            found.append((mode, c))
     if not found:
         raise Lost(f"contacts {names(resting)}: no acceleration fits")
-    first = found[0][1]
-    for _, c in found[1:]:
-        if any(abs(x[2] - y[2]) > model.zero * model.ladder[0]
-               for x, y in zip(first, c, strict=True)):  # fmt: skip
+    (mode, first), *others = found
+    for _, c in others:
+        differ = [abs(x[2] - y[2]) for x, y in zip(first, c, strict=True)]
+        if max(differ) > model.zero * model.ladder[0]:
             raise Lost(f"contacts {names(resting)}: several accelerations fit")
-    return found[0][0]
-
-
-# --- events and their word -------------------------------------------------------------------
+    if mode.count(Touch.STICK) == 2:
+        raise Lost(f"at rest on contacts {names(resting)}")
+    return mode
 
 
 def names(contacts: Sequence[int]) -> str:
     return "+".join(str(i + 1) for i in sorted(contacts))
 
 
-def changes(before: Mode, after: Mode, resting: Sequence[int], struck: bool) -> list[str]:
-    """Symbols D, J, S, R of one event, by ascending contact."""
+def changes(
+    before: Mode, after: Mode, resting: Sequence[int], struck: Sequence[int], quiet: Sequence[int]
+) -> list[str]:
+    """Symbols D, J, S, R of one event, by ascending contact; none for the quiet contacts."""
     out = []
-    for i in range(3):
-        was, now, name = before[i], after[i], i + 1
+    for i, (was, now) in enumerate(zip(before, after, strict=True)):
         if now is Touch.OPEN:
-            out += [f"D{name}"] if was is not Touch.OPEN or i in resting else []
+            symbol = "D" if was is not Touch.OPEN or i in resting else ""
         elif now is Touch.STICK:
-            out += [f"J{name}"] if was is not Touch.STICK else []
+            symbol = "J" if was is not Touch.STICK else ""
         elif was is Touch.STICK:
-            out.append(f"S{name}")
-        elif was.slip == -now.slip and not struck:
-            out.append(f"R{name}")
+            symbol = "S"
+        else:
+            symbol = "R" if was.slip == -now.slip and not struck else ""
+        if symbol and i not in quiet:
+            out.append(f"{symbol}{i + 1}")
     return out
 
 
@@ -505,7 +495,7 @@ class Run:
     known: dict[int, int] = field(default_factory=dict)  # contacts at gap zero, see `lead`
     fresh: bool = True  # no step taken since the last event
     rising: bool = False
-    last: tuple[str, mpf, mpf] = ("", mpf(0), mpf(0))  # latest impact: symbol, time, speed
+    last: tuple[mpf, mpf] = (mpf(0), mpf(0))  # time and speed of the latest impact
 
     def step(self) -> bool:
         """Advance to the first event in the next Taylor step, or to its end; True on a return."""
@@ -521,7 +511,7 @@ class Run:
         exits = []
         for g in guards:
             flip = g.kind is Kind.TURN and not self.rising
-            s = first_exit([-x for x in g.c] if flip else g.c, mpf(1), model.zero**1.25)
+            s = first_exit([-x for x in g.c] if flip else g.c, mpf(1))
             if s is not None:
                 exits.append((s, g))
         s = min((x for x, _ in exits), default=mpf(1))
@@ -540,31 +530,40 @@ class Run:
     def settle(self, struck: Sequence[int]) -> None:
         """Impact, if gaps closed, then the contact problem on acceleration level and the word."""
         resting = [i for i in range(3) if self.mode[i] is not Touch.OPEN]
-        symbols, hit = [], sorted({*struck, *resting})
+        hit = sorted({*struck, *resting})
+        symbols: list[str] = []
         if struck:
-            symbols = [f"I{names(hit)}"]
             speed = max(abs(dot(self.model.w_n[i], self.u)) for i in struck)
-            symbol, t_last, speed_last = self.last
-            row = self.word[-1:] == symbols and symbol == symbols[0] and len(struck) == 1
-            if row and speed < min(speed_last, mpf(10) ** (3 - mp.dps + GUARD_DIGITS)):
-                ratio = speed / speed_last
-                self.t += (self.t - t_last) * ratio / (1 - ratio)  # the rest of the bounces
-                while self.word[-1:] == symbols:
-                    self.word.pop()
-                    self.times.pop()
+            symbols = [f"I{names(hit)}"]
+            if self.accumulates(symbols, speed):
                 symbols, resting = [f"C{names(struck)}"], hit
-                self.u = halted(self.u, resting)
+                self.u = halted(self.u, hit)
             else:
-                self.last = (symbols[0], self.t, speed)
+                self.last = (self.t, speed)
                 self.u, resting = impact(self.model, hit, self.u)
         self.known = {i: 2 if i in resting else 1 for i in hit}
         before, self.mode = self.mode, FREE
         self.mode = decide(self.model, self.q, self.u, resting, self.known)
-        changed = changes(before, self.mode, resting, bool(struck))
-        if symbols and symbols[0].startswith("C"):
-            changed = [x for x in changed if x[1:] != names(struck)]
-        self.word += symbols + changed
-        self.times += [self.t] * len(symbols + changed)
+        closed_now = struck if symbols[:1] == [f"C{names(struck)}"] else ()
+        symbols += changes(before, self.mode, resting, struck, closed_now)
+        self.word += symbols
+        self.times += [self.t] * len(symbols)
+
+    def accumulates(self, symbols: list[str], speed: mpf) -> bool:
+        """Whether these impacts only repeat the last one, too weak to matter: chatter.
+
+        If so, sum the time of all further bounces and take the run of impacts off the word.
+        """
+        t_last, speed_last = self.last
+        negligible = mpf(10) ** (GUARD_DIGITS - mp.dps)  # [m/s]
+        if self.word[-1:] != symbols or not speed < min(speed_last, negligible):
+            return False
+        ratio = speed / speed_last
+        self.t += (self.t - t_last) * ratio / (1 - ratio)
+        while self.word[-1:] == symbols:
+            self.word.pop()
+            self.times.pop()
+        return True
 
 
 def first_return(
@@ -594,7 +593,7 @@ def first_return(
             run.settle([])
             while not run.step():
                 steps = 0 if run.fresh else steps + 1
-                events = len(run.word)
+                events += run.fresh
                 if steps * model.step > QUIET:
                     raise Lost(f"no event for {QUIET} s")
                 if events > max_events:

@@ -7,9 +7,10 @@ Lambda with
     0 <= g_N  perp  Lambda_N - floor >= 0      (floor = 0, or eps_N Lambda_NC in expansion),
     |Lambda_T| <= mu Lambda_N,  Lambda_T = -mu Lambda_N sign(g_T) where g_T != 0.
 
-With one or two contacts there are at most 36 index combinations: all are tried, so a missing
-solution or a second one is seen. :mod:`woodpecker.lcp` solves the same problem by Lemke's method
-for any number of contacts and is what this file is tested against.
+With one contact the six index combinations have closed forms; with two, all 36 are tried by
+elimination. Either way a missing solution or a second one is seen. :mod:`woodpecker.lcp` solves
+the same problem by Lemke's method for any number of contacts and is what this file is tested
+against.
 """
 
 from __future__ import annotations
@@ -19,7 +20,21 @@ import math
 import numpy as np
 
 from woodpecker.compiled import jit
-from woodpecker.modes import Floats, Ints, Model
+from woodpecker.modes import (
+    ANGLE,
+    CONTACT,
+    DELASSUS,
+    EPS,
+    FORCE,
+    LEVER,
+    MU,
+    RESPONSE_N,
+    RESPONSE_T,
+    SIGN,
+    TANGENT,
+    Floats,
+    Ints,
+)
 
 # Outcome of a contact problem.
 SOLVED, NO_SOLUTION, AMBIGUOUS = 0, 1, 2
@@ -33,6 +48,62 @@ SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-defici
 # is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
 SLACK = 1e-11  # used only where strict signs leave no combination: a solution on a boundary
 SAME = 1e-8  # velocities closer than this (relative) are one solution found twice
+
+
+@jit
+def one_contact_case(
+    case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
+    floor: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Impulses (N, T) of one index combination, linear in (free_n, free_t, floor)."""
+    tangential = case % 3
+    if tangential == HOLD:
+        if case // 3 == FREE:
+            return floor, -(free_t + g_nt * floor) / g_tt
+        determinant = g_nn * g_tt - g_nt * g_nt
+        return (
+            (g_nt * free_t - g_tt * free_n) / determinant,
+            (g_nt * free_n - g_nn * free_t) / determinant,
+        )
+    friction = -mu if tangential == FORWARD else mu
+    if case // 3 == FREE:
+        return floor, friction * floor
+    stiffness = g_nn + friction * g_nt
+    impulse = -free_n / stiffness if stiffness != 0.0 else math.nan
+    return impulse, friction * impulse
+
+
+@jit
+def one_contact(
+    g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
+) -> tuple[int, int, float, float]:
+    """Try the six index combinations of one contact: (outcome, combination, impulses N, T)."""
+    scale_v = abs(free_n) + abs(free_t) + floor * g_nn
+    scale_i = abs(free_n) / g_nn + abs(free_t) / g_tt + floor
+    for slack in (0.0, SLACK):
+        kept, kept_n, kept_t = UNSOLVED, 0.0, 0.0
+        for case in range(6):
+            p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+            v_n = free_n + g_nn * p_n + g_nt * p_t
+            v_t = free_t + g_nt * p_n + g_tt * p_t
+            tangential = case % 3
+            if case // 3 == REST:
+                if not p_n >= floor - slack * scale_i:
+                    continue
+            elif v_n < -slack * scale_v:
+                continue
+            if tangential == HOLD:
+                if abs(p_t) > mu * p_n + slack * scale_i:
+                    continue
+            elif (v_t if tangential == FORWARD else -v_t) < -slack * scale_v:
+                continue
+            if kept == UNSOLVED:
+                kept, kept_n, kept_t = case, p_n, p_t
+            elif abs(p_n - kept_n) + abs(p_t - kept_t) > SAME * scale_i:
+                return AMBIGUOUS, kept, kept_n, kept_t
+        if kept != UNSOLVED:
+            return SOLVED, kept, kept_n, kept_t
+    return NO_SOLUTION, UNSOLVED, 0.0, 0.0
 
 
 @jit
@@ -154,9 +225,10 @@ def contact_problem(
         scale_v = max(scale_v, floor[k] * delassus[2 * k, 2 * k])
     for slack in (0.0, SLACK):
         solutions = 0
-        for index in range(6**n):
-            for k in range(n):
-                trial[k] = (index // 6**k) % 6
+        for index in range(36 if n == 2 else 6):
+            trial[0] = index % 6
+            if n == 2:
+                trial[1] = index // 6
             if not solve_case(trial, delassus, free, mu, floor, found):
                 continue
             _velocities(trial, delassus, free, found, velocity)
@@ -200,123 +272,181 @@ def _velocities(
 
 @jit
 def impact(
-    model: Model, taking_part: Ints, z: Floats, tangents: Floats, seed: Floats,
-    case: Ints, impulses: Floats,
+    model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
+    impulses: Floats,
 ) -> int:  # fmt: skip
     """Poisson impact with Coulomb friction: compression, then expansion.
 
     Parameters
     ----------
-    taking_part
-        (n,) the one or two contacts (0-based) with zero gap.
+    contacts
+        (n,) the one or two contacts (0-based) with zero gap, ascending.
     z, tangents
         State (7,) and derivatives of states (m, 7); their velocities are updated in place.
     seed
         (m, 3) derivative of eps_N along each tangent.
     case, impulses
-        Output: index combination of the expansion (n,), impulses (2, 2n) of both phases.
+        Output: index combination after the expansion (2,), impulses (2, 4) of both phases.
     """
-    n = len(taking_part)
-    delassus, directions = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 3))
-    responses = np.zeros((2 * n, 3))
-    mu, floor, zero = np.zeros(n), np.zeros(n), np.zeros(n)
-    compression = np.zeros(n, dtype=np.int64)
-    feeds, never = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
-    for k in range(n):
-        i = taking_part[k]
-        mu[k] = model.mu[i]
-        feeds[k] = 1 if model.eps[i] > 0.0 else 0
-        for j in range(3):
-            directions[2 * k, j], directions[2 * k + 1, j] = model.normal[i, j], model.tangent[i, j]
-    for a in range(2 * n):
-        for j in range(3):
-            for l in range(3):
-                responses[a, j] += model.inverse_mass[j, l] * directions[a, l]
-    for a in range(2 * n):
-        for b in range(2 * n):
-            for j in range(3):
-                delassus[a, b] += directions[a, j] * responses[b, j]
+    if len(contacts) == 1:
+        status = _single_impact(model, contacts[0], z, tangents, seed, case, impulses)
+    else:
+        status = _double_impact(model, contacts, z, tangents, seed, case, impulses)
+    if status == SOLVED:
+        _clear(model, contacts, case, z)
+        for m in range(len(tangents)):
+            _clear(model, contacts, case, tangents[m])
+    return status
 
-    free = _project(directions, z)
-    status = contact_problem(delassus, free, mu, zero, feeds, compression, impulses[0])
+
+@jit
+def rates(model: Floats, i: int, z: Floats) -> tuple[float, float]:
+    """Gap rate and tangential velocity [m/s] of contact i (0-based)."""
+    w = CONTACT + i
+    return (
+        SIGN[i] * model[FORCE, LEVER + i] * z[3 + ANGLE[i]],
+        model[w, TANGENT] * z[3] + model[w, TANGENT + 1] * z[4] + model[w, TANGENT + 2] * z[5],
+    )
+
+
+@jit
+def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
+    """Change the velocities by the impulses (p_n, p_t) at contact i."""
+    row = CONTACT + i
+    for j in range(3):
+        z[3 + j] += p_n * model[row, RESPONSE_N + j] + p_t * model[row, RESPONSE_T + j]
+
+
+@jit
+def _single_impact(
+    model: Floats, i: int, z: Floats, tangents: Floats, seed: Floats, case: Ints, impulses: Floats
+) -> int:
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
+    free_n, free_t = rates(model, i, z)
+    status, first, c_n, c_t = one_contact(g_nn, g_nt, g_tt, free_n, free_t, mu, 0.0)
     if status != SOLVED:
         return status
-    for k in range(n):
-        floor[k] = model.eps[taking_part[k]] * impulses[0, 2 * k]
-    middle = np.zeros(2 * n)
-    _velocities(compression, delassus, free, impulses[0], middle)
-    status = contact_problem(delassus, middle, mu, floor, never, case, impulses[1])
-    if status != SOLVED:
-        return status
-
-    change, total = np.zeros(2 * n), np.zeros(2 * n)
+    v_n = 0.0 if first // 3 == REST else free_n
+    v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
+    floor = eps * c_n
+    second, e_n, e_t = first, 0.0, 0.0
+    if floor > 0.0:  # otherwise the compression was all
+        status, second, e_n, e_t = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
+        if status != SOLVED:
+            return status
+    case[0] = second
+    impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     for m in range(len(tangents)):
-        free = _project(directions, tangents[m])
-        solve_case(compression, delassus, free, mu, zero, change)
-        for k in range(n):
-            i = taking_part[k]
-            floor[k] = model.eps[i] * change[2 * k] + seed[m, i] * impulses[0, 2 * k]
-        _velocities(compression, delassus, free, change, middle)
-        solve_case(case, delassus, middle, mu, floor, total)
-        for a in range(2 * n):
-            total[a] += change[a]
-        _kick(responses, total, tangents[m])
-    _kick(responses, impulses[0] + impulses[1], z)
-    _clear(model, taking_part, case, z)
-    for m in range(len(tangents)):
-        _clear(model, taking_part, case, tangents[m])
+        dv_n, dv_t = rates(model, i, tangents[m])
+        dc_n, dc_t = one_contact_case(first, g_nn, g_nt, g_tt, dv_n, dv_t, mu, 0.0)
+        dfloor = eps * dc_n + seed[m, i] * c_n
+        de_n = de_t = 0.0
+        if floor > 0.0 or dfloor != 0.0:
+            dv_n = 0.0 if first // 3 == REST else dv_n
+            dv_t = 0.0 if first % 3 == HOLD else dv_t + g_nt * dc_n + g_tt * dc_t
+            case_e = second if floor > 0.0 else 3 * FREE + second % 3
+            de_n, de_t = one_contact_case(case_e, g_nn, g_nt, g_tt, dv_n, dv_t, mu, dfloor)
+        _kick(model, i, dc_n + de_n, dc_t + de_t, tangents[m])
+    _kick(model, i, c_n + e_n, c_t + e_t, z)
     return SOLVED
 
 
 @jit
-def _project(directions: Floats, z: Floats) -> Floats:
-    velocity = np.zeros(len(directions))
-    for a in range(len(directions)):
-        for j in range(3):
-            velocity[a] += directions[a, j] * z[3 + j]
-    return velocity
+def _double_impact(
+    model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
+    impulses: Floats,
+) -> int:  # fmt: skip
+    delassus, mu, eps = np.zeros((4, 4)), np.zeros(2), np.zeros(2)
+    feeds, free, middle = np.zeros(2, dtype=np.int64), np.zeros(4), np.zeros(4)
+    for a in range(4):
+        for b in range(4):
+            row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
+            delassus[a, b] = model[DELASSUS + row, column]
+    for k in range(2):
+        i = contacts[k]
+        mu[k], eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
+        feeds[k] = 1 if eps[k] > 0.0 else 0
+        free[2 * k], free[2 * k + 1] = rates(model, i, z)
+    floor, zero = np.zeros(2), np.zeros(2)
+    first = np.zeros(2, dtype=np.int64)
+    status = contact_problem(delassus, free, mu, zero, feeds, first, impulses[0])
+    if status != SOLVED:
+        return status
+    _velocities(first, delassus, free, impulses[0], middle)
+    expands = False
+    for k in range(2):
+        floor[k] = eps[k] * impulses[0, 2 * k]
+        expands = expands or floor[k] > 0.0
+        case[k] = first[k]
+    if expands:
+        feeds[0] = feeds[1] = 0
+        status = contact_problem(delassus, middle, mu, floor, feeds, case, impulses[1])
+        if status != SOLVED:
+            return status
+    change, more = np.zeros(4), np.zeros(4)
+    for m in range(len(tangents)):
+        for k in range(2):
+            free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangents[m])
+        solve_case(first, delassus, free, mu, zero, change)
+        for k in range(4):
+            more[k] = 0.0
+        if expands:
+            for k in range(2):
+                dfloor = seed[m, contacts[k]] * impulses[0, 2 * k]
+                floor[k] = eps[k] * change[2 * k] + dfloor
+            _velocities(first, delassus, free, change, middle)
+            solve_case(case, delassus, middle, mu, floor, more)
+        for k in range(2):
+            p_n, p_t = change[2 * k] + more[2 * k], change[2 * k + 1] + more[2 * k + 1]
+            _kick(model, contacts[k], p_n, p_t, tangents[m])
+    for k in range(2):
+        p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
+        p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
+        _kick(model, contacts[k], p_n, p_t, z)
+    return SOLVED
 
 
 @jit
-def _kick(responses: Floats, impulse: Floats, z: Floats) -> None:
-    for a in range(len(responses)):
-        for j in range(3):
-            z[3 + j] += responses[a, j] * impulse[a]
-
-
-@jit
-def _clear(model: Model, taking_part: Ints, case: Ints, z: Floats) -> None:
+def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
     """Velocities that an index combination makes zero become exactly zero."""
-    for k in range(len(case)):
+    for k in range(len(contacts)):
         if case[k] // 3 == REST:
-            z[3 + model.angle[taking_part[k]]] = 0.0
-    for k in range(len(case)):
+            z[3 + ANGLE[contacts[k]]] = 0.0
+    for k in range(len(contacts)):
         if case[k] % 3 == HOLD:
-            i = taking_part[k]
-            z[3] = -(model.tangent[i, 1] * z[4] + model.tangent[i, 2] * z[5])
+            hold(model, contacts[k], z)
 
 
 @jit
-def rest_is_possible(model: Model, k: int, d: float) -> bool:
+def hold(model: Floats, i: int, z: Floats) -> None:
+    """Make the tangential velocity of contact i exactly zero through the velocity of the sleeve."""
+    row = CONTACT + i
+    z[3] = -(model[row, TANGENT + 1] * z[4] + model[row, TANGENT + 2] * z[5])
+
+
+@jit
+def rest_is_possible(model: Floats, k: int, d: float) -> bool:
     """Whether contacts 1 and k + 1 can hold the toy at rest: some forces lie in both cones.
 
     Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is
     linear in s.
     """
     low, high = -math.inf, math.inf
-    h_y = model.force[0, 0] + model.force[1, 0] * d
-    h_m = model.force[0, 1] + model.force[1, 1] * d
-    h_s = model.force[0, 2] + model.force[1, 2] * d
+    h_y = model[FORCE, 0] + model[FORCE, 3] * d
+    h_m = model[FORCE, 1] + model[FORCE, 4] * d
+    h_s = model[FORCE, 2] + model[FORCE, 5] * d
+    beak, sleeve = CONTACT, CONTACT + k
     for cone in (1.0, -1.0):
         # Contact 1: mu lambda_N1 + cone s >= 0; row phi_S fixes lambda_N1(s).
-        lever = -model.normal[0, 2]
-        constant = model.mu[0] * h_s / lever
-        rate = model.mu[0] * model.tangent[0, 2] / lever + cone
-        low, high = _half_line(constant, rate, low, high)
+        scale = model[beak, MU] / model[FORCE, LEVER]
+        rate = scale * model[beak, TANGENT + 2] + cone
+        low, high = _half_line(scale * h_s, rate, low, high)
         # Contact k: lambda_Tk = -h_y - s, and row phi_M fixes lambda_Nk(s).
-        lever = -model.normal[k, 1]
-        constant = model.mu[k] * (h_m - model.tangent[k, 1] * h_y) / lever - cone * h_y
-        rate = model.mu[k] * (model.tangent[0, 1] - model.tangent[k, 1]) / lever - cone
+        scale = -model[sleeve, MU] * SIGN[k] / model[FORCE, LEVER + k]
+        constant = scale * (h_m - model[sleeve, TANGENT + 1] * h_y) - cone * h_y
+        rate = scale * (model[beak, TANGENT + 1] - model[sleeve, TANGENT + 1]) - cone
         low, high = _half_line(constant, rate, low, high)
     return low <= high
 

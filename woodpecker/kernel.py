@@ -20,27 +20,37 @@ from woodpecker.contact import (
     NO_SOLUTION,
     REST,
     SOLVED,
+    hold,
     impact,
+    rates,
     rest_is_possible,
 )
 from woodpecker.guards import first_root, stumpff
 from woodpecker.modes import (
     ALPHA,
+    ANGLE,
     CONE_NEGATIVE,
     CONE_POSITIVE,
+    CONTACT,
+    FORCE,
     GAP,
+    GUARDS,
     KAPPA,
     LAMBDA,
+    LIMIT,
+    MU,
     NORMAL,
     OMEGA,
+    POLE,
     SECTION,
     SECULAR,
+    SIGN,
     SLIP,
+    TANGENT,
     A,
     B,
     Floats,
     Ints,
-    Model,
 )
 
 # Why a run stopped.
@@ -70,55 +80,56 @@ def mode_of(states: Ints) -> int:
 
 
 @jit
-def spring(model: Model, mode: int, z: Floats) -> tuple[float, float, float]:
+def spring(model: Floats, mode: int, z: Floats) -> tuple[float, float, float]:
     """Stretch d, its rate, and its acceleration in a mode."""
     d = z[2] - z[1]
-    return d, z[5] - z[4], model.table[mode, ALPHA] + model.table[mode, KAPPA] * d
+    return d, z[5] - z[4], model[mode, ALPHA] + model[mode, KAPPA] * d
 
 
 @jit
-def flow(model: Model, mode: int, z: Floats, t: float, out: Floats) -> None:
+def flow(model: Floats, mode: int, z: Floats, t: float, out: Floats) -> None:
     """State after a time t in a mode."""
-    row = model.table[mode]
-    kappa = row[KAPPA]
+    kappa = model[mode, KAPPA]
     d0, d1, d2 = spring(model, mode, z)
-    _, s1, s2, s3, s4 = stumpff(kappa, row[OMEGA], t)
+    _, s1, s2, s3, s4 = stumpff(kappa, model[mode, OMEGA], t)
     swinging = abs(kappa) * t * t >= 1.0
     for j in range(3):
         if swinging:  # oscillation about the secular motion; nothing grows that later cancels
-            drift, rate, shift = row[SECULAR + j], s1 * d2 / kappa, s2 * d2 / kappa
+            drift, rate, shift = model[mode, SECULAR + j], s1 * d2 / kappa, s2 * d2 / kappa
         else:
-            drift, rate, shift = row[A + j] + row[B + j] * d0, s3 * d2, s4 * d2
+            drift, rate, shift = model[mode, A + j] + model[mode, B + j] * d0, s3 * d2, s4 * d2
         velocity = z[3 + j]
-        out[j] = z[j] + velocity * t + 0.5 * drift * t * t + row[B + j] * (s3 * d1 + shift)
-        out[3 + j] = velocity + drift * t + row[B + j] * (s2 * d1 + rate)
+        out[j] = z[j] + velocity * t + 0.5 * drift * t * t + model[mode, B + j] * (s3 * d1 + shift)
+        out[3 + j] = velocity + drift * t + model[mode, B + j] * (s2 * d1 + rate)
     out[6] = z[6] + t
 
 
 @jit
 def jet(
-    model: Model, mode: int, guard: int, z: Floats, states: Ints
+    model: Floats, mode: int, guard: int, z: Floats, states: Ints
 ) -> tuple[float, float, float, float]:
     """Value and first three derivatives of a guard at the start of a phase."""
-    row = model.table[mode]
     kind, i = (guard // 3) * 3, guard % 3
     d0, d1, d2 = spring(model, mode, z)
-    kappa = row[KAPPA]
+    kappa = model[mode, KAPPA]
     if kind == GAP:
-        j, sign = model.angle[i], model.sign[i]
+        j, sign = ANGLE[i], SIGN[i]
         return (
-            model.limit[i] + sign * z[j],
+            model[CONTACT + i, LIMIT] + sign * z[j],
             sign * z[3 + j],
-            sign * (row[A + j] + row[B + j] * d0),
-            sign * row[B + j] * d1,
+            sign * (model[mode, A + j] + model[mode, B + j] * d0),
+            sign * model[mode, B + j] * d1,
         )
     if kind == SLIP:
         sign = 1.0 if states[i] == SLIP_POSITIVE else -1.0
-        w = model.tangent[i]
-        along = w[0] * row[B] + w[1] * row[B + 1] + w[2] * row[B + 2]
-        steady = w[0] * row[A] + w[1] * row[A + 1] + w[2] * row[A + 2]
+        velocity = along = steady = 0.0
+        for k in range(3):
+            w = model[CONTACT + i, TANGENT + k]
+            velocity += w * z[3 + k]
+            along += w * model[mode, B + k]
+            steady += w * model[mode, A + k]
         return (
-            sign * (w[0] * z[3] + w[1] * z[4] + w[2] * z[5]),
+            sign * velocity,
             sign * (steady + along * d0),
             sign * along * d1,
             sign * along * d2,
@@ -128,24 +139,45 @@ def jet(
 
 
 @jit
-def force_guard(model: Model, mode: int, guard: int) -> tuple[float, float]:
+def starting_jet(
+    model: Floats, mode: int, guard: int, z: Floats, states: Ints, fired: int
+) -> tuple[float, float, float, float]:
+    """Jet of a guard right after ``fired``, whose zero it shares: exact zeros, not rounding.
+
+    At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
+    lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
+    """
+    f0, f1, f2, f3 = jet(model, mode, guard, z, states)
+    if guard == fired:
+        return 0.0, f1, f2, f3
+    i = guard % 3
+    if guard < NORMAL and fired == NORMAL + i:
+        return 0.0, 0.0, 0.0, f3
+    if guard >= SLIP:
+        edge = CONE_POSITIVE if states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
+        if fired == edge + i:
+            return 0.0, 0.0, f2, f3
+    return f0, f1, f2, f3
+
+
+@jit
+def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
     """p, r of a guard p + r d on contact forces: lambda_N, or mu lambda_N -+ lambda_T."""
     kind, i = (guard // 3) * 3, guard % 3
     column = LAMBDA + 4 * i
-    row = model.table[mode]
     if kind == NORMAL:
-        return row[column], row[column + 1]
+        return model[mode, column], model[mode, column + 1]
     sign = 1.0 if kind == CONE_POSITIVE else -1.0
     return (
-        model.mu[i] * row[column] - sign * row[column + 2],
-        model.mu[i] * row[column + 1] - sign * row[column + 3],
+        model[CONTACT + i, MU] * model[mode, column] - sign * model[mode, column + 2],
+        model[CONTACT + i, MU] * model[mode, column + 1] - sign * model[mode, column + 3],
     )
 
 
 @jit
-def time_to_minimum(model: Model, mode: int, z: Floats) -> float:
+def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
     """Time > 0 until phi_S, swinging on the jammed sleeve, is at its next minimum."""
-    omega = model.table[mode, OMEGA]
+    omega = model[mode, OMEGA]
     _, d1, d2 = spring(model, mode, z)
     angle = math.atan2(-d1, d2 / omega)
     return (angle if angle > 0.0 else angle + 2.0 * math.pi) / omega
@@ -153,12 +185,18 @@ def time_to_minimum(model: Model, mode: int, z: Floats) -> float:
 
 @jit
 def next_event(
-    model: Model, mode: int, z: Floats, states: Ints, to_section: bool, horizon: float, ignored: int
-) -> tuple[float, int]:
-    """Time to the first guard that fires before the horizon, and which it is (-1: none)."""
+    model: Floats, mode: int, z: Floats, states: Ints, to_section: bool, horizon: float,
+    before: int, ignored: int,
+) -> tuple[float, int]:  # fmt: skip
+    """Time to the first guard that fires before the horizon, and which it is (-1: none).
+
+    ``before`` is the guard that began the phase; the guard ``ignored`` is not watched. The mode is
+    admissible, so a guard that starts negative does so by rounding and counts as zero.
+    """
     fired = -1
-    kappa, omega = model.table[mode, KAPPA], model.table[mode, OMEGA]
-    for guard in model.guards[mode]:
+    kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
+    for column in range(GUARDS, GUARDS + 5):
+        guard = int(model[mode, column])
         if guard < 0:
             break
         if guard == ignored:
@@ -166,8 +204,8 @@ def next_event(
         if guard == SECTION:
             t = time_to_minimum(model, mode, z) if to_section else math.inf
         else:
-            f0, f1, f2, f3 = jet(model, mode, guard, z, states)
-            t = first_root(f0, f1, f2, f3, kappa, omega, horizon)
+            f0, f1, f2, f3 = starting_jet(model, mode, guard, z, states, before)
+            t = first_root(max(0.0, f0), f1, f2, f3, kappa, omega, horizon)
         if t < horizon:
             horizon, fired = t, guard
     return horizon, fired
@@ -175,42 +213,43 @@ def next_event(
 
 @jit
 def guard_rates(
-    model: Model, mode: int, guard: int, end: Floats, tangent: Floats
+    model: Floats, mode: int, guard: int, end: Floats, tangent: Floats
 ) -> tuple[float, float]:
     """Change of a guard at the end of a phase: along a tangent at fixed time, and in time."""
-    row = model.table[mode]
     kind, i = (guard // 3) * 3, guard % 3
     d0, d1, d2 = spring(model, mode, end)
     if guard == SECTION:
         return tangent[5] - tangent[4], d2
     if kind == GAP:
-        j = model.angle[i]
+        j = ANGLE[i]
         return tangent[j], end[3 + j]
     if kind == SLIP:
-        w = model.tangent[i]
         change = rate = 0.0
         for j in range(3):
-            change += w[j] * tangent[3 + j]
-            rate += w[j] * (row[A + j] + row[B + j] * d0)
+            w = model[CONTACT + i, TANGENT + j]
+            change += w * tangent[3 + j]
+            rate += w * (model[mode, A + j] + model[mode, B + j] * d0)
         return change, rate
     return tangent[2] - tangent[1], d1
 
 
 @jit
 def advance(
-    model: Model, mode: int, guard: int, t: float, z: Floats, tangents: Floats, work: Floats
+    model: Floats, mode: int, guard: int, t: float, z: Floats, tangents: Floats, work: Floats
 ) -> None:
     """Move the state and its tangents to the event at time t (guard -1: to a fixed time)."""
-    row = model.table[mode]
     flow(model, mode, z, t, work)
-    kappa, omega = row[KAPPA], row[OMEGA]
+    kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
     end_d = work[2] - work[1]
+    if len(tangents) == 0:
+        copy(work, z)
+        return
+    _, s1, s2, s3, _ = stumpff(kappa, omega, t)
     for m in range(len(tangents)):
         v = tangents[m]
         d0, d1 = v[2] - v[1], v[5] - v[4]
-        _, s1, s2, s3, s4 = stumpff(kappa, omega, t)
         for j in range(3):
-            acceleration = row[B + j]
+            acceleration = model[mode, B + j]
             v[j] += v[3 + j] * t + acceleration * (s2 * d0 + s3 * d1)
             v[3 + j] += acceleration * (s1 * d0 + s2 * d1)
         if guard < 0:
@@ -219,15 +258,21 @@ def advance(
         delay = -change / rate if rate != 0.0 else math.nan
         for j in range(3):
             v[j] += delay * work[3 + j]
-            v[3 + j] += delay * (row[A + j] + row[B + j] * end_d)
+            v[3 + j] += delay * (model[mode, A + j] + model[mode, B + j] * end_d)
         v[6] += delay
-    for j in range(7):
-        z[j] = work[j]
+    copy(work, z)
+
+
+@jit
+def copy(source: Floats, target: Floats) -> None:
+    """Copy a state; a loop compiles many times faster than an assignment of slices."""
+    for k in range(len(target)):
+        target[k] = source[k]
 
 
 @jit
 def settle(
-    model: Model, z: Floats, closed: Ints, slips: Ints, fired: int, states: Ints
+    model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, states: Ints
 ) -> int:
     """Contact problem on acceleration level: the mode that starts now.
 
@@ -247,18 +292,19 @@ def settle(
         Output: (3,) contact states of the new mode.
     """
     sleeve = 1 if closed[1] else (2 if closed[2] else -1)
-    chosen = -1
+    states[0] = states[1] = states[2] = OPEN
+    if not closed[0] and sleeve < 0:
+        return SOLVED
+    beak_choices, sleeve_choices = 4 if closed[0] else 1, 4 if sleeve >= 0 else 1
     trial = np.zeros(3, dtype=np.int64)
     for strict in (True, False):
-        for index in range(16):
-            beak_state, sleeve_state = index % 4, index // 4
-            if (beak_state != OPEN and not closed[0]) or (sleeve_state != OPEN and sleeve < 0):
-                continue
-            # Sticking is tried first, opening last.
-            trial[0] = (beak_state + 1) % 4 if closed[0] else OPEN
-            trial[1] = trial[2] = OPEN
+        chosen = np.int64(-1)
+        for index in range(beak_choices * sleeve_choices):
+            # Sticking (1) is tried first, opening (0) last.
+            if closed[0]:
+                trial[0] = (index % 4 + 1) % 4
             if sleeve >= 0:
-                trial[sleeve] = (sleeve_state + 1) % 4
+                trial[sleeve] = (index // beak_choices + 1) % 4
             if not _matches(trial, slips) or not _admissible(
                 model, z, closed, slips, fired, trial, sleeve, strict
             ):
@@ -294,7 +340,7 @@ def _matches(trial: Ints, slips: Ints) -> bool:
 
 @jit
 def _admissible(
-    model: Model, z: Floats, closed: Ints, slips: Ints, fired: int, trial: Ints, sleeve: int,
+    model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, trial: Ints, sleeve: int,
     strict: bool,
 ) -> bool:  # fmt: skip
     mode = mode_of(trial)
@@ -304,37 +350,25 @@ def _admissible(
         if not closed[i]:
             continue
         if trial[i] == OPEN:
-            _, _, f2, f3 = jet(model, mode, GAP + i, z, trial)
-            f2 = 0.0 if fired == NORMAL + i else f2
-            if not _positive(0.0, 0.0, f2, f3, 0.0, strict):
-                return False
+            watched, other = GAP + i, -1
         elif trial[i] == STICK:
-            for guard in (CONE_POSITIVE + i, CONE_NEGATIVE + i):
-                f0, f1, f2, f3 = jet(model, mode, guard, z, trial)
-                f0 = 0.0 if fired == guard else f0
-                if not _positive(f0, f1, f2, f3, _weight(model, mode, i, z), strict):
-                    return False
+            watched, other = CONE_POSITIVE + i, CONE_NEGATIVE + i
         else:
-            f0, f1, f2, f3 = jet(model, mode, NORMAL + i, z, trial)
-            f0 = 0.0 if fired == NORMAL + i else f0
-            if not _positive(f0, f1, f2, f3, _weight(model, mode, i, z), strict):
-                return False
-            if slips[i] == 0:
-                _, f1, f2, f3 = jet(model, mode, SLIP + i, z, trial)
-                # lambda_T = +mu lambda_N at the edge of the cone is the force of negative slip.
-                edge = CONE_POSITIVE if trial[i] == SLIP_NEGATIVE else CONE_NEGATIVE
-                f1 = 0.0 if fired == edge + i else f1
-                if not _positive(0.0, f1, f2, f3, 0.0, strict):
+            watched, other = NORMAL + i, (SLIP + i if slips[i] == 0 else -1)
+        for guard in (watched, other):
+            if guard >= 0:
+                f0, f1, f2, f3 = starting_jet(model, mode, guard, z, trial, fired)
+                weight = 0.0 if guard < NORMAL or guard >= SLIP else _weight(model, mode, i, z)
+                if not _positive(f0, f1, f2, f3, weight, strict):
                     return False
     return True
 
 
 @jit
-def _weight(model: Model, mode: int, i: int, z: Floats) -> float:
+def _weight(model: Floats, mode: int, i: int, z: Floats) -> float:
     """Size of the contact force that a rounding error can hide in."""
     column = LAMBDA + 4 * i
-    row = model.table[mode]
-    return abs(row[column]) + abs(row[column + 1] * (z[2] - z[1]))
+    return abs(model[mode, column]) + abs(model[mode, column + 1] * (z[2] - z[1]))
 
 
 @jit
@@ -355,10 +389,10 @@ def _positive(
 
 
 @jit
-def _same_motion(model: Model, one: int, other: int, z: Floats) -> bool:
+def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
     """Whether two modes start with the same accelerations and rates of acceleration."""
     d0, d1 = z[2] - z[1], z[5] - z[4]
-    a, b = model.table[one], model.table[other]
+    a, b = model[one], model[other]
     for j in range(3):
         first, second = a[A + j] + a[B + j] * d0, b[A + j] + b[B + j] * d0
         size = abs(a[A + j]) + abs(a[B + j] * d0)
@@ -372,7 +406,7 @@ def _same_motion(model: Model, one: int, other: int, z: Floats) -> bool:
 
 @jit
 def arrive(
-    model: Model, z: Floats, tangents: Floats, seed: Floats, fired: int, states: Ints,
+    model: Floats, z: Floats, tangents: Floats, seed: Floats, fired: int, states: Ints,
     slips: Ints, word: Ints, counts: Ints, event: Floats,
 ) -> int:  # fmt: skip
     """Apply an event: the impact if a gap closes, then the contact problem that follows.
@@ -380,39 +414,40 @@ def arrive(
     ``states`` becomes the new mode, ``slips`` keeps the signs of the tangential velocities (0:
     exactly zero), symbols go to ``word`` (their number is counts[0]), details to ``event``.
     """
-    closed, before = np.zeros(3, dtype=np.int64), states.copy()
-    taking_part, striking = _touching(model, z, states, fired, closed)
+    closed, before = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    for i in range(3):
+        before[i] = states[i]
+    contacts, striking = _touching(model, z, states, fired, closed)
     for j in range(3):
         event[2 + j] = z[3 + j]
     if striking:
-        case, impulses = np.zeros(len(taking_part), dtype=np.int64), np.zeros((2, 4))
-        used = impulses[:, : 2 * len(taking_part)]
-        status = impact(model, taking_part, z, tangents, seed, case, used)
+        case, impulses = np.zeros(2, dtype=np.int64), np.zeros((2, 4))
+        status = impact(model, contacts, z, tangents, seed, case, impulses)
         if status != SOLVED:
             return status
         mask = 0
-        for k in range(len(taking_part)):
-            i = taking_part[k]
+        for k in range(len(contacts)):
+            i = contacts[k]
             mask += 1 << i
             closed[i] = 1 if case[k] // 3 == REST else 0
-            slips[i] = 0 if case[k] % 3 == HOLD else _sign(_slip_velocity(model, i, z))
+            slips[i] = 0 if case[k] % 3 == HOLD else _sign(rates(model, i, z)[1])
             column = 8 + (0 if i == 0 else 2)
             for phase in range(2):
-                event[column + 4 * phase] = used[phase, 2 * k]
-                event[column + 4 * phase + 1] = used[phase, 2 * k + 1]
+                event[column + 4 * phase] = impulses[phase, 2 * k]
+                event[column + 4 * phase + 1] = impulses[phase, 2 * k + 1]
         _append(word, counts, 8 * IMPACT + mask)
         for i in range(3):
             before[i] = before[i] if before[i] != OPEN or not closed[i] else SLIP_POSITIVE
-        fired = -1
+        fired = np.int64(-1)
     else:
         for i in range(3):
             stops = states[i] == STICK or fired == SLIP + i
             if closed[i] and stops:
                 slips[i] = 0
-                z[3] = -(model.tangent[i, 1] * z[4] + model.tangent[i, 2] * z[5])
+                hold(model, i, z)
         for i in range(3):
             if closed[i] and states[i] != STICK and fired != SLIP + i:
-                slips[i] = _sign(_slip_velocity(model, i, z))
+                slips[i] = _sign(rates(model, i, z)[1])
     for j in range(3):
         event[5 + j] = z[3 + j]
     status = settle(model, z, closed, slips, fired, states)
@@ -423,14 +458,14 @@ def arrive(
 
 @jit
 def _touching(
-    model: Model, z: Floats, states: Ints, fired: int, closed: Ints
+    model: Floats, z: Floats, states: Ints, fired: int, closed: Ints
 ) -> tuple[Ints, bool]:
     """Contacts with zero gap, and whether one of them strikes; their angles become exact."""
     found = np.zeros(2, dtype=np.int64)
     n, striking = 0, False
     for i in range(3):
-        j, sign = model.angle[i], model.sign[i]
-        gap = model.limit[i] + sign * z[j]
+        j, sign = ANGLE[i], SIGN[i]
+        gap = model[CONTACT + i, LIMIT] + sign * z[j]
         if states[i] != OPEN:
             closed[i] = 1
         elif fired == GAP + i:
@@ -438,21 +473,15 @@ def _touching(
         elif gap <= 0.0 and sign * z[3 + j] < 0.0:
             striking = True  # closes in the same instant
         elif gap < 0.0:
-            z[j] = -sign * model.limit[i]
+            z[j] = -sign * model[CONTACT + i, LIMIT]
             continue
         elif gap > 0.0:
             continue
-        z[j] = -sign * model.limit[i]
+        z[j] = -sign * model[CONTACT + i, LIMIT]
         if n < 2:
             found[n] = i
             n += 1
     return found[:n], striking
-
-
-@jit
-def _slip_velocity(model: Model, i: int, z: Floats) -> float:
-    w = model.tangent[i]
-    return w[0] * z[3] + w[1] * z[4] + w[2] * z[5]
 
 
 @jit
@@ -490,7 +519,7 @@ def _append_transitions(
 
 @jit
 def run(
-    model: Model, z: Floats, tangents: Floats, seed: Floats, states: Ints, to_section: bool,
+    model: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints, to_section: bool,
     t_end: float, word: Ints, phases: Floats, events: Floats, counts: Ints,
 ) -> int:  # fmt: skip
     """Follow the toy from event to event until it returns to the section or a limit is met.
@@ -512,12 +541,15 @@ def run(
     """
     slips, work = np.zeros(3, dtype=np.int64), np.zeros(7)
     event = np.zeros(EVENT_COLUMNS)
-    mark, mark_tangents = z.copy(), tangents.copy()
+    mark, mark_tangents = np.zeros(7), np.zeros((len(tangents), 7))
     mark_contact, mark_symbols, mark_speed = -1, -1, 0.0
-    fired, status = -1, SOLVED
+    none = np.int64(-1)  # a typed number: numba compiles everything anew for the literal -1
+    fired, status = none, SOLVED
     while True:
         symbols = counts[0]
-        event[:] = 0.0
+        if len(events) > 0:
+            for k in range(EVENT_COLUMNS):
+                event[k] = 0.0
         status = arrive(model, z, tangents, seed, fired, states, slips, word, counts, event)
         if len(events) > 0:
             _record_events(events, counts, symbols, z[6], word, event)
@@ -526,13 +558,15 @@ def run(
         if counts[0] > len(word):
             return EVENT_LIMIT
         if 0 <= fired < 3 and counts[0] == symbols + 1 and states[fired] == OPEN:
-            speed = model.sign[fired] * z[3 + model.angle[fired]]
+            speed = SIGN[fired] * z[3 + ANGLE[fired]]
             ratio = speed / mark_speed if mark_speed > 0.0 else 1.0
             if (
                 mark_contact == fired
                 and mark_symbols == symbols
                 and 0.0 <= ratio < 1.0
-                and _chatters(model, z, states, fired, mark_speed, z[6] - mark[6], ratio)
+                and _chatters(
+                    model, z, states, to_section, fired, mark_speed, z[6] - mark[6], ratio
+                )
             ):
                 status = _close_chatter(
                     model, z, tangents, mark, mark_tangents, ratio, fired, states, slips, word,
@@ -543,24 +577,25 @@ def run(
                     return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
             else:
                 mark_contact, mark_symbols, mark_speed = fired, counts[0], speed
-                mark[:] = z
-                mark_tangents[:] = tangents
+                copy(z, mark)
+                for m in range(len(tangents)):
+                    copy(tangents[m], mark_tangents[m])
         mode = mode_of(states)
         if len(phases) > 0:
             _record_phase(phases, counts, z, mode)
-        t, fired = next_event(model, mode, z, states, to_section, t_end - z[6], -1)
+        horizon = t_end - z[6]
+        t, fired = next_event(model, mode, z, states, to_section, horizon, fired, none)
         if t == math.inf:
             sticks = states[0] == STICK or states[1] == STICK or states[2] == STICK
             return AT_REST if sticks else FREE_FALL
         advance(model, mode, fired, t, z, tangents, work)
-        if z[0] < -model.pole:
+        if z[0] < -model[FORCE, POLE]:
             return POLE_END
         if fired == SECTION:
-            z[1] = -model.limit[1]
+            z[1] = -model[CONTACT + 1, LIMIT]
             z[3] = z[4] = z[5] = 0.0
             for m in range(len(tangents)):
-                tangents[m, 1] = 0.0
-                tangents[m, 3:6] = 0.0
+                tangents[m, 1] = tangents[m, 3] = tangents[m, 4] = tangents[m, 5] = 0.0
             return RETURNED
         if fired < 0:
             return TIME_REACHED
@@ -568,8 +603,9 @@ def run(
 
 @jit
 def _chatters(
-    model: Model, z: Floats, states: Ints, i: int, speed: float, lap: float, ratio: float
-) -> bool:
+    model: Floats, z: Floats, states: Ints, to_section: bool, i: int, speed: float, lap: float,
+    ratio: float,
+) -> bool:  # fmt: skip
     """Whether the bounces at contact i are so small that the rest is a geometric series.
 
     No other event may fall into twice the time that is summed.
@@ -579,17 +615,17 @@ def _chatters(
     if f2 >= 0.0:
         return False
     flight = -2.0 * speed / f2
-    if flight * (model.table[mode, OMEGA] - f3 / f2) > CHATTER:
+    if flight * (model[mode, OMEGA] - f3 / f2) > CHATTER:
         return False
     if flight * abs(f3 / f2) > CHATTER:
         return False
     tail = lap * ratio / (1.0 - ratio)
-    return next_event(model, mode, z, states, True, 2.0 * tail, GAP + i)[1] < 0
+    return next_event(model, mode, z, states, to_section, 2.0 * tail, GAP + i, GAP + i)[1] < 0
 
 
 @jit
 def _close_chatter(
-    model: Model, z: Floats, tangents: Floats, mark: Floats, mark_tangents: Floats, ratio: float,
+    model: Floats, z: Floats, tangents: Floats, mark: Floats, mark_tangents: Floats, ratio: float,
     i: int, states: Ints, slips: Ints, word: Ints, counts: Ints, events: Floats,
 ) -> int:  # fmt: skip
     """Sum the accumulating impacts at contact i and close it.
@@ -598,29 +634,29 @@ def _close_chatter(
     the run of equal impacts becomes the one symbol of the accumulation.
     """
     rest = ratio / (1.0 - ratio)
-    j = model.angle[i]
+    j = ANGLE[i]
     for k in range(7):
         z[k] += (z[k] - mark[k]) * rest
         for m in range(len(tangents)):
             tangents[m, k] += (tangents[m, k] - mark_tangents[m, k]) * rest
-    z[j], z[3 + j] = -model.sign[i] * model.limit[i], 0.0
+    z[j], z[3 + j] = -SIGN[i] * model[CONTACT + i, LIMIT], 0.0
     for m in range(len(tangents)):
         tangents[m, j] = tangents[m, 3 + j] = 0.0
     before, closed = states.copy(), np.zeros(3, dtype=np.int64)
     for k in range(3):
         closed[k] = 1 if k == i or states[k] != OPEN else 0
         if states[k] != OPEN and states[k] != STICK:
-            slips[k] = _sign(_slip_velocity(model, k, z))
+            slips[k] = _sign(rates(model, k, z)[1])
     if slips[i] != 0:
-        slips[i] = _sign(_slip_velocity(model, i, z))
+        slips[i] = _sign(rates(model, i, z)[1])
     before[i] = SLIP_POSITIVE
-    status = settle(model, z, closed, slips, -1, states)
+    status = settle(model, z, closed, slips, np.int64(-1), states)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
         counts[0] -= 1
     symbols = counts[0]
     _append(word, counts, 8 * CHATTER_END + (1 << i))
-    _append_transitions(before, states, -1, word, counts)
+    _append_transitions(before, states, np.int64(-1), word, counts)
     if len(events) > 0:
         event = np.zeros(EVENT_COLUMNS)
         for k in range(3):
@@ -659,54 +695,55 @@ def _record_events(
 
 
 @jit
-def returns(
-    model: Model, phi_s: float, order: int, seed: Floats, out: Floats, word: Ints
-) -> tuple[int, int]:
-    """P_order at one start: (status, length of the word).
-
-    ``out`` receives phi_S, period, drop, then d phi_S / d phi_S0 and the derivatives of phi_S along
-    the rows of ``seed`` (k, 3). Code 0 separates the returns in the word.
-    """
-    z = np.zeros(7)
-    z[1], z[2] = -model.limit[1], phi_s
-    tangents, seeds = np.zeros((1 + len(seed), 7)), np.zeros((1 + len(seed), 3))
-    tangents[0, 2] = 1.0
-    seeds[1:] = seed
-    states, counts = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    nothing = np.zeros((0, PHASE_COLUMNS))
-    no_events = np.zeros((0, EVENT_COLUMNS))
-    status = RETURNED
-    for lap in range(order):
-        if lap > 0:
-            _append(word, counts, 0)
-        states[0] = states[2] = OPEN
-        states[1] = STICK
-        status = run(
-            model, z, tangents, seeds, states, True, math.inf, word, nothing, no_events, counts
-        )
-        if status != RETURNED:
-            break
-    out[0], out[1], out[2] = z[2], z[6], -z[0]
-    for m in range(len(tangents)):
-        out[3 + m] = tangents[m, 2]
-    return status, min(counts[0], len(word))
-
-
-@jit
 def sweep(
-    model: Model, starts: Floats, order: int, seed: Floats, out: Floats, status: Ints,
-    lengths: Ints, words: Ints, limit: int,
+    model: Floats, starts: Floats, order: int, seed: Floats, out: Floats, status: Ints,
+    lengths: Ints, words: Ints,
 ) -> None:  # fmt: skip
-    """P_order at many starts; words of all starts go to rows of ``words``."""
-    word = np.zeros(limit, dtype=np.int64)
+    """P_order at many starts on the section.
+
+    Parameters
+    ----------
+    starts
+        (n,) values of phi_S.
+    seed
+        (k, 3) directions in (eps_N1, eps_N2, eps_N3) to differentiate along.
+    out
+        (n, 4 + k) output: phi_S, period, drop, d phi_S / d start, d phi_S along the seeds.
+    status, lengths, words
+        Output: (n,) why each run stopped, (n,) lengths of the words, (n, event limit) event codes;
+        code 0 separates the returns of a word.
+    """
+    z, states = np.zeros(7), np.zeros(3, dtype=np.int64)
+    tangents, seeds = np.zeros((1 + len(seed), 7)), np.zeros((1 + len(seed), 3))
+    for k in range(len(seed)):
+        copy(seed[k], seeds[1 + k])
+    counts, separator = np.zeros(3, dtype=np.int64), np.int64(0)
+    nothing, no_events = np.zeros((0, PHASE_COLUMNS)), np.zeros((0, EVENT_COLUMNS))
     for n in range(len(starts)):
-        status[n], lengths[n] = returns(model, starts[n], order, seed, out[n], word)
-        for k in range(min(lengths[n], words.shape[1])):
-            words[n, k] = word[k]
+        for k in range(7):
+            z[k] = 0.0
+            for m in range(len(tangents)):
+                tangents[m, k] = 0.0
+        counts[0] = 0
+        z[1], z[2], tangents[0, 2] = -model[CONTACT + 1, LIMIT], starts[n], 1.0
+        for lap in range(order):
+            if lap > 0:
+                _append(words[n], counts, separator)
+            states[0], states[1], states[2] = OPEN, STICK, OPEN
+            status[n] = run(
+                model, z, tangents, seeds, states, True, math.inf, words[n], nothing, no_events,
+                counts,
+            )  # fmt: skip
+            if status[n] != RETURNED:
+                break
+        out[n, 0], out[n, 1], out[n, 2] = z[2], z[6], -z[0]
+        for m in range(len(tangents)):
+            out[n, 3 + m] = tangents[m, 2]
+        lengths[n] = min(counts[0], words.shape[1])
 
 
 @jit
-def sample(model: Model, phases: Floats, times: Floats, out: Floats) -> None:
+def sample(model: Floats, phases: Floats, times: Floats, out: Floats) -> None:
     """States at ascending or descending times from the phases of a trajectory; right-continuous."""
     starts = phases[:, 6]
     for n in range(len(times)):

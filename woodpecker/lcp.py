@@ -57,10 +57,16 @@ class LcpResult:
         return self.status is LcpStatus.SOLVED
 
 
-def lemke(a: npt.ArrayLike, b: npt.ArrayLike, *, max_pivots: int = 1000) -> LcpResult:
+def lemke(
+    a: npt.ArrayLike,
+    b: npt.ArrayLike,
+    *,
+    cover: npt.ArrayLike | None = None,
+    max_pivots: int = 1000,
+) -> LcpResult:
     """Solve y = A x + b, x >= 0, y >= 0, x.y = 0 by Lemke's method [Leine2001, Eqs. 4-5].
 
-    The problem is relaxed to y = A x + z 1 + b with a covering variable z >= 0, feasible for
+    The problem is relaxed to y = A x + z d + b with a covering variable z >= 0, feasible for
     large z. The path starts at x = 0 with the smallest such z and exchanges complementary
     variables until z leaves the basis. The leaving row is the lexicographic minimum of
     B^-1 [b, I] over the entering column, so that no basis recurs however many ratios tie.
@@ -72,6 +78,9 @@ def lemke(a: npt.ArrayLike, b: npt.ArrayLike, *, max_pivots: int = 1000) -> LcpR
         Matrix A, shape (n, n).
     b
         Vector b, shape (n,).
+    cover
+        Covering vector d >= 0 in units of b, shape (n,), positive wherever b is negative;
+        ones in the scaled problem unless given.
     max_pivots
         Pivots after which to give up; the longest paths grow like 2^n.
 
@@ -85,29 +94,32 @@ def lemke(a: npt.ArrayLike, b: npt.ArrayLike, *, max_pivots: int = 1000) -> LcpR
     Raises
     ------
     ValueError
-        If the shapes do not match or an entry is not finite.
+        If the shapes do not match, an entry is not finite or ``cover`` does not cover b.
     """
     problem = _equilibrate(*_checked(a, b))
     n = problem.b.size
+    covering = _covering(problem, cover)
     if problem.b.min(initial=0.0) >= 0.0:
         return _solution(problem, np.arange(n), problem.b, 0)
-    cover = 2 * n  # columns: y_1..y_n, x_1..x_n, z
-    columns = np.hstack([np.eye(n), -problem.a, -np.ones((n, 1))])
+    z = 2 * n  # columns: y_1..y_n, x_1..x_n, z
+    columns = np.column_stack([np.eye(n), -problem.a, -covering])
     start = np.column_stack([problem.b, np.eye(n)])
     basis = np.arange(n)
-    entering, row = cover, _lexicographic_minimum(start)
+    covered = np.flatnonzero(covering)
+    first = _lexicographic_minimum(start[covered] / covering[covered, None])
+    entering, row = z, int(covered[first])
     for pivots in range(1, max_pivots + 1):
         leaving, basis[row] = int(basis[row]), entering
-        if leaving == cover:
-            values = np.linalg.solve(columns[:, basis], problem.b)
-            return _solution(problem, basis, values, pivots)
-        entering = (leaving + n) % cover
+        entering = (leaving + n) % z
         right = np.column_stack([start, columns[:, entering]])
         table = np.linalg.solve(columns[:, basis], right)  # afresh: no error accumulates
+        if table[basis == z, 0].sum() <= _ZERO:  # z has left the basis, or is zero in it
+            return _solution(problem, basis, table[:, 0], pivots)
         candidates = np.flatnonzero(table[:, -1] > _PIVOT)
         if not candidates.size:
             return _failure(n, pivots, LcpStatus.RAY)
-        row = _leaving_row(table, candidates, basis == cover)
+        ratios = table[candidates, :-1] / table[candidates, -1:]
+        row = int(candidates[_lexicographic_minimum(ratios)])
     return _failure(n, max_pivots, LcpStatus.PIVOT_LIMIT)
 
 
@@ -209,7 +221,7 @@ def solve_contact_lcp(
         If shapes do not match or a value is out of range.
     """
     problem = _natural(_contacts(delassus, free, mu, floor, sliding))
-    result = lemke(*_contact_matrices(problem))
+    result = lemke(*_contact_matrices(problem), cover=_contact_cover(problem))
     return _read(problem, result.x, result.y, result.status)
 
 
@@ -341,37 +353,40 @@ def _equilibrate(a: FloatArray, b: FloatArray) -> _Equilibrated:
     )
 
 
-def _positive(size: FloatArray) -> FloatArray:
+def _covering(problem: _Equilibrated, cover: npt.ArrayLike | None) -> FloatArray:
+    """Return the covering vector of the equilibrated problem, largest entry 1."""
+    if cover is None:
+        return np.ones(problem.b.size)
+    d = problem.row * np.asarray(cover, dtype=np.float64)
+    if d.shape != problem.b.shape or d.min(initial=0.0) < 0.0 or (problem.b < 0.0)[d == 0.0].any():
+        raise ValueError(f"cover must be >= 0, and > 0 wherever b < 0, got {cover}")
+    return d / _positive(d.max(initial=0.0))
+
+
+def _positive(size: npt.ArrayLike) -> FloatArray:
     """Sizes to divide by: 1 in place of 0."""
-    return np.where(size > 0.0, size, 1.0)
+    return np.where(np.asarray(size) > 0.0, size, 1.0)
 
 
-def _power_of_two(value: FloatArray) -> FloatArray:
-    return np.exp2(np.round(np.log2(value)))
+def _power_of_two(value: npt.ArrayLike) -> FloatArray:
+    nearest: FloatArray = np.exp2(np.round(np.log2(value)))
+    return nearest
 
 
 def _solution(
     problem: _Equilibrated, basis: IntArray, values: FloatArray, pivots: int
 ) -> LcpResult:
-    """Result for basic variables ``basis`` (y_i: i, x_i: n + i) of the equilibrated problem."""
+    """Return the result for the basic variables ``basis``: y_1..y_n, x_1..x_n, z."""
     n = problem.b.size
-    both = np.zeros(2 * n)
-    both[basis] = np.maximum(values, 0.0)  # rounding may leave -1e-17
-    x, y = problem.size * problem.column * both[n:], problem.size / problem.row * both[:n]
+    every = np.zeros(2 * n + 1)
+    every[basis] = np.maximum(values, 0.0)  # rounding may leave -1e-17
+    y = problem.size / problem.row * every[:n]
+    x = problem.size * problem.column * every[n : 2 * n]
     return LcpResult(x=x, y=y, pivots=pivots, status=LcpStatus.SOLVED)
 
 
 def _failure(n: int, pivots: int, status: LcpStatus) -> LcpResult:
     return LcpResult(x=np.full(n, np.nan), y=np.full(n, np.nan), pivots=pivots, status=status)
-
-
-def _leaving_row(table: FloatArray, candidates: IntArray, covers: BoolArray) -> int:
-    """Row of the lexicographic minimum of table[:, :-1] / table[:, -1]; z leaves if it can."""
-    ratios = table[candidates, :-1] / table[candidates, -1:]
-    smallest = ratios[:, 0] <= ratios[:, 0].min() + _ZERO
-    tied_cover = smallest & covers[candidates]
-    row = int(tied_cover.argmax()) if tied_cover.any() else _lexicographic_minimum(ratios)
-    return int(candidates[row])
 
 
 def _lexicographic_minimum(rows: FloatArray) -> int:
@@ -447,7 +462,7 @@ def _contacts(
 
 
 def _natural(problem: _Contacts) -> _Contacts:
-    """The same problem with diag(G) = 1 and the largest of free and floor equal to 1.
+    """Rescale the problem to diag(G) = 1 and the largest of free and floor equal to 1.
 
     Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
     """
@@ -467,7 +482,7 @@ def _natural(problem: _Contacts) -> _Contacts:
 
 
 def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
-    """A and b of :func:`contact_lcp`."""
+    """Return A and b of :func:`contact_lcp`."""
     g, mu, n = problem.delassus, problem.mu, problem.mu.size
     undecided = np.flatnonzero(problem.sliding == 0)
     k = undecided.size
@@ -483,6 +498,13 @@ def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
     a[n + k :, :n], a[n + k :, n : n + k] = reserve, -np.eye(k)
     start = g @ to_impulse[:, :n] @ problem.floor + problem.free
     return a, np.append(start[rows], reserve @ problem.floor)
+
+
+def _contact_cover(problem: _Contacts) -> FloatArray:
+    """Return the covering vector of :func:`solve_contact_lcp`."""
+    undecided = problem.sliding == 0
+    ahead = 1.0 / (1.0 + problem.mu[undecided])
+    return np.concatenate([np.ones(problem.mu.size), ahead, np.zeros(ahead.size)])
 
 
 def _signs(problem: _Contacts) -> FloatArray:

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from enum import IntEnum
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -43,30 +42,23 @@ class Contact(IntEnum):
     SLIP_NEGATIVE = 3
 
 
-# Columns of a row of the mode table.
-KAPPA, OMEGA, ALPHA, A, B, SECULAR, LAMBDA = 0, 1, 2, 3, 6, 9, 12
-COLUMNS = 24  # LAMBDA is followed by p_N, r_N, p_T, r_T of contacts 1, 2, 3
+# The kernel reads one array, because compiled code passes one array cheaply. Rows and columns:
+MODES = 28
+KAPPA, OMEGA, ALPHA, A, B, SECULAR, LAMBDA, GUARDS = 0, 1, 2, 3, 6, 9, 12, 24
+# LAMBDA is followed by p_N, r_N, p_T, r_T of contacts 1, 2, 3; GUARDS by at most 4 guards, then -1
+CONTACT = 28  # one row per contact:
+LIMIT, MU, EPS, TANGENT, RESPONSE_N, RESPONSE_T = 0, 1, 2, 3, 6, 9
+# the gap over its lever arm is LIMIT + SIGN * angle; responses are M^-1 w_N and M^-1 w_T
+DELASSUS = 31  # rows and columns N1, T1, N2, T2, N3, T3 of W^T M^-1 W
+FORCE = 37  # h_0, h_1, then the length of the pole, then the lever arms of the gaps
+POLE, LEVER = 6, 7
+SHAPE = (38, 29)
+
+SIGN = (-1.0, 1.0, -1.0)  # how the angle enters the gap of contacts 1, 2, 3
+ANGLE = (2, 1, 1)  # which coordinate closes it: phi_S, phi_M, phi_M
 
 # Guards: kind * 3 + contact - 1. Each is positive inside its mode and fires at zero.
 GAP, NORMAL, CONE_POSITIVE, CONE_NEGATIVE, SLIP, SECTION = 0, 3, 6, 9, 12, 15
-MOST_GUARDS = 6
-
-
-class Model(NamedTuple):
-    """All the numbers the kernel needs, as arrays that numba understands."""
-
-    table: Floats  # (28, 24), one row per mode
-    guards: Ints  # (28, 6) guards to watch in each mode, padded with -1
-    inverse_mass: Floats  # (3, 3)
-    force: Floats  # (2, 3) rows h_0 and h_1 of h = h_0 + h_1 d
-    normal: Floats  # (3, 3) rows w_N of contacts 1, 2, 3
-    tangent: Floats  # (3, 3) rows w_T
-    limit: Floats  # (3,) gap of a contact at zero angle over its lever arm [rad]
-    sign: Floats  # (3,) angular gap = limit + sign * angle
-    angle: Ints  # (3,) index in q of the angle that closes the contact
-    mu: Floats  # (3,)
-    eps: Floats  # (3,)
-    pole: float  # [m]
 
 
 def mode_index(beak: int, lower: int, upper: int) -> int:
@@ -87,45 +79,37 @@ def consistent(states: tuple[int, ...]) -> bool:
     return len(closed) <= 1
 
 
-def model(toy: Toy) -> Model:
-    """Mode table and contact data of a toy; the table is kept for toys alike but for eps_N."""
-    mechanical = toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)
-    eps = np.array([toy.eps_n1, toy.eps_n2, toy.eps_n3])
-    eps.setflags(write=False)
-    return _mechanical_model(mechanical)._replace(eps=eps)
+def model(toy: Toy) -> Floats:
+    """All numbers the kernel needs, read-only, shape (38, 29); kept for toys alike but for eps_N."""
+    numbers = _model(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
+    numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
+    return numbers
 
 
 @lru_cache(maxsize=64)
-def _mechanical_model(toy: Toy) -> Model:
+def _model(toy: Toy) -> Floats:
     mass = np.array(mass_matrix(toy))
-    normal, tangent = np.array(normal_directions(toy)), np.array(tangential_directions(toy))
-    mu = np.array([toy.mu_1, toy.mu_2, toy.mu_3])
-    table = np.full((28, COLUMNS), np.nan)
-    guards = np.full((28, MOST_GUARDS), -1, dtype=np.int64)
     forces = np.column_stack([force_at_rest(toy), force_per_stretch(toy)])
-    for index in range(28):
+    normal, tangent = np.array(normal_directions(toy)), np.array(tangential_directions(toy))
+    mu, lever = np.array([toy.mu_1, toy.mu_2, toy.mu_3]), np.array([toy.h_s, toy.h_m, toy.h_m])
+    numbers = np.full(SHAPE, np.nan)
+    for index in range(MODES):
         states = mode_states(index)
         if consistent(states):
-            table[index] = _row(states, mass, forces, normal, tangent, mu)
+            numbers[index, :GUARDS] = _row(states, mass, forces, normal, tangent, mu)
         watched = _watched(states)
-        guards[index, : len(watched)] = watched
-    lever = np.array([toy.h_s, toy.h_m, toy.h_m])
-    arrays = (
-        table,
-        guards,
-        np.linalg.inv(mass),
-        np.ascontiguousarray(forces.T),
-        normal,
-        tangent,
-        np.array(gap_offsets(toy)) / lever,
-        np.array([-1.0, 1.0, -1.0]),
-        np.array([2, 1, 1], dtype=np.int64),
-        mu,
-        np.zeros(3),
-    )
-    for array in arrays:
-        array.setflags(write=False)
-    return Model(*arrays, toy.pole)
+        numbers[index, GUARDS:] = watched + [-1] * (SHAPE[1] - GUARDS - len(watched))
+    directions = np.stack([normal, tangent], axis=1).reshape(6, 3)
+    responses = _solve(mass, directions.T).T
+    contacts = numbers[CONTACT : CONTACT + 3]
+    contacts[:, LIMIT], contacts[:, MU] = np.array(gap_offsets(toy)) / lever, mu
+    contacts[:, TANGENT : TANGENT + 3] = tangent
+    contacts[:, RESPONSE_N : RESPONSE_N + 3] = responses[0::2]
+    contacts[:, RESPONSE_T : RESPONSE_T + 3] = responses[1::2]
+    numbers[DELASSUS : DELASSUS + 6, :6] = directions @ responses.T
+    numbers[FORCE, :6], numbers[FORCE, POLE] = forces.T.ravel(), toy.pole
+    numbers[FORCE, LEVER : LEVER + 3] = lever
+    return numbers
 
 
 def _row(
@@ -146,7 +130,7 @@ def _row(
         else:
             slip = 1.0 if states[i] == Contact.SLIP_POSITIVE else -1.0
             system[row_t, row_t], system[row_t, row_n] = 1.0, slip * mu[i]
-    row = np.zeros(COLUMNS)
+    row = np.zeros(GUARDS)
     if len(closed) == 2 and states[closed[0]] == Contact.STICK:
         return row  # at rest for good; the forces are not unique, see contact.rest_is_possible
     solution = _solve(system, rhs)
@@ -195,5 +179,3 @@ def _watched(states: tuple[Contact, ...]) -> list[int]:
         watched.append(SECTION)
     return watched
 
-
-__all__ = ["Contact", "Model", "consistent", "mode_index", "mode_states", "model"]

@@ -1,0 +1,283 @@
+"""Branches, special points and diagrams: what they refuse, hold and give to a graph."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.graph import read_graph, sanitised, write_graph
+
+
+def branch(**changes: object) -> Branch:
+    fields: dict[str, object] = {
+        "id": "b1",
+        "kind": BranchKind.FIXED_POINT,
+        "order": 1,
+        "word": "S2 D2",
+        "parameter": [0.1, 0.2, 0.4],
+        "x": [-0.5, -0.6, -0.4],
+        "multiplier": [1.0, 0.5, -1.5],
+        "ends": ("P1", "P2"),
+    }
+    return Branch(**(fields | changes))  # type: ignore[arg-type]
+
+
+def point(name: str, **changes: object) -> SpecialPoint:
+    fields: dict[str, object] = {"id": name, "kind": PointKind.EP, "parameter": 0.0, "x": 0.0}
+    return SpecialPoint(**(fields | changes))  # type: ignore[arg-type]
+
+
+def diagram() -> Diagram:
+    """A fold LP from which one branch runs to a border collision BC, where a jump starts."""
+    return Diagram(
+        parameter_name="eps_n1",
+        x_name="phi_s",
+        points=(
+            point("LP1", kind=PointKind.LP, parameter=0.1, x=-0.5, branches=("b1",)),
+            point(
+                "BC1",
+                kind=PointKind.BC,
+                parameter=0.4,
+                x=-0.4,
+                branches=("b1", "j1"),
+                order=2,
+                note="fold",
+                exact={"parameter": "2/5"},
+            ),
+            point("EP1", parameter=1, x=np.float64(-0.9), branches=("j1",)),
+        ),
+        branches=(
+            branch(ends=("LP1", "BC1"), exact={"x": "r/(a + 1)"}),
+            branch(
+                id="j1",
+                kind=BranchKind.JUMP,
+                order=2,
+                word="S2 D2 | S2 I3",
+                parameter=[0.4, 1.0],
+                x=[-0.4, -0.9],
+                multiplier=[math.nan, math.nan],
+                ends=("BC1", "EP1"),
+            ),
+        ),
+    )
+
+
+# --- Branch ------------------------------------------------------------------------------------
+
+
+def test_a_branch_holds_locked_copies_of_its_samples() -> None:
+    parameter = np.array([0.1, 0.2, 0.4])
+    one = branch(parameter=parameter, x=[1, 2, 3])
+    parameter[0] = 9.0
+    assert one.parameter.tolist() == [0.1, 0.2, 0.4]
+    assert len(one) == 3
+    for values in (one.parameter, one.x, one.multiplier):
+        assert values.dtype == np.float64
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 0.0
+
+
+def test_a_branch_is_frozen() -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        branch().word = "I1"  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"id": "b:1"}, r"a branch id must not contain ':', got 'b:1'"),
+        ({"order": 0}, r"order must be at least 1, got 0"),
+        ({"x": [0.0, 1.0]}, r"one common length of at least 1, got 3, 2 and 3"),
+        ({"parameter": [], "x": [], "multiplier": []}, r"at least 1, got 0, 0 and 0"),
+        ({"x": [[0.0, 1.0, 2.0]]}, r"one-dimensional arrays, got shape \(1, 3\)"),
+        ({"x": 0.0}, r"one-dimensional arrays, got shape \(\)"),
+        ({"kind": "curve"}, r"'curve' is not a valid BranchKind"),
+    ],
+)
+def test_a_branch_refuses(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        branch(**changes)
+
+
+def test_kinds_may_be_given_by_their_text() -> None:
+    assert branch(kind="jump").kind is BranchKind.JUMP
+    assert point("P", kind="LP").kind is PointKind.LP
+    assert str(BranchKind.FIXED_POINT) == "fixed-point"
+    assert str(PointKind.FALL) == "FALL"
+
+
+def test_stable_means_a_multiplier_inside_the_unit_circle() -> None:
+    multiplier = [-1.5, -1.0, -0.99, 0.0, 0.99, 1.0, 1.5, math.nan]
+    one = branch(parameter=np.arange(8.0), x=np.zeros(8), multiplier=multiplier)
+    assert one.stable.dtype == np.bool_
+    assert one.stable.tolist() == [False, False, True, True, True, False, False, False]
+
+
+# --- Special points -----------------------------------------------------------------------------
+
+
+def test_every_kind_of_point_has_a_meaning() -> None:
+    assert [kind.value for kind in PointKind] == ["LP", "PD", "BC", "FF", "WC", "FALL", "EP"]
+    assert PointKind.LP.meaning == "fold: multiplier +1"
+    assert PointKind.PD.meaning == "flip: multiplier -1"
+    assert len({kind.meaning for kind in PointKind}) == 7
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "message"),
+    [
+        ("P:1", {}, r"a point id must not contain ':', got 'P:1'"),
+        ("P1", {"kind": "HB"}, r"'HB' is not a valid PointKind"),
+    ],
+)
+def test_a_point_refuses(name: str, changes: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        point(name, **changes)
+
+
+# --- Diagram ------------------------------------------------------------------------------------
+
+
+def test_ids_are_unique() -> None:
+    points = (point("P1"), point("P2"))
+    names = {"parameter_name": "p", "x_name": "x"}
+    with pytest.raises(ValueError, match="ids of the special points are not unique"):
+        Diagram(**names, branches=(), points=(*points, point("P1")))
+    with pytest.raises(ValueError, match="ids of the branches are not unique"):
+        Diagram(**names, branches=(branch(), branch()), points=points)
+
+
+@pytest.mark.parametrize("ends", [("P1", "P3"), ("P3", "P1")])
+def test_branches_end_at_known_points(ends: tuple[str, str]) -> None:
+    with pytest.raises(ValueError, match="branch 'b1' ends at unknown point 'P3'"):
+        Diagram(
+            parameter_name="p",
+            x_name="x",
+            branches=(branch(ends=ends),),
+            points=(point("P1"), point("P2")),
+        )
+
+
+def test_branches_and_points_are_found_by_id() -> None:
+    whole = diagram()
+    assert whole.branch("j1") is whole.branches[1]
+    assert whole.point("BC1") is whole.points[1]
+    with pytest.raises(KeyError, match="no branch 'BC1' in this diagram"):
+        whole.branch("BC1")
+    with pytest.raises(KeyError, match="no special point 'j1' in this diagram"):
+        whole.point("j1")
+
+
+def test_the_graph_of_a_small_diagram() -> None:
+    graph = diagram().graph()
+    assert type(graph) is nx.MultiGraph
+    assert graph.graph == {"parameter": "eps_n1", "x": "phi_s"}
+    assert list(graph.nodes(data=True)) == [
+        ("LP1", {"kind": "LP", "parameter": 0.1, "x": -0.5, "order": 1.0, "note": ""}),
+        (
+            "BC1",
+            {
+                "kind": "BC",
+                "parameter": 0.4,
+                "x": -0.4,
+                "order": 2.0,
+                "note": "fold",
+                "parameter_exact": "2/5",
+            },
+        ),
+        ("EP1", {"kind": "EP", "parameter": 1.0, "x": -0.9, "order": 1.0, "note": ""}),
+    ]
+    assert list(graph.edges(keys=True, data=True)) == [
+        (
+            "LP1",
+            "BC1",
+            "b1",
+            {
+                "kind": "fixed-point",
+                "order": 1.0,
+                "word": "S2 D2",
+                "stable": "yes",
+                "parameter_min": 0.1,
+                "parameter_max": 0.4,
+                "x_min": -0.6,
+                "x_max": -0.4,
+                "samples": 3.0,
+                "x_exact": "r/(a + 1)",
+            },
+        ),
+        (
+            "BC1",
+            "EP1",
+            "j1",
+            {
+                "kind": "jump",
+                "order": 2.0,
+                "word": "S2 D2 | S2 I3",
+                "stable": "no",
+                "parameter_min": 0.4,
+                "parameter_max": 1.0,
+                "x_min": -0.9,
+                "x_max": -0.4,
+                "samples": 2.0,
+            },
+        ),
+    ]
+
+
+def test_the_graph_holds_plain_floats_and_plain_text_only() -> None:
+    graph = diagram().graph()
+    tables = (graph.graph, *graph.nodes.values(), *graph.edges.values())
+    assert {type(value) for data in tables for value in data.values()} == {float, str}
+    for data in (*graph.nodes.values(), *graph.edges.values()):
+        numeric = {name for name, value in data.items() if type(value) is float}
+        assert numeric == set(data) & {
+            *("parameter", "x", "order", "samples"),
+            *("parameter_min", "parameter_max", "x_min", "x_max"),
+        }
+
+
+@pytest.mark.parametrize(
+    ("multiplier", "expected"),
+    [
+        ([0.5], "yes"),
+        ([1.5], "no"),
+        ([0.5, 1.5], "partly"),
+        ([1.0, 0.5, -1.0], "yes"),
+        ([0.5, 1.5, 0.5], "no"),
+        ([1.0, 0.5, 1.5, 1.0], "partly"),
+    ],
+)
+def test_the_graph_tells_how_much_of_a_branch_is_stable(
+    multiplier: list[float], expected: str
+) -> None:
+    zeros = [0.0] * len(multiplier)
+    one = branch(parameter=zeros, x=zeros, multiplier=multiplier)
+    points = (point("P1"), point("P2"))
+    graph = Diagram(parameter_name="p", x_name="x", branches=(one,), points=points).graph()
+    assert graph.edges["P1", "P2", "b1"]["stable"] == expected
+
+
+def test_loops_and_parallel_branches_stay_apart_in_the_graph() -> None:
+    branches = (
+        branch(id="1"),
+        branch(id="2", ends=("P2", "P1")),
+        branch(id="3", ends=("P2", "P2")),
+    )
+    points = (point("P1"), point("P2"), point("P3"))
+    graph = Diagram(parameter_name="p", x_name="x", branches=branches, points=points).graph()
+    assert [key for *_, key in graph.edges(keys=True)] == ["1", "2", "3"]
+    assert dict(graph.degree()) == {"P1": 2, "P2": 4, "P3": 0}
+
+
+@pytest.mark.parametrize("suffix", [".graphml", ".gexf", ".json", ".dot"])
+def test_the_graph_of_a_diagram_needs_no_cleaning_and_reads_back(
+    suffix: str, tmp_path: Path
+) -> None:
+    graph = diagram().graph()
+    assert nx.utils.graphs_equal(sanitised(graph), graph)
+    back = read_graph(write_graph(graph, tmp_path / f"diagram{suffix}"))
+    assert nx.utils.graphs_equal(back, graph)
