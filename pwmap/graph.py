@@ -73,8 +73,7 @@ def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
     TypeError, ValueError
         One sentence that names the node or edge, the attribute and the value.
     """
-    if not isinstance(graph, nx.MultiGraph) or graph.is_directed():
-        raise TypeError(f"expected an undirected networkx.MultiGraph, got {type(graph).__name__}")
+    _check_kind(graph)
     copy = nx.MultiGraph()
     copy.graph.update(_plain_attributes(graph.graph, "the graph"))
     for node, data in graph.nodes(data=True):
@@ -156,6 +155,11 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
         raise ValueError(f"{path} does not hold a graph written by write_graph: {e}") from e
 
 
+def _check_kind(graph: object) -> None:
+    if not isinstance(graph, nx.MultiGraph) or graph.is_directed():
+        raise TypeError(f"expected an undirected networkx.MultiGraph, got {type(graph).__name__}")
+
+
 def _identifier(value: object, where: str) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{where} must be text, got {value!r}")
@@ -195,7 +199,8 @@ def _plain(value: object, where: str) -> float | str:
 
 
 def _rebuilt(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
-    """Copy a graph, each dictionary of attributes changed."""
+    """Copy a multigraph, each dictionary of attributes changed."""
+    _check_kind(graph)
     copy = nx.MultiGraph()
     copy.graph.update(change(graph.graph))
     copy.add_nodes_from((node, change(data)) for node, data in graph.nodes(data=True))

@@ -22,10 +22,10 @@ _announced = not COMPILED
 
 
 def jit(function: F) -> F:
-    """``numba.njit`` with a cache on disk, or the function itself without numba."""
+    """``numba.njit`` with a cache on disk and without the GIL, or the function itself."""
     if not COMPILED:
         return function
-    compiled: F = numba.njit(cache=True, error_model="numpy")(function)
+    compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
     return compiled
 
 

@@ -743,9 +743,15 @@ def sweep(
 
 
 @jit
-def sample(model: Floats, phases: Floats, times: Floats, out: Floats) -> None:
-    """States at ascending or descending times from the phases of a trajectory; right-continuous."""
+def sample(model: Floats, phases: Floats, times: Floats, left: bool, out: Floats) -> None:
+    """States (n, 7) at given times from the phases of a trajectory.
+
+    At an event time the state after it, or before it if ``left``.
+    """
     starts = phases[:, 6]
     for n in range(len(times)):
-        k = max(0, np.searchsorted(starts, times[n], side="right") - 1)
+        if left:
+            k = max(0, np.searchsorted(starts, times[n], side="left") - 1)
+        else:
+            k = max(0, np.searchsorted(starts, times[n], side="right") - 1)
         flow(model, int(phases[k, 7]), phases[k, :7], times[n] - starts[k], out[n])

@@ -151,7 +151,7 @@ def small() -> nx.MultiGraph:
 # --- Round trips ---------------------------------------------------------------------------
 
 xml_text = st.text(
-    st.characters(min_codepoint=0x20, exclude_categories=("Cs",), exclude_characters="\ufffe\uffff")
+    st.characters(min_codepoint=0x20, exclude_categories=["Cs"], exclude_characters="\ufffe\uffff")
     | st.sampled_from("\t\n\r \\\"'<>&{}[];,=-+#/:0naif")
 )
 texts = st.sampled_from(NASTY_TEXTS) | xml_text
@@ -216,7 +216,8 @@ def test_every_name_may_be_used_everywhere(suffix: str, value: float | str, tmp_
 def test_a_name_may_hold_a_number_here_and_text_there(suffix: str, tmp_path: Path) -> None:
     graph = nx.MultiGraph(x="phi_s", key=1.0)
     graph.add_nodes_from([("A", {"x": 1.0, "id": "1.0"}), ("B", {"x": "1.0", "id": 1.0})])
-    graph.add_edges_from([("A", "B", "k", {"label": "1"}), ("A", "B", "l", {"label": 1.0})])
+    graph.add_edges_from([("A", "B", "k", {"label": "1", "y": "nan"})])
+    graph.add_edges_from([("A", "B", "l", {"label": 1.0, "y": math.nan})])
     assert_kept(graph, tmp_path, suffix)
 
 
@@ -337,14 +338,14 @@ def test_gexf_shows_ids_keys_and_typed_columns(tmp_path: Path) -> None:
 
 def test_dot_quotes_text_and_writes_numbers_bare(tmp_path: Path) -> None:
     graph = small()
-    graph.nodes["B"].update(low=-math.inf, tiny=-1e-7, note='a\\ "b"\n')
+    graph.nodes["B"].update(low=-math.inf, tiny=-1e-7, note='a\\ "b"\r\n')
     assert write_graph(graph, tmp_path / "graph.dot").read_text(encoding="utf-8") == (
         "graph {\n"
         '"parameter"="eps_n1";\n'
         '"span"=1.0;\n'
         '"A" ["kind"="BC", "x"=-0.75];\n'
         '"B" ["kind"="EP", "x"=nan, "low"=minus_inf, "tiny"=-0.0000001, '
-        r'"note"="a\\ \"b\"\n"];'
+        r'"note"="a\\ \"b\"\r\n"];'
         "\n"
         '"A" -- "B" ["key"="b1", "word"="S2 D2", "order"=1.0];\n'
         "}\n"
@@ -468,10 +469,11 @@ def test_a_key_given_by_networkx_is_refused() -> None:
 def test_ids_that_are_enums_of_text_become_plain_text() -> None:
     graph = nx.MultiGraph()
     graph.add_edge(Word.A, "b", key=Word.A)
+    graph.add_edge("c", Word.A, key="k")
     clean = sanitised(graph)
-    assert [type(part) for edge in clean.edges(keys=True) for part in edge] == [str, str, str]
-    assert list(clean.edges(keys=True)) == [("a", "b", "a")]
-    assert [type(node) for node in clean] == [str, str]
+    assert list(clean.edges(keys=True)) == [("a", "b", "a"), ("a", "c", "k")]
+    parts = [*clean, *(part for edge in clean.edges(keys=True) for part in edge)]
+    assert {type(part) for part in [*parts, *clean["b"], *clean["c"]]} == {str}
 
 
 @pytest.mark.parametrize("name", ["", "a b", "1a", "a-b", "a.b", "id:float", "a:", 1, None])
@@ -556,6 +558,17 @@ def test_a_broken_file_is_named(
     with pytest.raises(ValueError, match=rf"graph\{suffix} does not hold a graph written by write"):
         read_graph(path)
     assert capsys.readouterr() == ("", "")
+
+
+def test_foreign_json_is_held_to_the_same_rules(tmp_path: Path) -> None:
+    path = tmp_path / "graph.json"
+    data = {"directed": False, "multigraph": True, "graph": {"n": 1}, "nodes": [], "edges": []}
+    path.write_text(json.dumps(data))
+    assert repr(read_graph(path).graph) == "{'n': 1.0}"
+    for wrong in ({"directed": True}, {"multigraph": False}, {"graph": {"n": None}}):
+        path.write_text(json.dumps(data | wrong))
+        with pytest.raises(ValueError, match=r"graph\.json does not hold a graph .* expected a"):
+            read_graph(path)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,181 @@
+"""The return map P_j on the section of jammed, resting sleeves [Leine2001, Eqs. 12-13]."""
+
+from __future__ import annotations
+
+import math
+import os
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker import kernel
+from woodpecker.compiled import COMPILED, announce
+from woodpecker.modes import Floats, Ints, model
+from woodpecker.status import Status, status
+from woodpecker.toy import Toy
+from woodpecker.words import word
+
+EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
+CHUNK = 256  # starts handed to one worker at a time
+RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Return:
+    """One return to the section.
+
+    Parameters
+    ----------
+    phi_s
+        Image P_j(phi_S) [rad]; nan if the toy does not return.
+    period, drop
+        Time [s] and distance fallen [m, positive down]. For a toy that falls off the pole the drop
+        is the length of the pole, for one that falls for ever it is infinite.
+    slope
+        d P_j / d phi_S [-], exact, from the variational flow.
+    d_eps_n1
+        d P_j / d eps_N1 [rad], exact likewise.
+    word
+        Sequence of events.
+    status
+        Why the run ended.
+    """
+
+    phi_s: float
+    period: float
+    drop: float
+    slope: float
+    d_eps_n1: float
+    word: str
+    status: Status
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReturnMap:
+    """Returns of many starts; arrays of shape (n,) with the meaning of :class:`Return`."""
+
+    start: Floats
+    phi_s: Floats
+    period: Floats
+    drop: Floats
+    slope: Floats
+    d_eps_n1: Floats
+    words: tuple[str, ...]
+    status: tuple[Status, ...]
+
+
+def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
+    """Start at rest on the section and follow the toy for ``order`` returns.
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    phi_s
+        Angle of the woodpecker at the start [rad], below ``toy.phi_s_max``.
+    order
+        Number of returns j >= 1; the toy is simulated again, P_1 is never interpolated.
+
+    Raises
+    ------
+    ValueError
+        If phi_s is not finite or beyond the beak's contact, or order < 1.
+    """
+    many = _chunk(toy, _starts(toy, [phi_s]), _order(order))
+    return Return(
+        **{name: float(getattr(many, name)[0]) for name in _COLUMNS},
+        word=many.words[0],
+        status=many.status[0],
+    )
+
+
+def return_map(
+    toy: Toy, phi_s: npt.ArrayLike, order: int = 1, *, executor: Executor | None = None
+) -> ReturnMap:
+    """P_order at many starts, on all cores.
+
+    Parameters
+    ----------
+    toy, order
+        As for :func:`first_return`.
+    phi_s
+        Starts [rad], any shape; the result is flat.
+    executor
+        Any executor of :mod:`concurrent.futures` (a process pool, dask, MPI) to carry the work.
+        By default the compiled kernel runs in threads and the plain one serially.
+    """
+    starts = _starts(toy, phi_s)
+    _order(order)
+    parts = [starts[k : k + CHUNK] for k in range(0, len(starts), CHUNK)] or [starts]
+    if executor is not None:
+        results = list(executor.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
+    elif COMPILED and len(parts) > 1:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            results = list(pool.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
+    else:
+        results = [_chunk(toy, part, order) for part in parts]
+    return ReturnMap(
+        start=starts,
+        **{name: np.concatenate([getattr(part, name) for part in results]) for name in _COLUMNS},
+        words=tuple(text for part in results for text in part.words),
+        status=tuple(reason for part in results for reason in part.status),
+    )
+
+
+_COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
+_SEED = np.array([[1.0, 0.0, 0.0]])
+
+
+def _starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
+    starts = np.array(phi_s, dtype=float).ravel()
+    bad = starts[~(np.isfinite(starts) & (starts < toy.phi_s_max))]
+    if bad.size:
+        raise ValueError(
+            f"phi_s must be finite and below {toy.phi_s_max:.6g}, where the beak touches the pole, "
+            f"got {bad[0]}"
+        )
+    return starts
+
+
+def _order(order: int) -> int:
+    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
+        raise ValueError(f"order must be a whole number of at least 1, got {order!r}")
+    return order
+
+
+def sweep(toy: Toy, starts: Floats, order: int, seed: Floats) -> tuple[Floats, Ints, Ints, Any]:
+    """Call the kernel: columns (n, 4 + k), return codes (n,), word lengths (n,), words (n, limit)."""
+    n = len(starts)
+    out = np.empty((n, 4 + len(seed)))
+    codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+    words = np.empty((n, EVENT_LIMIT * order), dtype=np.int8)
+    announce(kernel.sweep)
+    kernel.sweep(model(toy), starts, order, seed, out, codes, lengths, words)
+    return out, codes, lengths, words
+
+
+def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
+    """Returns of some starts, in this thread or process."""
+    out, codes, lengths, words = sweep(toy, starts, order, _SEED)
+    known: dict[bytes, str] = {}
+    texts = []
+    for row, length in zip(words, lengths, strict=True):
+        key = row[:length].tobytes()
+        if key not in known:
+            known[key] = word(key)
+        texts.append(known[key])
+    endless = codes == kernel.FREE_FALL
+    if math.isfinite(toy.pole):
+        codes[endless] = kernel.POLE_END
+    lost = codes != kernel.RETURNED
+    out[np.ix_(lost, [0, 1, 3, 4])] = np.nan
+    out[(codes == kernel.POLE_END) | endless, 2] = toy.pole
+    return ReturnMap(
+        start=starts,
+        **{name: np.ascontiguousarray(out[:, k]) for k, name in enumerate(_COLUMNS)},
+        words=tuple(texts),
+        status=tuple(map(status, codes.tolist())),
+    )
