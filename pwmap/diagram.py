@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import StrEnum
 
 import networkx as nx
 import numpy as np
@@ -19,16 +19,14 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 
-class BranchKind(str, Enum):
+class BranchKind(StrEnum):
     """What a branch is a curve of."""
 
     FIXED_POINT = "fixed-point"
     JUMP = "jump"
 
-    __str__ = str.__str__
 
-
-class PointKind(str, Enum):
+class PointKind(StrEnum):
     """What ends or marks branches; the value is the code used in tables and graphs."""
 
     LP = "LP"
@@ -38,8 +36,6 @@ class PointKind(str, Enum):
     WC = "WC"
     FALL = "FALL"
     EP = "EP"
-
-    __str__ = str.__str__
 
     @property
     def meaning(self) -> str:
@@ -59,7 +55,7 @@ _MEANINGS = {
 
 
 def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np.generic]:
-    array = np.array(values, dtype=dtype)
+    array: npt.NDArray[np.generic] = np.array(values, dtype=dtype)
     if array.ndim != 1:
         raise ValueError(f"a branch needs one-dimensional arrays, got shape {array.shape}")
     array.setflags(write=False)
@@ -99,8 +95,8 @@ class Branch:
     exact: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if ":" in self.id:
-            raise ValueError(f"a branch id must not contain ':', got {self.id!r}")
+        if not self.id or ":" in self.id:
+            raise ValueError(f"a branch id must be text without ':', got {self.id!r}")
         if self.order < 1:
             raise ValueError(f"order must be at least 1, got {self.order}")
         for name in ("parameter", "x", "multiplier"):
@@ -153,8 +149,8 @@ class SpecialPoint:
     exact: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if ":" in self.id:
-            raise ValueError(f"a point id must not contain ':', got {self.id!r}")
+        if not self.id or ":" in self.id:
+            raise ValueError(f"a point id must be text without ':', got {self.id!r}")
         object.__setattr__(self, "kind", PointKind(self.kind))
 
 
@@ -241,6 +237,6 @@ class Diagram:
 
 
 def _share(branch: Branch) -> str:
-    """``"yes"``, ``"no"`` or ``"partly"``: is the branch stable?"""
+    """``"yes"``, ``"no"`` or ``"partly"``: whether the branch is stable."""
     inner = branch.stable[1:-1] if len(branch) > 2 else branch.stable
     return "yes" if inner.all() else "partly" if inner.any() else "no"

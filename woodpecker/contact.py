@@ -11,6 +11,11 @@ With one contact the six index combinations have closed forms; with two, all 36 
 elimination. Either way a missing solution or a second one is seen. :mod:`woodpecker.lcp` solves
 the same problem by Lemke's method for any number of contacts and is what this file is tested
 against.
+
+Two sticking contacts have four impulses for three equations: a compression that ends with the
+whole toy at rest fixes the velocities but leaves the normal impulses on a segment, and the
+expansion feeds on them. Such an impact is reported as indeterminate and continued from the middle
+of the segment, the one choice that prefers no contact.
 """
 
 from __future__ import annotations
@@ -37,7 +42,7 @@ from woodpecker.modes import (
 )
 
 # Outcome of a contact problem.
-SOLVED, NO_SOLUTION, AMBIGUOUS = 0, 1, 2
+SOLVED, NO_SOLUTION, AMBIGUOUS, INDETERMINATE = 0, 1, 2, 3
 
 # Index combination of one contact: 3 * normal + tangential.
 REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
@@ -169,33 +174,31 @@ def _eliminate(system: Floats, n: int, solution: Floats) -> bool:
 
 
 @jit
-def _admissible(
+def _violation(
     case: Ints, velocity: Floats, impulse: Floats, mu: Floats, floor: Floats,
-    slack_v: float, slack_i: float,
-) -> bool:  # fmt: skip
-    """Whether the inequalities of an index combination hold, up to the slacks."""
+    scale_v: float, scale_i: float,
+) -> float:  # fmt: skip
+    """Largest relative violation of the inequalities of an index combination."""
+    worst = 0.0
     for k in range(len(case)):
         normal, tangential = case[k] // 3, case[k] % 3
         if normal == REST:
-            if impulse[2 * k] < floor[k] - slack_i:
-                return False
-        elif velocity[2 * k] < -slack_v:
-            return False
+            worst = max(worst, (floor[k] - impulse[2 * k]) / scale_i)
+        else:
+            worst = max(worst, -velocity[2 * k] / scale_v)
         if tangential == HOLD:
-            if abs(impulse[2 * k + 1]) > mu[k] * impulse[2 * k] + slack_i:
-                return False
+            worst = max(worst, (abs(impulse[2 * k + 1]) - mu[k] * impulse[2 * k]) / scale_i)
         elif tangential == FORWARD:
-            if velocity[2 * k + 1] < -slack_v:
-                return False
-        elif velocity[2 * k + 1] > slack_v:
-            return False
-    return True
+            worst = max(worst, -velocity[2 * k + 1] / scale_v)
+        else:
+            worst = max(worst, velocity[2 * k + 1] / scale_v)
+    return worst
 
 
 @jit
 def contact_problem(
-    delassus: Floats, free: Floats, mu: Floats, floor: Floats, need_unique: Ints,
-    case: Ints, impulse: Floats,
+    delassus: Floats, free: Floats, mu: Floats, floor: Floats, feeds: Ints, cases: Ints,
+    impulse: Floats,
 ) -> int:  # fmt: skip
     """Try every index combination of one or two contacts.
 
@@ -203,53 +206,75 @@ def contact_problem(
     ----------
     delassus
         (2n, 2n), (N, T) of each contact in turn; free is (2n,), mu and floor are (n,).
-    need_unique
+    feeds
         (n,) nonzero where the normal impulse itself matters afterwards (it feeds the expansion).
-    case, impulse
-        Output: the index combination (n,) and its impulses (2n,).
+    cases
+        (2, n) output: the index combination, twice; if indeterminate both ends of the segment.
+    impulse
+        (2n,) output: the impulses, or the middle of the segment.
 
     Returns
     -------
-    SOLVED, NO_SOLUTION, or AMBIGUOUS if two combinations give different velocities (or different
-    normal impulses where these matter).
+    SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
+    they give the same velocities but different normal impulses where these matter.
     """
-    n = len(case)
+    n = len(free) // 2
     trial, found = np.zeros(n, dtype=np.int64), np.zeros(2 * n)
-    velocity, kept = np.zeros(2 * n), np.zeros(2 * n)
-    scale_v, scale_i = 0.0, 0.0
+    velocity, kept_velocity, low, high = (
+        np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n),
+    )  # fmt: skip
+    scale_v, scale_i = 1e-300, 1e-300
     for k in range(2 * n):
         scale_v = max(scale_v, abs(free[k]))
         scale_i = max(scale_i, abs(free[k]) / delassus[k, k])
     for k in range(n):
         scale_i = max(scale_i, floor[k])
         scale_v = max(scale_v, floor[k] * delassus[2 * k, 2 * k])
-    for slack in (0.0, SLACK):
-        solutions = 0
-        for index in range(36 if n == 2 else 6):
-            trial[0] = index % 6
-            if n == 2:
-                trial[1] = index // 6
-            if not solve_case(trial, delassus, free, mu, floor, found):
-                continue
-            _velocities(trial, delassus, free, found, velocity)
-            if not _admissible(trial, velocity, found, mu, floor, slack * scale_v, slack * scale_i):
-                continue
-            if solutions == 0:
-                for k in range(2 * n):
-                    kept[k], impulse[k] = velocity[k], found[k]
-                for k in range(n):
-                    case[k] = trial[k]
-                solutions = 1
-                continue
+    best, status = math.inf, NO_SOLUTION
+    for index in range(36 if n == 2 else 6):
+        trial[0] = index % 6
+        if n == 2:
+            trial[1] = index // 6
+        if not solve_case(trial, delassus, free, mu, floor, found):
+            continue
+        _velocities(trial, delassus, free, found, velocity)
+        violation = _violation(trial, velocity, found, mu, floor, scale_v, scale_i)
+        if violation > SLACK:
+            continue
+        if status == NO_SOLUTION:
+            status = SOLVED
             for k in range(2 * n):
-                if abs(velocity[k] - kept[k]) > SAME * scale_v:
-                    return AMBIGUOUS
+                kept_velocity[k], low[k], high[k] = velocity[k], found[k], found[k]
             for k in range(n):
-                if need_unique[k] and abs(found[2 * k] - impulse[2 * k]) > SAME * scale_i:
-                    return AMBIGUOUS
-        if solutions > 0:
-            return SOLVED
-    return NO_SOLUTION
+                cases[0, k] = cases[1, k] = trial[k]
+        differs = False
+        for k in range(2 * n):
+            if abs(velocity[k] - kept_velocity[k]) > SAME * scale_v:
+                return AMBIGUOUS
+        for k in range(n):
+            if feeds[k] and abs(found[2 * k] - low[2 * k]) > SAME * scale_i:
+                differs = True
+        if differs:
+            status = INDETERMINATE
+        if violation < best and status == SOLVED:
+            best = violation
+            for k in range(2 * n):
+                low[k] = high[k] = found[k]
+            for k in range(n):
+                cases[0, k] = cases[1, k] = trial[k]
+        elif status == INDETERMINATE:  # all solutions lie on one segment: keep its ends
+            row = 0 if found[0] < low[0] else (1 if found[0] > high[0] else -1)
+            for k in range(2 * n):
+                if row == 0:
+                    low[k] = found[k]
+                elif row == 1:
+                    high[k] = found[k]
+            for k in range(n):
+                if row >= 0:
+                    cases[row, k] = trial[k]
+    for k in range(2 * n):
+        impulse[k] = 0.5 * (low[k] + high[k])
+    return status
 
 
 @jit
@@ -292,7 +317,7 @@ def impact(
         status = _single_impact(model, contacts[0], z, tangents, seed, case, impulses)
     else:
         status = _double_impact(model, contacts, z, tangents, seed, case, impulses)
-    if status == SOLVED:
+    if status in (SOLVED, INDETERMINATE):
         _clear(model, contacts, case, z)
         for m in range(len(tangents)):
             _clear(model, contacts, case, tangents[m])
@@ -370,33 +395,36 @@ def _double_impact(
         feeds[k] = 1 if eps[k] > 0.0 else 0
         free[2 * k], free[2 * k + 1] = rates(model, i, z)
     floor, zero = np.zeros(2), np.zeros(2)
-    first = np.zeros(2, dtype=np.int64)
-    status = contact_problem(delassus, free, mu, zero, feeds, first, impulses[0])
-    if status != SOLVED:
-        return status
-    _velocities(first, delassus, free, impulses[0], middle)
+    first, second = np.zeros((2, 2), dtype=np.int64), np.zeros((2, 2), dtype=np.int64)
+    outcome = contact_problem(delassus, free, mu, zero, feeds, first, impulses[0])
+    if outcome in (NO_SOLUTION, AMBIGUOUS):
+        return outcome
+    _velocities(first[0], delassus, free, impulses[0], middle)
     expands = False
     for k in range(2):
         floor[k] = eps[k] * impulses[0, 2 * k]
         expands = expands or floor[k] > 0.0
-        case[k] = first[k]
+        case[k] = first[0, k]
+        feeds[k] = 0
     if expands:
-        feeds[0] = feeds[1] = 0
-        status = contact_problem(delassus, middle, mu, floor, feeds, case, impulses[1])
+        status = contact_problem(delassus, middle, mu, floor, feeds, second, impulses[1])
         if status != SOLVED:
             return status
-    change, more = np.zeros(4), np.zeros(4)
+        for k in range(2):
+            case[k] = second[0, k]
+    change, part, more = np.zeros(4), np.zeros(4), np.zeros(4)
     for m in range(len(tangents)):
         for k in range(2):
             free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangents[m])
-        solve_case(first, delassus, free, mu, zero, change)
+        solve_case(first[0], delassus, free, mu, zero, change)
+        solve_case(first[1], delassus, free, mu, zero, part)
         for k in range(4):
-            more[k] = 0.0
+            change[k], more[k] = 0.5 * (change[k] + part[k]), 0.0
         if expands:
             for k in range(2):
                 dfloor = seed[m, contacts[k]] * impulses[0, 2 * k]
                 floor[k] = eps[k] * change[2 * k] + dfloor
-            _velocities(first, delassus, free, change, middle)
+            _velocities(first[0], delassus, free, change, middle)
             solve_case(case, delassus, middle, mu, floor, more)
         for k in range(2):
             p_n, p_t = change[2 * k] + more[2 * k], change[2 * k + 1] + more[2 * k + 1]
@@ -405,7 +433,7 @@ def _double_impact(
         p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
         p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
         _kick(model, contacts[k], p_n, p_t, z)
-    return SOLVED
+    return outcome
 
 
 @jit

@@ -17,6 +17,7 @@ from woodpecker.compiled import jit
 from woodpecker.contact import (
     AMBIGUOUS,
     HOLD,
+    INDETERMINATE,
     NO_SOLUTION,
     REST,
     SOLVED,
@@ -58,7 +59,7 @@ RETURNED, TIME_REACHED, FREE_FALL, POLE_END, AT_REST = 0, 1, 2, 3, 4
 EVENT_LIMIT, CONTACT_NO_SOLUTION, CONTACT_AMBIGUOUS = 5, 6, 7
 
 # Event codes: 8 * kind + bit mask of the contacts.
-IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END = 0, 1, 2, 3, 4, 5
+IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END, INDETERMINATE_IMPACT = range(7)
 
 # Contact states, as in modes.Contact.
 OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = 0, 1, 2, 3
@@ -423,8 +424,9 @@ def arrive(
     if striking:
         case, impulses = np.zeros(2, dtype=np.int64), np.zeros((2, 4))
         status = impact(model, contacts, z, tangents, seed, case, impulses)
-        if status != SOLVED:
+        if status in (NO_SOLUTION, AMBIGUOUS):
             return status
+        kind = INDETERMINATE_IMPACT if status == INDETERMINATE else IMPACT
         mask = 0
         for k in range(len(contacts)):
             i = contacts[k]
@@ -435,7 +437,7 @@ def arrive(
             for phase in range(2):
                 event[column + 4 * phase] = impulses[phase, 2 * k]
                 event[column + 4 * phase + 1] = impulses[phase, 2 * k + 1]
-        _append(word, counts, 8 * IMPACT + mask)
+        _append(word, counts, 8 * kind + mask)
         for i in range(3):
             before[i] = before[i] if before[i] != OPEN or not closed[i] else SLIP_POSITIVE
         fired = np.int64(-1)
@@ -468,14 +470,11 @@ def _touching(
         gap = model[CONTACT + i, LIMIT] + sign * z[j]
         if states[i] != OPEN:
             closed[i] = 1
-        elif fired == GAP + i:
-            striking = True
-        elif gap <= 0.0 and sign * z[3 + j] < 0.0:
-            striking = True  # closes in the same instant
-        elif gap < 0.0:
-            z[j] = -sign * model[CONTACT + i, LIMIT]
-            continue
-        elif gap > 0.0:
+        elif fired == GAP + i or (gap <= 0.0 and sign * z[3 + j] < 0.0):
+            striking = True  # the second: it closes in the same instant
+        else:
+            if gap < 0.0:  # it is just leaving, and rounding put it inside
+                z[j] = -sign * model[CONTACT + i, LIMIT]
             continue
         z[j] = -sign * model[CONTACT + i, LIMIT]
         if n < 2:
@@ -511,7 +510,7 @@ def _append_transitions(
                 code = STICK_START
         elif before[i] == STICK:
             code = SLIP_START
-        elif fired == SLIP + i:
+        elif fired >= SLIP and after[i] != before[i]:
             code = REVERSAL
         if code >= 0:
             _append(word, counts, 8 * code + (1 << i))

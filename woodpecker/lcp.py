@@ -21,12 +21,12 @@ IntArray = npt.NDArray[np.int_]
 BoolArray = npt.NDArray[np.bool_]
 
 # All of these apply to an equilibrated problem: matrix entries and right-hand side up to 1.
-_ZERO = 1e-12  # a value or ratio below is a tie: some hundred roundings of a dozen unknowns
-_PIVOT = 1e-10  # a smaller pivot would leave fewer than six digits of the solution
-_RANK = 1e-11  # smaller singular values of a complementary basis count as zero
-_FEASIBLE = 1e-9  # violation allowed to an enumerated solution: _ZERO over a basis of cond 1e3
-_SAME = 1e-7  # two enumerated solutions closer than this are one: _FEASIBLE, with a margin
-_SWEEPS = 8  # equilibration halves the error of the exponents per sweep: 2^40 -> 2^0.2
+_ZERO = 1e-11  # ratios closer than this tie: roundings of 1e-16 over a basis of condition 1e5
+_PIVOT = 1e-10  # smaller pivots are rounded zeros, by the same count and a margin
+_RANK = 1e-11  # singular values of a complementary basis below this are rounded zeros
+_FEASIBLE = 1e-9  # relative violation allowed to an enumerated solution: _ZERO and a margin
+_SAME = 1e-7  # enumerated solutions closer than this are one: _FEASIBLE over condition 1e2
+_SWEEPS = 8  # of equilibration; each halves the exponents' distance from their limit
 
 _MAX_ENUMERATED = 12  # unknowns, hence 4096 bases
 
@@ -49,7 +49,7 @@ class LcpResult:
     status: LcpStatus
 
     def __post_init__(self) -> None:
-        _lock(self.x, self.y)
+        _freeze(self, "x", "y")
 
     @property
     def success(self) -> bool:
@@ -87,9 +87,8 @@ def lemke(
     Returns
     -------
     LcpResult
-        A solution, or the status that says why there is none. For copositive A whose
-        homogeneous solutions v all have v.b >= 0, a ray does not occur; in general a
-        ray is no proof that the problem has no solution.
+        A solution, or the status that says why there is none. A ray proves that there is no
+        solution if A is positive semidefinite, not in general.
 
     Raises
     ------
@@ -152,15 +151,15 @@ def enumerate_lcp(a: npt.ArrayLike, b: npt.ArrayLike) -> list[FloatArray]:
     for support in sorted(product((False, True), repeat=n), key=sum):
         x = _complementary_point(problem, np.array(support, dtype=bool))
         if _solves(problem, x) and all(_differ(x, other) for other in found):
-            found.append(x)
-    return [problem.size * problem.column * np.maximum(x, 0.0) for x in found]
+            found.append(np.maximum(x, 0.0))
+    return [problem.size * problem.column * x for x in found]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ContactLcp:
     """Impulses and velocities (or forces and accelerations) of n contacts; NaN unless SOLVED.
 
-    Velocities of closed and of sticking contacts are exactly zero.
+    gamma_N is exactly zero where Lambda_N > floor, gamma_T where a contact sticks.
     """
 
     impulse_n: FloatArray  # Lambda_N, shape (n,), N s (or N), Lambda_N >= floor
@@ -170,7 +169,7 @@ class ContactLcp:
     status: LcpStatus
 
     def __post_init__(self) -> None:
-        _lock(self.impulse_n, self.impulse_t, self.gamma_n, self.gamma_t)
+        _freeze(self, "impulse_n", "impulse_t", "gamma_n", "gamma_t")
 
     @property
     def success(self) -> bool:
@@ -213,7 +212,10 @@ def solve_contact_lcp(
     Returns
     -------
     ContactLcp
-        One solution. There may be several (:func:`enumerate_contacts`) or none: Painleve.
+        One solution; there may be several (:func:`enumerate_contacts`). If no sliding
+        direction is given and ``free`` comes from a motion (free = W^T u), there is one and the
+        path leads to it. With given directions there may be none (Painleve), and a ray does
+        not prove it.
 
     Raises
     ------
@@ -235,8 +237,7 @@ def enumerate_contacts(
     """All solutions of the problem of :func:`solve_contact_lcp`, which see for the arguments.
 
     Brute force over :func:`enumerate_lcp`, at most four contacts that do not slide; solutions
-    with the same impulses count once. An empty list proves that there is no solution, except
-    where G is singular.
+    with the same impulses count once.
     """
     problem = _natural(_contacts(delassus, free, mu, floor, sliding))
     a, b = _contact_matrices(problem)
@@ -357,9 +358,10 @@ def _covering(problem: _Equilibrated, cover: npt.ArrayLike | None) -> FloatArray
     """Return the covering vector of the equilibrated problem, largest entry 1."""
     if cover is None:
         return np.ones(problem.b.size)
-    d = problem.row * np.asarray(cover, dtype=np.float64)
-    if d.shape != problem.b.shape or d.min(initial=0.0) < 0.0 or (problem.b < 0.0)[d == 0.0].any():
+    d = np.asarray(cover, dtype=np.float64)
+    if d.shape != problem.b.shape or not ((d > 0.0) | (d == 0.0) & (problem.b >= 0.0)).all():
         raise ValueError(f"cover must be >= 0, and > 0 wherever b < 0, got {cover}")
+    d = problem.row * d
     return d / _positive(d.max(initial=0.0))
 
 
@@ -404,7 +406,9 @@ def _complementary_point(problem: _Equilibrated, support: BoolArray) -> FloatArr
     """Least-norm x with x = 0 off ``support`` and y = 0 on it (as nearly as possible)."""
     x = np.zeros(support.size)
     block = problem.a[np.ix_(support, support)]
-    x[support] = np.linalg.lstsq(block, -problem.b[support], rcond=_RANK)[0]
+    cutoff = _RANK / max(float(np.linalg.norm(block)), _RANK)  # relative to the largest
+    x[support] = np.linalg.lstsq(block, -problem.b[support], rcond=cutoff)[0]
+    x[np.abs(x) <= _ZERO] = 0.0
     return x
 
 
@@ -445,7 +449,7 @@ def _contacts(
     n, odd = divmod(free.size, 2)
     if odd:
         raise ValueError(
-            f"expected normal and tangential entries for each contact, got {2 * n + 1}"
+            f"expected a normal and a tangential entry per contact, got {2 * n + 1} in all"
         )
     mu, floor, s = (
         np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (mu, floor, sliding)
@@ -501,7 +505,19 @@ def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
 
 
 def _contact_cover(problem: _Contacts) -> FloatArray:
-    """Return the covering vector of :func:`solve_contact_lcp`."""
+    """Return a covering vector d for which sticking or sliding onset never ends in a ray.
+
+    Let all s = 0 and d = (1, c, 0) with 0 < c mu < 1: z adds an opening velocity, tilted less
+    than the cone is wide. Let dx, dz >= 0 be the direction of a ray, dLambda its impulses. The
+    signs of the complementary products make dLambda . dgamma <= 0 with |dLambda_T| <= mu
+    dLambda_N, and dgamma = G dLambda + dz (1, c), so
+
+        dLambda . G dLambda + dz sum(dLambda_N + c dLambda_T) <= 0:
+
+    both terms vanish. dLambda = 0 is the ray on which the path starts. Otherwise dz = 0 and
+    W dLambda = 0; then dLambda . gamma <= 0 with gamma = G Lambda + W^T u + z (1, c) leaves
+    z sum(dLambda_N + c dLambda_T) <= 0, so z = 0 and the problem is solved.
+    """
     undecided = problem.sliding == 0
     ahead = 1.0 / (1.0 + problem.mu[undecided])
     return np.concatenate([np.ones(problem.mu.size), ahead, np.zeros(ahead.size)])
@@ -531,6 +547,9 @@ def _read(problem: _Contacts, x: FloatArray, y: FloatArray, status: LcpStatus) -
     )
 
 
-def _lock(*arrays: FloatArray) -> None:
-    for array in arrays:
+def _freeze(result: object, *names: str) -> None:
+    """Replace arrays of a frozen dataclass by locked copies."""
+    for name in names:
+        array = np.array(getattr(result, name), dtype=np.float64)
         array.setflags(write=False)
+        object.__setattr__(result, name, array)

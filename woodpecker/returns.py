@@ -16,7 +16,7 @@ from woodpecker.compiled import COMPILED, announce
 from woodpecker.modes import Floats, Ints, model
 from woodpecker.status import Status, status
 from woodpecker.toy import Toy
-from woodpecker.words import word
+from woodpecker.words import EventKind, word
 
 EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
 CHUNK = 256  # starts handed to one worker at a time
@@ -177,5 +177,11 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
         start=starts,
         **{name: np.ascontiguousarray(out[:, k]) for k, name in enumerate(_COLUMNS)},
         words=tuple(texts),
-        status=tuple(map(status, codes.tolist())),
+        status=tuple(map(_reason, codes.tolist(), texts)),
     )
+
+
+def _reason(code: int, text: str) -> Status:
+    if code == kernel.RETURNED and EventKind.INDETERMINATE_IMPACT.value in text:
+        return Status.RETURNED_INDETERMINATE
+    return status(code)

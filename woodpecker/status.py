@@ -11,6 +11,10 @@ class Status(Enum):
     """How a run ended; the value is the sentence for a user."""
 
     RETURNED = "the toy returned to the section"
+    RETURNED_INDETERMINATE = (
+        "the toy returned, but the contact laws leave the impulses of an impact open: "
+        "the middle of all solutions was taken"
+    )
     TIME_REACHED = "the requested time was reached"
     FREE_FALL = "free fall: the toy slides or falls along the pole for ever"
     POLE_END = "free fall: the toy fell off the end of the pole"
@@ -22,7 +26,7 @@ class Status(Enum):
     @property
     def success(self) -> bool:
         """Whether the run ended as asked."""
-        return self in (Status.RETURNED, Status.TIME_REACHED)
+        return self in (Status.RETURNED, Status.RETURNED_INDETERMINATE, Status.TIME_REACHED)
 
 
 _BY_CODE = {

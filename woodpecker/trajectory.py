@@ -289,7 +289,7 @@ def _sample_times(
 def _event(row: Floats) -> Event:
     kind, contacts = decode(int(row[1]))
     impulses: tuple[Impulse, ...] = ()
-    if kind is EventKind.IMPACT:
+    if kind in (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT):
         impulses = tuple(
             Impulse(
                 contact=contact,

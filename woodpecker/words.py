@@ -2,7 +2,8 @@
 
 A symbol is a kind and its contacts: ``I3`` an impact, ``I1+3`` one in which contacts 1 and 3 take
 part, ``D3`` a detachment, ``S2`` slip starts, ``J2`` sticking or jamming starts, ``R2`` slip
-reverses, ``C1`` impacts accumulated until contact 1 closed. ``|`` separates the returns of P_j.
+reverses, ``C1`` impacts accumulated until contact 1 closed. ``I~1+3`` is an impact whose impulses
+the contact laws do not fix (:mod:`woodpecker.contact`). ``|`` separates the returns of P_j.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ class EventKind(Enum):
     STICK = "J"
     REVERSAL = "R"
     CHATTER = "C"
+    INDETERMINATE_IMPACT = "I~"
 
 
 _KINDS = {
@@ -33,6 +35,7 @@ _KINDS = {
     kernel.STICK_START: EventKind.STICK,
     kernel.REVERSAL: EventKind.REVERSAL,
     kernel.CHATTER_END: EventKind.CHATTER,
+    kernel.INDETERMINATE_IMPACT: EventKind.INDETERMINATE_IMPACT,
 }
 
 

@@ -1,0 +1,97 @@
+"""Edges between two pieces of a labelled map at fixed parameter: location and one-sided limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from woodpecker.labelled import Evaluation, LabelledMap
+from woodpecker.tolerances import DEFAULT, Tolerances
+
+NEAR = 64  # spacings of doubles between an edge and the first point a limit is read from
+WIDEST = 0.02  # largest distance [rad] at which the next edge is looked for
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edge:
+    """The end of a piece, and both sides of it.
+
+    ``left`` and ``right`` are read a few spacings of doubles away: on the edge itself rounding can
+    make two events simultaneous and show a word that has no interval.
+    """
+
+    x: float
+    p: float
+    left: Evaluation
+    right: Evaluation
+    left_limit: float
+    right_limit: float
+
+    @property
+    def jump(self) -> float:
+        """Right limit - left limit; nan if the map is lost on one side."""
+        return self.right_limit - self.left_limit
+
+    @property
+    def crosses(self) -> bool:
+        """Whether the limits lie strictly on opposite sides of the diagonal."""
+        return (self.left_limit - self.x) * (self.right_limit - self.x) < 0.0
+
+
+def bisect(labelled_map: LabelledMap, p: float, inside: float, outside: float) -> tuple[float, float]:
+    """Neighbouring doubles around the edge of the piece that holds ``inside`` but not ``outside``."""
+    word = labelled_map(inside, p).word
+    while True:
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            return inside, outside
+        if labelled_map(middle, p).word == word:
+            inside = middle
+        else:
+            outside = middle
+
+
+def one_sided(
+    labelled_map: LabelledMap, x: float, p: float, side: int
+) -> tuple[Evaluation, float]:
+    """The map next to an edge at x, and its limit, from the left (side = -1) or right (+1).
+
+    The limit extrapolates f = L + c sqrt(|x - x_e|) from two points, which is exact for a grazing's
+    square root and second order for a smooth side.
+    """
+    near = NEAR * math.ulp(x)
+    first = labelled_map(x + side * near, p)
+    second = labelled_map(x + side * 4.0 * near, p)
+    if not first.defined:
+        return first, math.nan
+    if not second.defined or second.word != first.word:
+        return first, first.value
+    return first, 2.0 * first.value - second.value
+
+
+def edge_between(labelled_map: LabelledMap, p: float, inside: float, outside: float) -> Edge:
+    """The edge of the piece at ``inside`` on the way to ``outside``, with both limits."""
+    x, beyond = bisect(labelled_map, p, inside, outside)
+    left, left_limit = one_sided(labelled_map, min(x, beyond), p, -1)
+    right, right_limit = one_sided(labelled_map, max(x, beyond), p, +1)
+    return Edge(
+        x=x, p=p, left=left, right=right, left_limit=left_limit, right_limit=right_limit
+    )
+
+
+def nearest_edge(
+    labelled_map: LabelledMap, x: float, p: float, word: str
+) -> tuple[Edge, int] | None:
+    """The edge nearest to x of the piece ``word`` that x lies in, and its side (-1 or +1)."""
+    distance = 4.0 * math.ulp(x)
+    while distance < WIDEST:
+        for side in (1, -1):
+            if labelled_map(x + side * distance, p).word != word:
+                return edge_between(labelled_map, p, x, x + side * distance), side
+        distance *= 4.0
+    return None
+
+
+def is_continuous(edge: Edge, tolerances: Tolerances = DEFAULT) -> bool:
+    """Whether the map takes one value at the edge: a change of word, not a jump."""
+    return abs(edge.jump) <= tolerances.jump

@@ -1,0 +1,407 @@
+"""Pseudo-arclength continuation of the cycles of a labelled map.
+
+:func:`follow` is an iterator of points. It passes folds (LP), locates flips (PD), crosses
+continuous changes of word (WC) and goes on with the new word; at a jump it stops with a border
+collision (BC, or FF if the branch folds into a jump branch and starts one of the second iterate)
+instead of hopping over it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from pwmap.diagram import PointKind
+from woodpecker.edges import Edge, is_continuous, nearest_edge
+from woodpecker.labelled import (
+    Cycle,
+    LabelledMap,
+    correct,
+    evaluate,
+    iterate,
+    tangent,
+)
+from woodpecker.modes import Floats
+from woodpecker.tolerances import DEFAULT, Tolerances
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How far and how finely to follow a branch.
+
+    Parameters
+    ----------
+    span
+        Interval of the parameter; the branch ends (EP) at its ends.
+    window
+        Interval of x; the branch ends (EP) where it leaves it.
+    step, max_step
+        First and largest step in arclength of (x, p).
+    max_turn
+        Largest angle [rad] between the tangents of neighbouring points.
+    max_points
+        The branch ends (EP) after this many points.
+    """
+
+    span: tuple[float, float] = (0.0, 1.0)
+    window: tuple[float, float] = (-math.inf, math.inf)
+    step: float = 0.005
+    max_step: float = 0.02
+    max_turn: float = 0.1
+    max_points: int = 5000
+    tolerances: Tolerances = field(default=DEFAULT)
+
+    def __post_init__(self) -> None:
+        for name in ("span", "window"):
+            low, high = getattr(self, name)
+            if not low < high:
+                raise ValueError(f"{name} must ascend, got ({low}, {high})")
+        if not 0.0 < self.step <= self.max_step:
+            raise ValueError(f"step must lie in (0, {self.max_step}], got {self.step}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathPoint:
+    """A point of a branch; ``kind`` is None unless it is special."""
+
+    cycle: Cycle
+    tangent: Floats
+    kind: PointKind | None = None
+    note: str = ""
+    edge: Edge | None = None  # at WC, BC and FF: the edge that was met, of the iterate
+    side: int = 0  # on which side of the branch the edge lies: -1 or +1
+    lap: int = 0  # which lap met it
+
+    @property
+    def p(self) -> float:
+        """Parameter."""
+        return self.cycle.p
+
+    @property
+    def ends(self) -> bool:
+        """Whether the branch ends here."""
+        return self.kind not in (None, PointKind.LP, PointKind.PD, PointKind.WC)
+
+
+def follow(
+    labelled_map: LabelledMap,
+    start: Cycle,
+    settings: Settings,
+    direction: int = 1,
+    stop: Callable[[PathPoint], bool] | None = None,
+) -> Iterator[PathPoint]:
+    """Follow the branch through ``start``.
+
+    Parameters
+    ----------
+    labelled_map
+        The map.
+    start
+        A cycle of it, as :func:`woodpecker.labelled.correct` returns it.
+    settings
+        Span, window, steps and tolerances.
+    direction
+        +1 starts towards larger parameters, -1 towards smaller ones.
+    stop
+        Called with every point; a true answer ends the iteration after it.
+
+    Yields
+    ------
+    PathPoint
+        The start, then points in order; the last has an ending kind unless ``stop`` ended it.
+    """
+    along = np.zeros(len(start.x) + 1)
+    along[-1] = float(direction)
+    yield from follow_from(labelled_map, start, along, settings, stop)
+
+
+def follow_from(
+    labelled_map: LabelledMap,
+    start: Cycle,
+    along: Floats,
+    settings: Settings,
+    stop: Callable[[PathPoint], bool] | None = None,
+) -> Iterator[PathPoint]:
+    """Like :func:`follow`, with any direction (j + 1,) in (x, p)."""
+    point = PathPoint(cycle=start, tangent=tangent(start, along))
+    path = _Path(labelled_map, settings)
+    yield point
+    for _ in range(settings.max_points):
+        for point in path.advance(point):
+            yield point
+            if point.ends or (stop is not None and stop(point)):
+                return
+        if path.closed(start, point):
+            yield replace(point, kind=PointKind.EP, note="the branch closes")
+            return
+    yield replace(point, kind=PointKind.EP, note="limit on the number of points")
+
+
+class _Path:
+    """Step control along one branch: the one piece of state is the current step."""
+
+    def __init__(self, labelled_map: LabelledMap, settings: Settings) -> None:
+        self.map, self.settings = labelled_map, settings
+        self.step, self.travelled = settings.step, 0.0
+
+    def advance(self, point: PathPoint) -> Iterator[PathPoint]:
+        """The special points up to the next regular one, then that one."""
+        low, high = self.settings.span
+        while True:
+            step, bound = self.step, math.nan
+            reach = point.p + step * point.tangent[-1]
+            if not low <= reach <= high:
+                bound = low if reach < low else high
+                step = (bound - point.p) / point.tangent[-1]
+            target = self._correct(point, step, bound) if step > 0.0 else point
+            if target is not None:
+                break
+            if self.step <= self.settings.tolerances.edge:
+                yield from self._meet_edge(point)
+                return
+            self.step *= 0.25
+        yield from self._specials(point, target, step)
+        x = target.cycle.x
+        if not (self.settings.window[0] <= x.min() and x.max() <= self.settings.window[1]):
+            yield replace(target, kind=PointKind.EP, note="end of the window")
+        elif not math.isnan(bound):
+            yield replace(target, kind=PointKind.EP, note="end of the parameter span")
+        else:
+            self.travelled += step
+            turn = float(np.linalg.norm(target.tangent - point.tangent))
+            if turn < 0.3 * self.settings.max_turn:
+                self.step = min(2.0 * self.step, self.settings.max_step)
+            yield target
+
+    def closed(self, start: Cycle, point: PathPoint) -> bool:
+        """Whether the path has come back to its start."""
+        distance = math.hypot(point.p - start.p, float(np.abs(point.cycle.x - start.x).max()))
+        return (
+            self.travelled > 4.0 * self.settings.max_step
+            and distance < 0.5 * self.step
+            and point.cycle.words == start.words
+        )
+
+    def _correct(self, point: PathPoint, step: float, bound: float = math.nan) -> PathPoint | None:
+        """The point one step on, if it lies on the same piece and the branch bends gently."""
+        x = point.cycle.x + step * point.tangent[:-1]
+        p = point.p + step * point.tangent[-1]
+        fixed = not math.isnan(bound)
+        cycle, good, _ = correct(
+            self.map, x, bound if fixed else p, None if fixed else point.tangent,
+            self.settings.tolerances,
+        )  # fmt: skip
+        if not good or cycle.words != point.cycle.words:
+            return None
+        if np.abs(cycle.x - x).max() > 0.5 * step:
+            return None
+        there = tangent(cycle, point.tangent)
+        if not np.linalg.norm(there - point.tangent) <= self.settings.max_turn:
+            return None
+        return PathPoint(cycle=cycle, tangent=there)
+
+    def _specials(self, a: PathPoint, b: PathPoint, step: float) -> Iterator[PathPoint]:
+        """Folds and flips between two neighbouring points of one piece, in order."""
+        found = []
+        for kind, value in ((PointKind.LP, 1.0), (PointKind.PD, -1.0)):
+            if (a.cycle.multiplier - value) * (b.cycle.multiplier - value) < 0.0:
+                found.append(self._locate(a, b, step, kind, value))
+        found = [item for item in found if item is not None]
+        for _, special in sorted(found, key=lambda item: item[0]):
+            yield special
+
+    def _locate(
+        self, a: PathPoint, b: PathPoint, step: float, kind: PointKind, value: float
+    ) -> tuple[float, PathPoint]:
+        """Where the multiplier takes a value, by root finding along the step."""
+
+        def excess(s: float) -> float:
+            if s <= 0.0 or s >= step:
+                return (a if s <= 0.0 else b).cycle.multiplier - value
+            return self._inner(a, s).cycle.multiplier - value
+
+        s = float(brentq(excess, 0.0, step, xtol=1e-15, rtol=1e-14))
+        return s, replace(self._inner(a, s), kind=kind)
+
+    def _inner(self, a: PathPoint, s: float) -> PathPoint:
+        """The corrected point at arclength s from a, on the same piece."""
+        cycle, _, _ = correct(
+            self.map, a.cycle.x + s * a.tangent[:-1], a.p + s * a.tangent[-1], a.tangent,
+            self.settings.tolerances,
+        )  # fmt: skip
+        return PathPoint(cycle=cycle, tangent=tangent(cycle, a.tangent))
+
+    def _meet_edge(self, point: PathPoint) -> Iterator[PathPoint]:
+        """The branch cannot go on with its word: find out what stops it."""
+        good, bad = 0.0, 4.0 * self.step
+        while self._correct(point, bad) is not None:
+            good, bad = bad, 2.0 * bad
+        last = point
+        while bad - good > math.ulp(1.0) * 0.25:
+            middle = 0.5 * (good + bad)
+            if middle in (good, bad):
+                break
+            trial = self._correct(point, middle)
+            if trial is None:
+                bad = middle
+            else:
+                good, last = middle, trial
+        lap, met = self._which_lap(last)
+        if met is None:
+            yield replace(last, kind=PointKind.EP, note="continuation stalls inside a piece")
+            return
+        edge, side = met
+        special = replace(last, edge=edge, side=side, lap=lap)
+        if math.isnan(edge.jump):
+            outside = edge.right if side > 0 else edge.left
+            yield replace(special, kind=PointKind.FALL, note=outside.word)
+        elif is_continuous(edge, self.settings.tolerances):
+            yield replace(special, kind=PointKind.WC)
+            landed = land(self.map, special, self.settings)
+            if landed is None:
+                yield replace(special, kind=PointKind.EP, note="no branch beyond a word change")
+            else:
+                self.step = max(100.0 * self.settings.tolerances.landing, self.step)
+                yield landed
+        else:
+            yield classify(special)
+
+    def _which_lap(self, point: PathPoint) -> tuple[int, tuple[Edge, int] | None]:
+        """The lap whose point lies closest to an edge, and that edge of the iterate."""
+        order = len(point.cycle.x)
+        best: tuple[float, int] = (math.inf, 0)
+        for lap, x in enumerate(point.cycle.x):
+            met = nearest_edge(self.map, float(x), point.p, point.cycle.words[lap])
+            if met is not None and abs(met[0].x - x) < best[0]:
+                best = abs(met[0].x - x), lap
+        lap = best[1]
+        if best[0] == math.inf:
+            return lap, None
+        if order == 1:
+            return lap, nearest_edge(
+                self.map, float(point.cycle.x[0]), point.p, point.cycle.words[0]
+            )
+        whole = iterate(self.map, order)
+        x = float(point.cycle.x[lap])
+        return lap, nearest_edge(whole, x, point.p, whole(x, point.p).word)
+
+
+def classify(point: PathPoint) -> PathPoint:
+    """Border collision: fold or persistence, and fold-flip.
+
+    With F the distance of the inner limit from the diagonal and D that of the outer one, the jump
+    crosses the diagonal where F and D differ in sign. Let m be the inner slope. As F passes zero
+    the fixed point x_e + F/(1 - m) is on the inner side for one sign of F: the collision folds if
+    that is the sign of the crossing. The edge's preimage x_e - F/m then is on the inner side too
+    (for m < 0 and for m > 1), and P^2 jumps there from F (1 + 1/m) to D, across the diagonal if
+    |m| > 1: a jump branch of the second iterate starts, which makes the fold a fold-flip.
+    """
+    edge, side = point.edge, point.side
+    assert edge is not None
+    outer = (edge.right_limit if side > 0 else edge.left_limit) - edge.x
+    m = point.cycle.multiplier
+    crossing = -math.copysign(1.0, outer)  # sign of F where the jump crosses
+    inner = -side * math.copysign(1.0, 1.0 - m)  # sign of F where the fixed point is on its piece
+    if crossing != inner:
+        return replace(point, kind=PointKind.BC, note="persistence")
+    if abs(m) > 1.0:
+        return replace(point, kind=PointKind.FF, note="fold")
+    return replace(point, kind=PointKind.BC, note="fold")
+
+
+def land(
+    labelled_map: LabelledMap, special: PathPoint, settings: Settings
+) -> PathPoint | None:
+    """A point of the branch just beyond a continuous edge.
+
+    First along the tangent of the outer piece, then, if its slope is infinite at the edge (a
+    grazing), by bracketing the fixed point on the outer side at a neighbouring parameter.
+    """
+    edge = special.edge
+    assert edge is not None
+    order = len(special.cycle.x)
+    whole = iterate(labelled_map, order)
+    outside = edge.right if special.side > 0 else edge.left
+    delta = settings.tolerances.landing
+    for scale in (1.0, 10.0, 100.0):
+        for candidate in (
+            *_along_tangent(whole, edge, outside.slope, outside.rate, delta * scale),
+            *_bracketed(whole, edge, special.side, outside.word, delta * scale),
+        ):
+            x, p = candidate
+            if not settings.span[0] <= p <= settings.span[1]:
+                continue
+            orbit = _orbit(labelled_map, x, p, order)
+            if orbit is None:
+                continue
+            cycle, good, _ = correct(labelled_map, orbit, p, None, settings.tolerances)
+            if good and cycle.word == outside.word and abs(cycle.x[0] - x) <= delta * scale:
+                shift = special.lap
+                cycle = evaluate(labelled_map, np.roll(cycle.x, shift), p)
+                chord = np.append(cycle.x - special.cycle.x, p - special.p)
+                return PathPoint(cycle=cycle, tangent=tangent(cycle, chord))
+    return None
+
+
+def _along_tangent(
+    whole: LabelledMap, edge: Edge, slope: float, rate: float, delta: float
+) -> Iterator[tuple[float, float]]:
+    """Steps both ways along the tangent of the outer piece at the edge."""
+    norm = math.hypot(rate, 1.0 - slope)
+    if not 0.0 < norm < 1e4:
+        return
+    for sign in (1.0, -1.0):
+        yield edge.x + sign * delta * rate / norm, edge.p + sign * delta * (1.0 - slope) / norm
+
+
+def _bracketed(
+    whole: LabelledMap, edge: Edge, side: int, word: str, delta: float
+) -> Iterator[tuple[float, float]]:
+    """Fixed points on the outer piece at parameters next to the edge's."""
+    for p in (edge.p + delta, edge.p - delta):
+        far = edge.x + side * 100.0 * delta
+        near = edge.x - side * 100.0 * delta
+        if whole(far, p).word != word or whole(near, p).word == word:
+            continue
+        first = _first_inside(whole, near, far, p, word)
+        f_first = whole(first, p).value - first
+        reach = 1e-3 * delta
+        previous = first
+        while reach < WIDEST_LANDING:
+            x = first + side * reach
+            here = whole(x, p)
+            if here.word != word:
+                break
+            if (here.value - x) * f_first <= 0.0:
+                low, high = sorted((previous, x))
+                yield float(brentq(lambda t: whole(t, p).value - t, low, high, xtol=1e-16)), p  # noqa: B023
+                break
+            previous, reach = x, 2.0 * reach
+
+
+WIDEST_LANDING = 0.01  # a fixed point further than this from the edge is not the branch's
+
+
+def _first_inside(whole: LabelledMap, outside: float, inside: float, p: float, word: str) -> float:
+    while True:
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            return inside
+        if whole(middle, p).word == word:
+            inside = middle
+        else:
+            outside = middle
+
+
+def _orbit(labelled_map: LabelledMap, x: float, p: float, order: int) -> Floats | None:
+    values = [x]
+    for _ in range(order - 1):
+        lap = labelled_map(values[-1], p)
+        if not lap.defined:
+            return None
+        values.append(lap.value)
+    return np.array(values)

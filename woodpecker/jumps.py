@@ -1,0 +1,177 @@
+"""Continuation of jump crossings: discontinuities whose limits lie on both sides of the diagonal.
+
+There is no periodic solution on such a branch, but it connects branches that end in it. The
+discontinuity x_d(p) is followed by bisecting the change of word at each parameter; the branch ends
+where a one-sided limit meets the diagonal (a border collision) and a fixed point appears there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from scipy.optimize import brentq
+
+from pwmap.diagram import PointKind
+from woodpecker.edges import NEAR, Edge, edge_between, is_continuous
+from woodpecker.follow import Settings
+from woodpecker.labelled import LabelledMap
+
+FIRST_STEP, LARGEST_STEP = 1e-3, 0.01  # in the parameter
+RESOLVED = 1e-11  # a change of words is located this well in the parameter
+SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
+WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JumpPoint:
+    """A point of a jump branch; ``kind`` is None unless it is special.
+
+    At a border collision ``side`` says which limit met the diagonal: -1 left, +1 right.
+    """
+
+    edge: Edge
+    kind: PointKind | None = None
+    note: str = ""
+    side: int = 0
+
+    @property
+    def p(self) -> float:
+        """Parameter."""
+        return self.edge.p
+
+    @property
+    def ends(self) -> bool:
+        """Whether the branch ends here."""
+        return self.kind not in (None, PointKind.WC)
+
+
+def follow_jump(
+    labelled_map: LabelledMap, start: Edge, settings: Settings, direction: int
+) -> Iterator[JumpPoint]:
+    """Follow a crossing jump from ``start`` towards larger (+1) or smaller (-1) parameters.
+
+    Yields the points after the start; the last one ends the branch: BC where a limit meets the
+    diagonal, WC where the words beside the jump change, FALL where the map is lost beside it, EP at
+    the end of the span or the window, or where the jump itself vanishes.
+    """
+    track = _Track(labelled_map, settings, start)
+    step = FIRST_STEP
+    previous, current = start, start
+    for _ in range(settings.max_points):
+        low, high = settings.span
+        p = min(max(current.p + direction * step, low), high)
+        if p == current.p:
+            yield JumpPoint(edge=current, kind=PointKind.EP, note="end of the parameter span")
+            return
+        found = track.at(p, current, previous)
+        if found is None:
+            last, beyond = track.word_change(current, previous, p)
+            if beyond is None:
+                yield JumpPoint(edge=last, kind=PointKind.EP, note="the jump ends")
+                return
+            found, step = beyond, FIRST_STEP
+            yield JumpPoint(edge=last, kind=PointKind.WC)
+        for side in (-1, 1):
+            if _distance(current, side) * _distance(found, side) <= 0.0 and found is not current:
+                yield track.collision(current, found, previous, side)
+                return
+        if math.isnan(found.jump):
+            lost = found.left if math.isnan(found.left_limit) else found.right
+            yield JumpPoint(edge=found, kind=PointKind.FALL, note=lost.word)
+            return
+        if is_continuous(found, settings.tolerances):
+            yield JumpPoint(edge=found, kind=PointKind.EP, note="the jump closes")
+            return
+        if not settings.window[0] <= found.x <= settings.window[1]:
+            yield JumpPoint(edge=found, kind=PointKind.EP, note="end of the window")
+            return
+        yield JumpPoint(edge=found)
+        if abs(found.p - current.p) > settings.tolerances.edge:
+            previous = current  # else their rounding would spoil the prediction
+        current = found
+        step = min(1.5 * step, LARGEST_STEP)
+
+
+def _distance(edge: Edge, side: int) -> float:
+    """Signed distance of a one-sided limit from the diagonal."""
+    return (edge.left_limit if side < 0 else edge.right_limit) - edge.x
+
+
+class _Track:
+    """Finds the same edge again at another parameter: same words on both sides."""
+
+    def __init__(self, labelled_map: LabelledMap, settings: Settings, start: Edge) -> None:
+        self.map, self.settings = labelled_map, settings
+        self.left, self.right = start.left.word, start.right.word
+
+    def at(self, p: float, near: Edge, before: Edge) -> Edge | None:
+        """The edge at p, predicted from two known ones; None if its words are not found."""
+        bracket = self._bracket(p, near, before)
+        if bracket is None:
+            return None
+        edge = edge_between(self.map, p, *bracket)
+        return edge if edge.right.word == self.right else None
+
+    def _bracket(self, p: float, near: Edge, before: Edge) -> tuple[float, float] | None:
+        """Neighbours of the predicted edge that carry its two words."""
+        rate = (near.x - before.x) / (near.p - before.p) if near.p != before.p else 0.0
+        guess = near.x + rate * (p - near.p)
+        half = 8.0 * NEAR * math.ulp(guess)  # a neighbouring piece may be just as thin
+        while half <= WIDEST:
+            if self.map(guess - half, p).word == self.left:
+                if self.map(guess + half, p).word == self.right:
+                    return guess - half, guess + half
+            half *= 1000.0
+        return None
+
+    def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None]:
+        """The last edge with these words on the way from ``near`` to p, and the next beyond it."""
+        last, good, bad = near, near.p, p
+        while (middle := 0.5 * (good + bad)) not in (good, bad) and abs(bad - good) > RESOLVED:
+            edge = self.at(middle, near, before)
+            if edge is None:
+                bad = middle
+            else:
+                last, good = edge, middle
+        reach = 4.0 * (bad - good)
+        while abs(reach) <= self.settings.tolerances.edge:
+            beyond = self._change_words(last, good + reach)
+            if beyond is not None:
+                return last, beyond
+            reach *= 8.0
+        return last, None
+
+    def _change_words(self, near: Edge, p: float) -> Edge | None:
+        """The jump with new words at p, if it still crosses the diagonal, and can be kept."""
+        half = 100.0 * (abs(p - near.p) + NEAR * math.ulp(near.x))
+        for _ in range(4):
+            low, high = near.x - half, near.x + half
+            candidates = [edge_between(self.map, p, low, high)]
+            candidates.append(edge_between(self.map, p, high, low))
+            for edge in candidates:
+                shift = max(
+                    abs(edge.left_limit - near.left_limit), abs(edge.right_limit - near.right_limit)
+                )
+                if edge.crosses and shift < SAME_LIMITS:
+                    self.left, self.right = edge.left.word, edge.right.word
+                    return edge
+            half *= 10.0
+        return None
+
+    def collision(self, a: Edge, b: Edge, before: Edge, side: int) -> JumpPoint:
+        """Where the limit on one side meets the diagonal between two points of the branch."""
+        found: dict[float, Edge] = {a.p: a, b.p: b}
+
+        def distance(p: float) -> float:
+            if p not in found:
+                edge = self.at(p, a, before) or self.at(p, b, b)
+                if edge is None:
+                    raise ArithmeticError(f"the jump between {a.p} and {b.p} was lost at {p}")
+                found[p] = edge
+            return _distance(found[p], side)
+
+        p = float(brentq(distance, a.p, b.p, xtol=1e-15, rtol=1e-14))
+        distance(p)
+        return replace(JumpPoint(edge=found[p]), kind=PointKind.BC, side=side)

@@ -1,0 +1,154 @@
+"""Labelled maps, and cycles of them solved by multiple shooting.
+
+A labelled map takes (x, p) to a value, its derivatives, and a word that names the smooth piece it
+used. Nothing here knows the toy: :mod:`woodpecker.follow` continues the cycles of any such map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.modes import Floats
+from woodpecker.tolerances import DEFAULT, Tolerances
+
+NEWTON_STEPS = 25  # quadratic convergence takes 4 to 6; more is needed on curved flanks only
+SEPARATOR = " | "
+
+
+class Evaluation(NamedTuple):
+    """A labelled map at one point."""
+
+    value: float
+    slope: float  # d value / dx
+    rate: float  # d value / dp
+    word: str
+    defined: bool = True  # False if the map has no value here; the word then says why
+
+
+LabelledMap = Callable[[float, float], Evaluation]
+
+
+class Cycle(NamedTuple):
+    """A cycle x_0 -> x_1 -> ... -> x_0 of a labelled map at parameter p."""
+
+    x: Floats  # (j,)
+    p: float
+    laps: tuple[Evaluation, ...]
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The piece of each lap."""
+        return tuple(lap.word for lap in self.laps)
+
+    @property
+    def word(self) -> str:
+        """The words of all laps, separated by bars."""
+        return SEPARATOR.join(self.words)
+
+    @property
+    def multiplier(self) -> float:
+        """Product of the slopes."""
+        return float(np.prod([lap.slope for lap in self.laps]))
+
+    @property
+    def residual(self) -> float:
+        """Largest |f(x_i) - x_{i+1}|."""
+        return float(np.max(np.abs(gaps(self))))
+
+
+def evaluate(labelled_map: LabelledMap, x: Floats, p: float) -> Cycle:
+    """The laps of a candidate cycle; ``x`` (j,) need not close."""
+    return Cycle(x, p, tuple(labelled_map(float(value), p) for value in x))
+
+
+def gaps(cycle: Cycle) -> Floats:
+    """f(x_i) - x_{i+1}, shape (j,)."""
+    values: Floats = np.array([lap.value for lap in cycle.laps]) - np.roll(cycle.x, -1)
+    return values
+
+
+def jacobian(cycle: Cycle, last_row: Floats) -> Floats:
+    """Derivatives of the gaps with respect to (x, p), bordered by ``last_row`` (j + 1,)."""
+    j = len(cycle.x)
+    matrix = np.zeros((j + 1, j + 1))
+    for i, lap in enumerate(cycle.laps):
+        matrix[i, i] += lap.slope
+        matrix[i, (i + 1) % j] -= 1.0
+        matrix[i, j] = lap.rate
+    matrix[j] = last_row
+    return matrix
+
+
+def tangent(cycle: Cycle, along: Floats) -> Floats:
+    """Unit tangent (j + 1,) of the branch in (x, p), oriented like ``along``; nan if singular."""
+    border = np.zeros(len(along))
+    border[-1] = 1.0
+    try:
+        direction = np.linalg.solve(jacobian(cycle, along), border)
+    except np.linalg.LinAlgError:
+        return np.full(len(along), np.nan)
+    unit: Floats = direction / np.linalg.norm(direction)
+    return unit
+
+
+def correct(
+    labelled_map: LabelledMap,
+    x: Floats,
+    p: float,
+    direction: Floats | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> tuple[Cycle, bool, int]:
+    """Newton's method for a cycle near (x, p), in the hyperplane normal to ``direction``.
+
+    Without a direction the parameter is held. Returns the last iterate, whether its residual is
+    small enough, and the number of steps. Iterates that the map does not take stop it.
+    """
+    j = len(x)
+    last_row = np.zeros(j + 1) if direction is None else direction
+    if direction is None:
+        last_row[-1] = 1.0
+    cycle = evaluate(labelled_map, x, p)
+    rhs = np.zeros(j + 1)
+    for step in range(NEWTON_STEPS):
+        if not all(lap.defined for lap in cycle.laps):
+            return cycle, False, step
+        accepted = cycle.residual <= allowed(cycle, tolerances)
+        rhs[:j] = -gaps(cycle)
+        try:
+            move = np.linalg.solve(jacobian(cycle, last_row), rhs)
+        except np.linalg.LinAlgError:
+            return cycle, accepted, step
+        if not np.isfinite(move).all():
+            return cycle, accepted, step
+        trial = evaluate(labelled_map, cycle.x + move[:j], cycle.p + move[j])
+        if accepted:  # keep the last polishing step only if it helps
+            better = trial.words == cycle.words and trial.residual < cycle.residual
+            return (trial if better else cycle), True, step
+        cycle = trial
+    return cycle, False, NEWTON_STEPS
+
+
+def allowed(cycle: Cycle, tolerances: Tolerances) -> float:
+    """Largest residual at which a cycle is accepted."""
+    return tolerances.allowed(max(abs(lap.slope) for lap in cycle.laps))
+
+
+def iterate(labelled_map: LabelledMap, order: int) -> LabelledMap:
+    """The labelled map of ``order`` laps, derivatives by the chain rule."""
+    if order == 1:
+        return labelled_map
+
+    def iterated(x: float, p: float) -> Evaluation:
+        slope, rate, words = 1.0, 0.0, []
+        for _ in range(order):
+            lap = labelled_map(x, p)
+            words.append(lap.word)
+            if not lap.defined:
+                return lap._replace(word=SEPARATOR.join(words))
+            x, slope, rate = lap.value, slope * lap.slope, lap.slope * rate + lap.rate
+        return Evaluation(x, slope, rate, SEPARATOR.join(words))
+
+    return iterated

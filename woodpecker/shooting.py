@@ -1,0 +1,215 @@
+"""Periodic solutions of the toy: fixed points of P_j by single and multiple shooting."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from woodpecker import kernel
+from woodpecker.compiled import announce
+from woodpecker.edges import nearest_edge
+from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct
+from woodpecker.modes import CONTACT, EPS, model
+from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
+from woodpecker.status import status
+from woodpecker.tolerances import DEFAULT, Tolerances
+from woodpecker.toy import Toy, parameters
+from woodpecker.words import word
+
+RELATIVE_STEP = 1e-6  # of central differences in parameters the variational flow does not carry:
+# the cube root of the kernel's rounding
+
+
+class ShootingStatus(Enum):
+    """How shooting ended; the value is the sentence for a user."""
+
+    CONVERGED = "a periodic solution was found"
+    AT_JUMP = "the return map jumps across the diagonal here: there is no periodic solution"
+    NOT_CONVERGED = "no periodic solution was found from this guess"
+    LOST = "a start on the way does not return to the section"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PeriodicOrbit:
+    """A periodic solution of the reduced toy.
+
+    Parameters
+    ----------
+    phi_s
+        Its point on the section [rad]; for order > 1 the first of ``points``.
+    period, drop
+        Duration [s] and distance fallen [m] of the whole orbit.
+    multiplier
+        d P_j / d phi_S [-]; stable if below 1 in modulus.
+    word
+        Sequence of events, returns separated by ``|``.
+    residual
+        Largest gap between a return and the next point [rad].
+    points
+        The orbit on the section [rad].
+    status, success, message
+        How shooting ended, whether it found an orbit, and the reason if it did not.
+    """
+
+    toy: Toy
+    order: int
+    phi_s: float
+    period: float
+    drop: float
+    multiplier: float
+    word: str
+    residual: float
+    points: tuple[float, ...]
+    status: ShootingStatus
+    message: str
+
+    @property
+    def success(self) -> bool:
+        """Whether a periodic solution was found."""
+        return self.status is ShootingStatus.CONVERGED
+
+    @property
+    def stable(self) -> bool:
+        """Whether the multiplier is below 1 in modulus."""
+        return abs(self.multiplier) < 1.0
+
+
+def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
+    """P_1 of the toy as a labelled map of (phi_S, parameter).
+
+    The derivative in a restitution coefficient is exact; in any other parameter it is a central
+    difference, taken on one side of an edge only if both neighbours share the word.
+
+    Raises
+    ------
+    TypeError
+        If the parameter is unknown.
+    """
+    if parameter not in parameters():
+        raise TypeError(
+            f"unknown parameter {parameter!r}, expected one of {', '.join(parameters())}"
+        )
+    if parameter in RESTITUTIONS:
+        return _restitution_map(toy, RESTITUTIONS.index(parameter))
+
+    def value(phi_s: float, p: float) -> Evaluation:
+        try:
+            changed = toy.replace(**{parameter: p})
+        except ValueError as error:
+            return _undefined(str(error))
+        return _restitution_map(changed, 0)(phi_s, changed.eps_n1)
+
+    def with_difference(phi_s: float, p: float) -> Evaluation:
+        here = value(phi_s, p)
+        step = RELATIVE_STEP * max(abs(p), RELATIVE_STEP)
+        sides = [
+            (side.value, p + sign * step)
+            for sign in (1.0, -1.0)
+            if (side := value(phi_s, p + sign * step)).word == here.word
+        ]
+        sides.append((here.value, p))
+        if len(sides) == 1:
+            return here._replace(rate=np.nan)
+        first, second = sides[0], sides[1]
+        return here._replace(rate=(first[0] - second[0]) / (first[1] - second[1]))
+
+    return with_difference
+
+
+def _undefined(reason: str) -> Evaluation:
+    return Evaluation(math.nan, math.nan, math.nan, reason, False)
+
+
+def _restitution_map(toy: Toy, index: int) -> LabelledMap:
+    """P_1 over one restitution coefficient: one mode table and one set of buffers for all calls."""
+    numbers = model(toy)
+    seed = np.eye(3)[index : index + 1]
+    start, out = np.empty(1), np.empty((1, 5))
+    codes, lengths = np.empty(1, dtype=np.int64), np.empty(1, dtype=np.int64)
+    words = np.empty((1, EVENT_LIMIT), dtype=np.int8)
+    texts: dict[bytes, str] = {}
+    announce(kernel.sweep)
+
+    def value(phi_s: float, p: float) -> Evaluation:
+        if not 0.0 <= p <= 1.0:
+            return _undefined(f"{RESTITUTIONS[index]} must lie in [0, 1], got {p}")
+        if not phi_s < toy.phi_s_max:
+            return _undefined("the beak touches the pole")
+        numbers[CONTACT + index, EPS], start[0] = p, phi_s
+        kernel.sweep(numbers, start, 1, seed, out, codes, lengths, words)
+        if codes[0] != kernel.RETURNED:
+            return _undefined(status(int(codes[0])).value)
+        key = words[0, : lengths[0]].tobytes()
+        if key not in texts:
+            texts[key] = word(key)
+        image, _, _, slope, rate = out[0].tolist()
+        return Evaluation(image, slope, rate, texts[key])
+
+    return value
+
+
+def shoot(
+    toy: Toy, guess: float, order: int = 1, *, tolerances: Tolerances = DEFAULT
+) -> PeriodicOrbit:
+    """Find a periodic solution with ``order`` returns near ``guess`` [rad].
+
+    Newton's method on all returns together (multiple shooting): products of steep slopes never
+    appear. The multiplier is the product of the exact slopes.
+
+    Returns
+    -------
+    PeriodicOrbit
+        ``status`` says whether it is one, and why not.
+
+    Raises
+    ------
+    ValueError
+        If the guess or the order is out of range.
+    """
+    start = first_return(toy, guess, order)
+    labelled_map = toy_map(toy)
+    points = [float(guess)]
+    for _ in range(order - 1):
+        points.append(labelled_map(points[-1], toy.eps_n1).value)
+    if not start.status.success:
+        cycle = Cycle(np.array(points[:1]), toy.eps_n1, (labelled_map(guess, toy.eps_n1),))
+        return _orbit(toy, order, cycle, ShootingStatus.LOST, start.status.value)
+    cycle, good, _ = correct(labelled_map, np.array(points), toy.eps_n1, None, tolerances)
+    if good:
+        return _orbit(toy, order, cycle, ShootingStatus.CONVERGED)
+    lost = [lap.word for lap in cycle.laps if not lap.defined]
+    if lost:
+        return _orbit(toy, order, cycle, ShootingStatus.LOST, lost[0])
+    for x, lap in zip(cycle.x, cycle.laps, strict=True):
+        near = nearest_edge(labelled_map, float(x), toy.eps_n1, lap.word)
+        if order == 1 and near is not None and near[0].crosses:
+            return _orbit(toy, order, cycle, ShootingStatus.AT_JUMP, f"jump at {near[0].x:.9g}")
+    return _orbit(toy, order, cycle, ShootingStatus.NOT_CONVERGED)
+
+
+def _orbit(
+    toy: Toy, order: int, cycle: Cycle, reason: ShootingStatus, detail: str = ""
+) -> PeriodicOrbit:
+    returns = [first_return(toy, float(x)) for x in cycle.x if x < toy.phi_s_max]
+    return PeriodicOrbit(
+        toy=toy,
+        order=order,
+        phi_s=float(cycle.x[0]),
+        period=sum(lap.period for lap in returns),
+        drop=sum(lap.drop for lap in returns),
+        multiplier=cycle.multiplier,
+        word=cycle.word,
+        residual=cycle.residual,
+        points=tuple(cycle.x.tolist()),
+        status=reason,
+        message=f"{reason.value}: {detail}" if detail else reason.value,
+    )
+
+
+def cycle_of(orbit: PeriodicOrbit, labelled_map: LabelledMap, p: float) -> Cycle:
+    """The orbit as a cycle of a labelled map at parameter p."""
+    x = np.array(orbit.points)
+    return Cycle(x, p, tuple(labelled_map(float(value), p) for value in x))
