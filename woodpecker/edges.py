@@ -82,12 +82,18 @@ def edge_between(labelled_map: LabelledMap, p: float, inside: float, outside: fl
 def nearest_edge(
     labelled_map: LabelledMap, x: float, p: float, word: str
 ) -> tuple[Edge, int] | None:
-    """The edge nearest to x of the piece ``word`` that x lies in, and its side (-1 or +1)."""
-    distance = 4.0 * math.ulp(x)
+    """The edge nearest to x of the piece ``word`` that x lies in, and its side (-1 or +1).
+
+    Within a few spacings of an edge rounding mixes the two words; only a change of word that is
+    seen beyond that counts.
+    """
+    distance = NEAR * math.ulp(x)
     while distance < WIDEST:
         for side in (1, -1):
             if labelled_map(x + side * distance, p).word != word:
-                return edge_between(labelled_map, p, x, x + side * distance), side
+                edge = edge_between(labelled_map, p, x, x + side * distance)
+                if edge.left.word != edge.right.word:
+                    return edge, side
         distance *= 4.0
     return None
 

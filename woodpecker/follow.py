@@ -261,14 +261,15 @@ class _Path:
             yield replace(special, kind=PointKind.FALL, note=outside.word)
         elif is_continuous(edge, self.settings.tolerances):
             yield replace(special, kind=PointKind.WC)
-            landed = land(self.map, special, self.settings)
+            landed = start_beside(self.map, edge, side, len(last.cycle.x), self.settings, lap)
             if landed is None:
                 yield replace(special, kind=PointKind.EP, note="no branch beyond a word change")
             else:
                 self.step = max(100.0 * self.settings.tolerances.landing, self.step)
                 yield landed
         else:
-            yield classify(special)
+            kind, note = classify(edge, -side, last.cycle.multiplier)
+            yield replace(special, kind=kind, note=note)
 
     def _which_lap(self, point: PathPoint) -> tuple[int, tuple[Edge, int] | None]:
         """The lap whose point lies closest to an edge, and that edge of the iterate."""
@@ -290,49 +291,42 @@ class _Path:
         return lap, nearest_edge(whole, x, point.p, whole(x, point.p).word)
 
 
-def classify(point: PathPoint) -> PathPoint:
-    """Border collision: fold or persistence, and fold-flip.
+def classify(edge: Edge, inner: int, m: float) -> tuple[PointKind, str]:
+    """Kind of the border collision in which a fixed point of slope m meets a jump.
 
-    With F the distance of the inner limit from the diagonal and D that of the outer one, the jump
-    crosses the diagonal where F and D differ in sign. Let m be the inner slope. As F passes zero
-    the fixed point x_e + F/(1 - m) is on the inner side for one sign of F: the collision folds if
-    that is the sign of the crossing. The edge's preimage x_e - F/m then is on the inner side too
-    (for m < 0 and for m > 1), and P^2 jumps there from F (1 + 1/m) to D, across the diagonal if
-    |m| > 1: a jump branch of the second iterate starts, which makes the fold a fold-flip.
+    The fixed point lives on the piece at side ``inner`` (-1 left, +1 right) of the edge. With F the
+    distance of the inner limit from the diagonal and D that of the outer one, the jump crosses the
+    diagonal where F and D differ in sign. As F passes zero the fixed point x_e + F/(1 - m) is on
+    the inner side for one sign of F: the collision folds if that is the sign of the crossing. The
+    edge's preimage x_e - F/m then is on the inner side too (for m < 0 and for m > 1), and the
+    second iterate jumps there from x_e + F to x_e + D, which lies across the diagonal if |m| > 1,
+    since F - (-F/m) = F (1 + 1/m) has the sign of F: a jump branch of the second iterate starts,
+    and the fold is a fold-flip.
     """
-    edge, side = point.edge, point.side
-    assert edge is not None
-    outer = (edge.right_limit if side > 0 else edge.left_limit) - edge.x
-    m = point.cycle.multiplier
+    outer = (edge.left_limit if inner > 0 else edge.right_limit) - edge.x
     crossing = -math.copysign(1.0, outer)  # sign of F where the jump crosses
-    inner = -side * math.copysign(1.0, 1.0 - m)  # sign of F where the fixed point is on its piece
-    if crossing != inner:
-        return replace(point, kind=PointKind.BC, note="persistence")
-    if abs(m) > 1.0:
-        return replace(point, kind=PointKind.FF, note="fold")
-    return replace(point, kind=PointKind.BC, note="fold")
+    on_piece = inner * math.copysign(1.0, 1.0 - m)  # sign of F where the fixed point exists
+    if crossing != on_piece:
+        return PointKind.BC, "persistence"
+    return (PointKind.FF if abs(m) > 1.0 else PointKind.BC), "fold"
 
 
-def land(
-    labelled_map: LabelledMap, special: PathPoint, settings: Settings
+def start_beside(
+    labelled_map: LabelledMap, edge: Edge, side: int, order: int, settings: Settings, lap: int = 0
 ) -> PathPoint | None:
-    """A point of the branch just beyond a continuous edge.
+    """A point of the branch that leaves an edge of P_order into the piece at ``side``.
 
-    First along the tangent of the outer piece, then, if its slope is infinite at the edge (a
-    grazing), by bracketing the fixed point on the outer side at a neighbouring parameter.
+    First along the tangent of that piece, then, if its slope is infinite at the edge (a grazing),
+    by bracketing the fixed point at a neighbouring parameter. None if there is no such branch.
     """
-    edge = special.edge
-    assert edge is not None
-    order = len(special.cycle.x)
     whole = iterate(labelled_map, order)
-    outside = edge.right if special.side > 0 else edge.left
+    outside = edge.right if side > 0 else edge.left
     delta = settings.tolerances.landing
     for scale in (1.0, 10.0, 100.0):
-        for candidate in (
-            *_along_tangent(whole, edge, outside.slope, outside.rate, delta * scale),
-            *_bracketed(whole, edge, special.side, outside.word, delta * scale),
+        for x, p in (
+            *_along_tangent(edge, outside.slope, outside.rate, delta * scale),
+            *_bracketed(whole, edge, side, outside.word, delta * scale),
         ):
-            x, p = candidate
             if not settings.span[0] <= p <= settings.span[1]:
                 continue
             orbit = _orbit(labelled_map, x, p, order)
@@ -340,15 +334,17 @@ def land(
                 continue
             cycle, good, _ = correct(labelled_map, orbit, p, None, settings.tolerances)
             if good and cycle.word == outside.word and abs(cycle.x[0] - x) <= delta * scale:
-                shift = special.lap
-                cycle = evaluate(labelled_map, np.roll(cycle.x, shift), p)
-                chord = np.append(cycle.x - special.cycle.x, p - special.p)
-                return PathPoint(cycle=cycle, tangent=tangent(cycle, chord))
+                chord = np.append(cycle.x - cycle.x, p - edge.p)
+                chord[0] = cycle.x[0] - edge.x
+                direction = tangent(cycle, chord)
+                cycle = evaluate(labelled_map, np.roll(cycle.x, lap), p)
+                direction[:-1] = np.roll(direction[:-1], lap)
+                return PathPoint(cycle=cycle, tangent=direction)
     return None
 
 
 def _along_tangent(
-    whole: LabelledMap, edge: Edge, slope: float, rate: float, delta: float
+    edge: Edge, slope: float, rate: float, delta: float
 ) -> Iterator[tuple[float, float]]:
     """Steps both ways along the tangent of the outer piece at the edge."""
     norm = math.hypot(rate, 1.0 - slope)

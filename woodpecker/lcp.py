@@ -196,6 +196,9 @@ def solve_contact_lcp(
     after compression, floor = eps_N Lambda_NC. Acceleration level: free = accelerations without
     contact forces, floor 0, s = sign of the sliding velocity [Pfeiffer1996, chs. 6-8].
 
+    Velocities are small or large compared with the largest of free and floor only; for a body
+    at rest pass exact zeros, not their roundings.
+
     Parameters
     ----------
     delassus

@@ -91,7 +91,6 @@ def zeros_and_ties(rng: np.random.Generator, n: int) -> FloatArray:
 Make = Callable[[np.random.Generator, int], FloatArray]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("right", [smooth, zeros_and_ties])
 def test_p_matrices_have_the_one_solution_lemke_finds(right: Make) -> None:
     rng = np.random.default_rng(1)
@@ -105,7 +104,6 @@ def test_p_matrices_have_the_one_solution_lemke_finds(right: Make) -> None:
         np.testing.assert_allclose(result.x, only, atol=SAME, rtol=SAME)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("right", [smooth, zeros_and_ties])
 @pytest.mark.parametrize("matrix", [semidefinite, copositive, anything])
 def test_lemke_agrees_with_enumeration(matrix: Make, right: Make) -> None:
@@ -117,7 +115,6 @@ def test_lemke_agrees_with_enumeration(matrix: Make, right: Make) -> None:
     assert statuses.count(LcpStatus.SOLVED) > 100  # the sample is not vacuous
 
 
-@pytest.mark.slow
 def test_a_ray_proves_infeasibility_if_a_is_semidefinite() -> None:
     rng = np.random.default_rng(3)
     rays = 0
@@ -361,7 +358,7 @@ def velocities(s: Scene, solution: ContactLcp) -> FloatArray:
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 3),
     freedoms=st.integers(2, 7),
-    eps_n=st.floats(0.0, 1.0),
+    eps_n=st.floats(0.01, 1.0),  # at 0 all may be at rest, and free is nothing but rounding
 )
 def test_compression_and_expansion_satisfy_the_laws(
     seed: int, n: int, freedoms: int, eps_n: float
@@ -371,7 +368,8 @@ def test_compression_and_expansion_satisfy_the_laws(
     pressed = solve_contact_lcp(s.delassus, s.free, s.mu)
     assert pressed.status is LcpStatus.SOLVED
     assert contact_residual(pressed, s.delassus, s.free, s.mu) < RESIDUAL
-    between, floor = velocities(s, pressed), eps_n * pressed.impulse_n
+    between = np.append(pressed.gamma_n, pressed.gamma_t)
+    floor = eps_n * pressed.impulse_n
     released = solve_contact_lcp(s.delassus, between, s.mu, floor)
     assert released.status is LcpStatus.SOLVED
     assert contact_residual(released, s.delassus, between, s.mu, floor) < RESIDUAL
@@ -388,7 +386,6 @@ def test_compression_never_adds_energy(seed: int, n: int, freedoms: int) -> None
     assert gain <= RESIDUAL * (np.abs(impulse) @ np.abs(s.free))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("n", "scenes"), [(1, 300), (2, 100), (3, 15)])
 def test_contact_solution_is_among_the_enumerated(n: int, scenes: int) -> None:
     rng = np.random.default_rng(10 + n)
