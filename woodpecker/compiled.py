@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+numba: Any
 try:
     import numba
 except ImportError:  # the extra "fast" is optional
@@ -31,7 +32,7 @@ def jit(function: F) -> F:
 
 def announce(function: Any) -> None:
     """Log once per process that the kernel is about to be compiled, if nothing is cached."""
-    global _announced  # noqa: PLW0603 - one flag per process is the point
+    global _announced
     if _announced:
         return
     _announced = True

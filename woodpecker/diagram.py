@@ -186,9 +186,7 @@ class _Explorer:
             if kind is PointKind.BC:
                 m = (edge.left if point.side < 0 else edge.right).slope
                 kind, note = classify(edge, point.side, m)
-            samples.append(
-                _Sample(edge.p, edge.x, math.nan, word, kind, note, edge, point.side)
-            )
+            samples.append(_Sample(edge.p, edge.x, math.nan, word, kind, note, edge, point.side))
         return samples
 
     def _jump_from(self, node: _Node) -> None:

@@ -38,8 +38,10 @@ class Edge:
         return (self.left_limit - self.x) * (self.right_limit - self.x) < 0.0
 
 
-def bisect(labelled_map: LabelledMap, p: float, inside: float, outside: float) -> tuple[float, float]:
-    """Neighbouring doubles around the edge of the piece that holds ``inside`` but not ``outside``."""
+def bisect(
+    labelled_map: LabelledMap, p: float, inside: float, outside: float
+) -> tuple[float, float]:
+    """Neighbouring doubles around the edge of the piece that holds ``inside``, not ``outside``."""
     word = labelled_map(inside, p).word
     while True:
         middle = 0.5 * (inside + outside)
@@ -51,9 +53,7 @@ def bisect(labelled_map: LabelledMap, p: float, inside: float, outside: float) -
             outside = middle
 
 
-def one_sided(
-    labelled_map: LabelledMap, x: float, p: float, side: int
-) -> tuple[Evaluation, float]:
+def one_sided(labelled_map: LabelledMap, x: float, p: float, side: int) -> tuple[Evaluation, float]:
     """The map next to an edge at x, and its limit, from the left (side = -1) or right (+1).
 
     The limit extrapolates f = L + c sqrt(|x - x_e|) from two points, which is exact for a grazing's
@@ -74,9 +74,7 @@ def edge_between(labelled_map: LabelledMap, p: float, inside: float, outside: fl
     x, beyond = bisect(labelled_map, p, inside, outside)
     left, left_limit = one_sided(labelled_map, min(x, beyond), p, -1)
     right, right_limit = one_sided(labelled_map, max(x, beyond), p, +1)
-    return Edge(
-        x=x, p=p, left=left, right=right, left_limit=left_limit, right_limit=right_limit
-    )
+    return Edge(x=x, p=p, left=left, right=right, left_limit=left_limit, right_limit=right_limit)
 
 
 def nearest_edge(

@@ -131,8 +131,9 @@ def follow_from(
     path = _Path(labelled_map, settings)
     yield point
     for _ in range(settings.max_points):
-        for point in path.advance(point):
-            yield point
+        for reached in path.advance(point):
+            yield reached
+            point = reached
             if point.ends or (stop is not None and stop(point)):
                 return
         if path.closed(start, point):

@@ -103,7 +103,7 @@ def first_root(
 def _first_root_trigonometric(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
-    """f = mean + drift t - a cos(omega t) - b sin(omega t): skip to the swing that reaches zero."""
+    """Swinging guard f = mean + drift t - a cos(omega t) - b sin(omega t): skip to the swing that reaches zero."""
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     mean, drift, radius = f0 + a, f1 - f3 / kappa, math.hypot(a, b)
     if abs(drift) <= 4.0 * EPSILON * (abs(f1) + abs(f3 / kappa)):
@@ -116,9 +116,7 @@ def _first_root_trigonometric(
     if abs(drift) >= fastest:
         if drift >= 0.0:
             return math.inf
-        return _root_or_later(
-            f0, f1, f2, f3, kappa, omega, 0.0, -(mean + radius) / drift, horizon
-        )
+        return _root_or_later(f0, f1, f2, f3, kappa, omega, 0.0, -(mean + radius) / drift, horizon)
     # f' = drift + fastest sin(omega t - psi) vanishes at minima omega t = psi - beta + 2 pi k and
     # at the maxima (pi - 2 beta) before them.
     beta = math.asin(drift / fastest)

@@ -120,9 +120,9 @@ class _Track:
         guess = near.x + rate * (p - near.p)
         half = 8.0 * NEAR * math.ulp(guess)  # a neighbouring piece may be just as thin
         while half <= WIDEST:
-            if self.map(guess - half, p).word == self.left:
-                if self.map(guess + half, p).word == self.right:
-                    return guess - half, guess + half
+            left, right = guess - half, guess + half
+            if self.map(left, p).word == self.left and self.map(right, p).word == self.right:
+                return left, right
             half *= 1000.0
         return None
 

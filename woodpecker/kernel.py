@@ -10,6 +10,8 @@ flow with saltation, without a formula for the jump.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 
@@ -50,9 +52,13 @@ from woodpecker.modes import (
     TANGENT,
     A,
     B,
+    Codes,
     Floats,
     Ints,
 )
+
+# A number with a type: numba would compile every function anew for a literal argument.
+typed = cast("Callable[[int], int]", np.int64)
 
 # Why a run stopped.
 RETURNED, TIME_REACHED, FREE_FALL, POLE_END, AT_REST = 0, 1, 2, 3, 4
@@ -77,7 +83,7 @@ def mode_of(states: Ints) -> int:
     sleeve = states[1]
     if sleeve == OPEN and states[2] != OPEN:
         sleeve = states[2] + 3
-    return 7 * states[0] + sleeve
+    return int(7 * states[0] + sleeve)
 
 
 @jit
@@ -181,7 +187,7 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
     omega = model[mode, OMEGA]
     _, d1, d2 = spring(model, mode, z)
     angle = math.atan2(-d1, d2 / omega)
-    return (angle if angle > 0.0 else angle + 2.0 * math.pi) / omega
+    return float((angle if angle > 0.0 else angle + 2.0 * math.pi) / omega)
 
 
 @jit
@@ -272,9 +278,7 @@ def copy(source: Floats, target: Floats) -> None:
 
 
 @jit
-def settle(
-    model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, states: Ints
-) -> int:
+def settle(model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, states: Ints) -> int:
     """Contact problem on acceleration level: the mode that starts now.
 
     Every combination of states of the touching contacts is tried. One is admissible if each guard
@@ -299,7 +303,7 @@ def settle(
     beak_choices, sleeve_choices = 4 if closed[0] else 1, 4 if sleeve >= 0 else 1
     trial = np.zeros(3, dtype=np.int64)
     for strict in (True, False):
-        chosen = np.int64(-1)
+        chosen = typed(-1)
         for index in range(beak_choices * sleeve_choices):
             # Sticking (1) is tried first, opening (0) last.
             if closed[0]:
@@ -369,13 +373,11 @@ def _admissible(
 def _weight(model: Floats, mode: int, i: int, z: Floats) -> float:
     """Size of the contact force that a rounding error can hide in."""
     column = LAMBDA + 4 * i
-    return abs(model[mode, column]) + abs(model[mode, column + 1] * (z[2] - z[1]))
+    return float(abs(model[mode, column]) + abs(model[mode, column + 1] * (z[2] - z[1])))
 
 
 @jit
-def _positive(
-    f0: float, f1: float, f2: float, f3: float, weight: float, strict: bool
-) -> bool:
+def _positive(f0: float, f1: float, f2: float, f3: float, weight: float, strict: bool) -> bool:
     """Sign right after 0 by the first non-zero derivative; f identically zero counts as inside.
 
     If not strict, a value within rounding of zero is passed over.
@@ -408,7 +410,7 @@ def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
 @jit
 def arrive(
     model: Floats, z: Floats, tangents: Floats, seed: Floats, fired: int, states: Ints,
-    slips: Ints, word: Ints, counts: Ints, event: Floats,
+    slips: Ints, word: Codes, counts: Ints, event: Floats,
 ) -> int:  # fmt: skip
     """Apply an event: the impact if a gap closes, then the contact problem that follows.
 
@@ -440,7 +442,7 @@ def arrive(
         _append(word, counts, 8 * kind + mask)
         for i in range(3):
             before[i] = before[i] if before[i] != OPEN or not closed[i] else SLIP_POSITIVE
-        fired = np.int64(-1)
+        fired = typed(-1)
     else:
         for i in range(3):
             stops = states[i] == STICK or fired == SLIP + i
@@ -489,16 +491,14 @@ def _sign(value: float) -> int:
 
 
 @jit
-def _append(word: Ints, counts: Ints, code: int) -> None:
+def _append(word: Codes, counts: Ints, code: int) -> None:
     if counts[0] < len(word):
         word[counts[0]] = code
     counts[0] += 1
 
 
 @jit
-def _append_transitions(
-    before: Ints, after: Ints, fired: int, word: Ints, counts: Ints
-) -> None:
+def _append_transitions(before: Ints, after: Ints, fired: int, word: Codes, counts: Ints) -> None:
     """Symbols for contacts that opened, stuck, began to slip or reversed."""
     for i in range(3):
         code = -1
@@ -519,7 +519,7 @@ def _append_transitions(
 @jit
 def run(
     model: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints, to_section: bool,
-    t_end: float, word: Ints, phases: Floats, events: Floats, counts: Ints,
+    t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints,
 ) -> int:  # fmt: skip
     """Follow the toy from event to event until it returns to the section or a limit is met.
 
@@ -542,7 +542,7 @@ def run(
     event = np.zeros(EVENT_COLUMNS)
     mark, mark_tangents = np.zeros(7), np.zeros((len(tangents), 7))
     mark_contact, mark_symbols, mark_speed = -1, -1, 0.0
-    none = np.int64(-1)  # a typed number: numba compiles everything anew for the literal -1
+    none = typed(-1)
     fired, status = none, SOLVED
     while True:
         symbols = counts[0]
@@ -625,7 +625,7 @@ def _chatters(
 @jit
 def _close_chatter(
     model: Floats, z: Floats, tangents: Floats, mark: Floats, mark_tangents: Floats, ratio: float,
-    i: int, states: Ints, slips: Ints, word: Ints, counts: Ints, events: Floats,
+    i: int, states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats,
 ) -> int:  # fmt: skip
     """Sum the accumulating impacts at contact i and close it.
 
@@ -649,13 +649,13 @@ def _close_chatter(
     if slips[i] != 0:
         slips[i] = _sign(rates(model, i, z)[1])
     before[i] = SLIP_POSITIVE
-    status = settle(model, z, closed, slips, np.int64(-1), states)
+    status = settle(model, z, closed, slips, typed(-1), states)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
         counts[0] -= 1
     symbols = counts[0]
     _append(word, counts, 8 * CHATTER_END + (1 << i))
-    _append_transitions(before, states, np.int64(-1), word, counts)
+    _append_transitions(before, states, typed(-1), word, counts)
     if len(events) > 0:
         event = np.zeros(EVENT_COLUMNS)
         for k in range(3):
@@ -675,7 +675,7 @@ def _record_phase(phases: Floats, counts: Ints, z: Floats, mode: int) -> None:
 
 @jit
 def _record_events(
-    events: Floats, counts: Ints, symbols: int, t: float, word: Ints, event: Floats
+    events: Floats, counts: Ints, symbols: int, t: float, word: Codes, event: Floats
 ) -> None:
     """One row for each new symbol; velocities and impulses belong to the first of them."""
     for k in range(symbols, min(counts[0], len(word))):
@@ -696,7 +696,7 @@ def _record_events(
 @jit
 def sweep(
     model: Floats, starts: Floats, order: int, seed: Floats, out: Floats, status: Ints,
-    lengths: Ints, words: Ints,
+    lengths: Ints, words: Codes,
 ) -> None:  # fmt: skip
     """P_order at many starts on the section.
 
@@ -716,7 +716,7 @@ def sweep(
     tangents, seeds = np.zeros((1 + len(seed), 7)), np.zeros((1 + len(seed), 3))
     for k in range(len(seed)):
         copy(seed[k], seeds[1 + k])
-    counts, separator = np.zeros(3, dtype=np.int64), np.int64(0)
+    counts, separator = np.zeros(3, dtype=np.int64), typed(0)
     nothing, no_events = np.zeros((0, PHASE_COLUMNS)), np.zeros((0, EVENT_COLUMNS))
     for n in range(len(starts)):
         for k in range(7):

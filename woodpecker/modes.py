@@ -31,6 +31,7 @@ from woodpecker.toy import Toy
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Codes = npt.NDArray[np.int8]  # event codes
 
 
 class Contact(IntEnum):
@@ -80,7 +81,7 @@ def consistent(states: tuple[int, ...]) -> bool:
 
 
 def model(toy: Toy) -> Floats:
-    """All numbers the kernel needs, read-only, shape (38, 29); kept for toys alike but for eps_N."""
+    """All numbers the kernel needs, shape (38, 29); a copy, to be changed at will."""
     numbers = _model(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
     numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
     return numbers
@@ -88,9 +89,10 @@ def model(toy: Toy) -> Floats:
 
 @lru_cache(maxsize=64)
 def _model(toy: Toy) -> Floats:
-    mass = np.array(mass_matrix(toy))
+    mass: Floats = np.array(mass_matrix(toy))
     forces = np.column_stack([force_at_rest(toy), force_per_stretch(toy)])
-    normal, tangent = np.array(normal_directions(toy)), np.array(tangential_directions(toy))
+    normal: Floats = np.array(normal_directions(toy))
+    tangent: Floats = np.array(tangential_directions(toy))
     mu, lever = np.array([toy.mu_1, toy.mu_2, toy.mu_3]), np.array([toy.h_s, toy.h_m, toy.h_m])
     numbers = np.full(SHAPE, np.nan)
     for index in range(MODES):
@@ -159,8 +161,8 @@ def _solve(system: Floats, rhs: Floats) -> Floats:
     columns = 1.0 / np.sqrt(np.abs(system).max(axis=0))
     scaled = system * columns
     rows = 1.0 / np.abs(scaled).max(axis=1)
-    solution: Floats = columns[:, None] * np.linalg.solve(rows[:, None] * scaled, rows[:, None] * rhs)
-    return solution
+    solution = np.linalg.solve(rows[:, None] * scaled, rows[:, None] * rhs)
+    return np.asarray(columns[:, None] * solution)
 
 
 def _watched(states: tuple[Contact, ...]) -> list[int]:
@@ -178,4 +180,3 @@ def _watched(states: tuple[Contact, ...]) -> list[int]:
     if states == (Contact.OPEN, Contact.STICK, Contact.OPEN):
         watched.append(SECTION)
     return watched
-

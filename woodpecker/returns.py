@@ -6,14 +6,13 @@ import math
 import os
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from woodpecker import kernel
 from woodpecker.compiled import COMPILED, announce
-from woodpecker.modes import Floats, Ints, model
+from woodpecker.modes import Codes, Floats, Ints, model
 from woodpecker.status import Status, status
 from woodpecker.toy import Toy
 from woodpecker.words import EventKind, word
@@ -146,20 +145,20 @@ def _order(order: int) -> int:
     return order
 
 
-def sweep(toy: Toy, starts: Floats, order: int, seed: Floats) -> tuple[Floats, Ints, Ints, Any]:
-    """Call the kernel: columns (n, 4 + k), return codes (n,), word lengths (n,), words (n, limit)."""
+def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Codes]:
+    """Call the kernel: columns (n, 5), return codes (n,), word lengths (n,), words (n, limit)."""
     n = len(starts)
-    out = np.empty((n, 4 + len(seed)))
+    out = np.empty((n, len(_COLUMNS)))
     codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     words = np.empty((n, EVENT_LIMIT * order), dtype=np.int8)
     announce(kernel.sweep)
-    kernel.sweep(model(toy), starts, order, seed, out, codes, lengths, words)
+    kernel.sweep(model(toy), starts, order, _SEED, out, codes, lengths, words)
     return out, codes, lengths, words
 
 
 def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
-    """Returns of some starts, in this thread or process."""
-    out, codes, lengths, words = sweep(toy, starts, order, _SEED)
+    """Map some starts in this thread or process."""
+    out, codes, lengths, words = _sweep(toy, starts, order)
     known: dict[bytes, str] = {}
     texts = []
     for row, length in zip(words, lengths, strict=True):

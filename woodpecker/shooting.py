@@ -210,6 +210,6 @@ def _orbit(
 
 
 def cycle_of(orbit: PeriodicOrbit, labelled_map: LabelledMap, p: float) -> Cycle:
-    """The orbit as a cycle of a labelled map at parameter p."""
+    """Turn an orbit into a cycle of a labelled map at parameter p."""
     x = np.array(orbit.points)
     return Cycle(x, p, tuple(labelled_map(float(value), p) for value in x))

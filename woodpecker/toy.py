@@ -7,8 +7,9 @@ import math
 from dataclasses import dataclass
 
 _POSITIVE = (
-    "m_m", "j_m", "m_s", "j_s", "g", "r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "c_phi", "pole",
-)  # fmt: skip
+    *("m_m", "j_m", "m_s", "j_s", "g", "r_0", "r_m"),
+    *("h_m", "l_m", "l_g", "h_s", "l_s", "c_phi", "pole"),
+)
 _FRICTION = ("mu_1", "mu_2", "mu_3")
 _RESTITUTION = ("eps_n1", "eps_n2", "eps_n3")
 

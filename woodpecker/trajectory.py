@@ -315,7 +315,7 @@ def _event(row: Floats) -> Event:
 def _sliding_work(trajectory: Trajectory) -> float:
     """Integral of lambda_T g_T over all sliding phases [J], negative."""
     numbers, toy = model(trajectory.toy), trajectory.toy
-    directions = np.array(tangential_directions(toy))
+    directions: Floats = np.array(tangential_directions(toy))
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     starts = trajectory.phases[:, 6]
     ends = np.append(starts[1:], trajectory.t_end)
@@ -344,8 +344,9 @@ def _impact_work(toy: Toy, event: Event) -> float:
     """Work of the impulses of an impact [J], negative, phase by phase."""
     if not event.impulses:
         return 0.0
-    mass = np.array(mass_matrix(toy))
-    normal, tangent = np.array(normal_directions(toy)), np.array(tangential_directions(toy))
+    mass: Floats = np.array(mass_matrix(toy))
+    normal: Floats = np.array(normal_directions(toy))
+    tangent: Floats = np.array(tangential_directions(toy))
     u, work = np.array(event.u_before), 0.0
     for phase in ("compression", "expansion"):
         impulse = sum(
