@@ -19,6 +19,9 @@ from woodpecker.compiled import jit
 
 TWO_PI = 2.0 * math.pi
 EPSILON = 2.220446049250313e-16  # spacing of doubles at 1
+TERMS = 9  # the first one left out is below 1e-20
+SERIES_3 = tuple(1.0 / math.factorial(2 * n + 3) for n in reversed(range(TERMS)))
+SERIES_4 = tuple(1.0 / math.factorial(2 * n + 4) for n in reversed(range(TERMS)))
 
 
 @jit
@@ -26,15 +29,14 @@ def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, 
     """c0, t c1, t^2 c2, t^3 c3, t^4 c4 at kappa t^2; omega = sqrt(|kappa|).
 
     Each is the integral over t of the one before it. The series serves |kappa| t^2 < 1, where the
-    closed forms cancel; its tenth term is below 1e-18.
+    closed forms cancel.
     """
     x = kappa * t * t
     if abs(x) < 1.0:
-        c3 = c4 = 0.0
-        for n in range(9, -1, -1):
-            c3 = 1.0 + c3 * x / ((2 * n + 4) * (2 * n + 5))
-            c4 = 1.0 + c4 * x / ((2 * n + 5) * (2 * n + 6))
-        c3, c4 = c3 / 6.0, c4 / 24.0
+        c3, c4 = SERIES_3[0], SERIES_4[0]
+        for n in range(1, TERMS):
+            c3 = SERIES_3[n] + c3 * x
+            c4 = SERIES_4[n] + c4 * x
         c2, c1 = 0.5 + x * c4, 1.0 + x * c3
         return 1.0 + x * c2, t * c1, t * t * c2, t * t * t * c3, t * t * t * t * c4
     half = 0.5 * omega * t
@@ -66,21 +68,21 @@ def bracketed(
 
     A zero of f at low itself is not the root: it is where the guard has just fired.
     """
-    t, step = high, high - low
+    t, step = 0.5 * (low + high), high - low
     for _ in range(200):
         f, slope = value(f0, f1, f2, f3, kappa, omega, t)
         if f > 0.0:
             low = t
         else:
             high = t
-        if f == 0.0:
-            return t
         trial = t - f / slope if slope < 0.0 else low
-        if not (low < trial < high) or abs(trial - t) > 0.5 * abs(step):
+        if not low < trial < high:
             trial = 0.5 * (low + high)
-        step = trial - t
+        previous, step = step, trial - t
         t = trial
-        if abs(step) <= EPSILON * t or t in (low, high):
+        # Newton's steps shrink quadratically: the next would be step (step / previous)^2.
+        ratio = step / previous
+        if abs(step) * min(1.0, ratio * ratio) <= 0.25 * EPSILON * t or t in (low, high):
             break
     return t
 

@@ -19,6 +19,7 @@ from woodpecker.follow import Settings
 from woodpecker.labelled import LabelledMap
 
 FIRST_STEP, LARGEST_STEP = 1e-3, 0.01  # in the parameter
+NARROWEST = 1e-10  # half width within which a straight edge is predicted
 RESOLVED = 1e-11  # a change of words is located this well in the parameter
 SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
 WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
@@ -100,11 +101,16 @@ def _distance(edge: Edge, side: int) -> float:
 
 
 class _Track:
-    """Finds the same edge again at another parameter: same words on both sides."""
+    """Finds the same edge again at another parameter: same words on both sides.
+
+    Its memory is how well the last prediction was: a straight edge is predicted to the last bit,
+    and then two evaluations tell whether it is still there.
+    """
 
     def __init__(self, labelled_map: LabelledMap, settings: Settings, start: Edge) -> None:
         self.map, self.settings = labelled_map, settings
         self.left, self.right = start.left.word, start.right.word
+        self.widest = WIDEST
 
     def at(self, p: float, near: Edge, before: Edge) -> Edge | None:
         """The edge at p, predicted from two known ones; None if its words are not found."""
@@ -112,14 +118,18 @@ class _Track:
         if bracket is None:
             return None
         edge = edge_between(self.map, p, *bracket)
-        return edge if edge.right.word == self.right else None
+        if edge.right.word != self.right:
+            return None
+        miss = abs(edge.x - 0.5 * (bracket[0] + bracket[1]))
+        self.widest = min(max(1e4 * miss, NARROWEST), WIDEST)
+        return edge
 
     def _bracket(self, p: float, near: Edge, before: Edge) -> tuple[float, float] | None:
         """Neighbours of the predicted edge that carry its two words."""
         rate = (near.x - before.x) / (near.p - before.p) if near.p != before.p else 0.0
         guess = near.x + rate * (p - near.p)
         half = 8.0 * NEAR * math.ulp(guess)  # a neighbouring piece may be just as thin
-        while half <= WIDEST:
+        while half <= self.widest:
             left, right = guess - half, guess + half
             if self.map(left, p).word == self.left and self.map(right, p).word == self.right:
                 return left, right
@@ -128,13 +138,20 @@ class _Track:
 
     def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None]:
         """The last edge with these words on the way from ``near`` to p, and the next beyond it."""
-        last, good, bad = near, near.p, p
+        seen = self._bracket if self.widest <= NARROWEST else self.at
+        good, bad = near.p, p
         while (middle := 0.5 * (good + bad)) not in (good, bad) and abs(bad - good) > RESOLVED:
-            edge = self.at(middle, near, before)
-            if edge is None:
+            if seen(middle, near, before) is None:
                 bad = middle
             else:
-                last, good = edge, middle
+                good = middle
+        last = near
+        for back in (0.0, 1e-10, 1e-8, 1e-6):  # right at the change a piece is too thin to see
+            edge = self.at(good + math.copysign(back, near.p - p), near, before)
+            if edge is not None:
+                last = edge
+                break
+        self.widest = WIDEST
         reach = 4.0 * (bad - good)
         while abs(reach) <= self.settings.tolerances.edge:
             beyond = self._change_words(last, good + reach)
