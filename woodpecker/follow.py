@@ -168,7 +168,8 @@ class _Path:
         yield from self._specials(point, target, step)
         x = target.cycle.x
         if not (self.settings.window[0] <= x.min() and x.max() <= self.settings.window[1]):
-            yield replace(target, kind=PointKind.EP, note="end of the window")
+            end = self._at_window(point, target, step)
+            yield replace(end, kind=PointKind.EP, note="end of the window")
         elif not math.isnan(bound):
             yield replace(target, kind=PointKind.EP, note="end of the parameter span")
         else:
@@ -227,6 +228,19 @@ class _Path:
 
         s = float(brentq(excess, 0.0, step, xtol=1e-15, rtol=1e-14))
         return s, replace(self._inner(a, s), kind=kind)
+
+    def _at_window(self, a: PathPoint, b: PathPoint, step: float) -> PathPoint:
+        """Where the branch leaves the window between two neighbouring points."""
+        low, high = self.settings.window
+        lap = int(np.argmax(np.maximum(low - b.cycle.x, b.cycle.x - high)))
+        bound = low if b.cycle.x[lap] < low else high
+
+        def excess(s: float) -> float:
+            return float(self._inner(a, s).cycle.x[lap]) - bound
+
+        if (a.cycle.x[lap] - bound) * (b.cycle.x[lap] - bound) >= 0.0:
+            return b  # it started outside
+        return self._inner(a, float(brentq(excess, 0.0, step, xtol=1e-15, rtol=1e-14)))
 
     def _inner(self, a: PathPoint, s: float) -> PathPoint:
         """The corrected point at arclength s from a, on the same piece."""

@@ -105,7 +105,10 @@ def first_root(
 def _first_root_trigonometric(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
-    """Swinging guard f = mean + drift t - a cos(omega t) - b sin(omega t): skip to the swing that reaches zero."""
+    """Swinging guard f = mean + drift t - a cos(omega t) - b sin(omega t), kappa < 0.
+
+    Its minima repeat with the drift, so the swing that first reaches zero is known at once.
+    """
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     mean, drift, radius = f0 + a, f1 - f3 / kappa, math.hypot(a, b)
     if abs(drift) <= 4.0 * EPSILON * (abs(f1) + abs(f3 / kappa)):

@@ -1,0 +1,333 @@
+"""The command ``woodpecker``: simulate, map, diagram."""
+
+from __future__ import annotations
+
+import csv
+import inspect
+import logging
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Annotated, Any
+
+import matplotlib as mpl
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from pwmap import Diagram, PointKind, write_graph
+from woodpecker.diagram import WINDOW, continuation
+from woodpecker.follow import Settings
+from woodpecker.returns import CHUNK, ReturnMap, return_map
+from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.toy import Toy
+from woodpecker.trajectory import simulate as run_simulation
+
+app = typer.Typer(
+    help="The Woodpecker Toy: exact simulation, return map, bifurcation diagram.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console()
+errors = Console(stderr=True)
+
+Out = Annotated[Path, typer.Option(help="Folder for the results; made if it is missing.")]
+GUESS = -0.53  # rad, near the stable cycle of the paper's data set
+UNITS = {
+    "m_m": "kg", "m_s": "kg", "j_m": "kg m^2", "j_s": "kg m^2", "g": "m/s^2", "c_phi": "N m/rad",
+    **dict.fromkeys(("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "pole"), "m"),
+}  # fmt: skip
+
+
+class _FailureError(Exception):
+    """A computation that ended without a result; the message is for the user."""
+
+
+def _with_toy(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command one option for each parameter of the toy, and turn errors into sentences.
+
+    The command receives the toy as its first argument.
+    """
+    own = list(inspect.signature(command).parameters.values())[1:]
+    toy_options = [
+        inspect.Parameter(
+            field.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=field.default,
+            annotation=Annotated[
+                float,
+                typer.Option(
+                    help=f"[{UNITS.get(field.name, '-')}]", rich_help_panel="Parameters of the toy"
+                ),
+            ],
+        )
+        for field in fields(Toy)
+    ]
+
+    def wrapped(**values: Any) -> None:
+        try:
+            toy = Toy(**{field.name: values.pop(field.name) for field in fields(Toy)})
+            command(toy, **values)
+        except (ValueError, TypeError, OSError) as error:
+            errors.print(f"Error: {error}", style="red", highlight=False, soft_wrap=True)
+            raise typer.Exit(2) from None
+        except _FailureError as failure:
+            errors.print(f"Failed: {failure}", style="red", highlight=False, soft_wrap=True)
+            raise typer.Exit(1) from None
+
+    keyword = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in own]
+    wrapped.__signature__ = inspect.Signature([*keyword, *toy_options])  # type: ignore[attr-defined]
+    wrapped.__annotations__ = {p.name: p.annotation for p in [*keyword, *toy_options]}
+    wrapped.__doc__, wrapped.__name__ = command.__doc__, command.__name__
+    return wrapped
+
+
+@app.command()
+@_with_toy
+def simulate(
+    toy: Toy,
+    phi_s: Annotated[
+        float | None,
+        typer.Option(help="Start at rest on the section [rad]; by default on the periodic motion."),
+    ] = None,
+    t_end: Annotated[
+        float | None, typer.Option(help="Time to stop at [s]; by default two periods.")
+    ] = None,
+    samples: Annotated[int, typer.Option(min=2, help="Evenly spaced samples.")] = 2001,
+    out: Out = Path("out"),
+) -> None:
+    """Follow the toy in time; draw its time history and phase portraits, list its events.
+
+    Example: woodpecker simulate --eps-n1 0.3 --phi-s -0.6 --t-end 0.5
+    """
+    start, finish = phi_s, t_end
+    if start is None or finish is None:
+        orbit = _cycle(toy, GUESS if start is None else start)
+        start = orbit.phi_s if start is None else start
+        finish = 2.0 * orbit.period if finish is None else finish
+    trajectory = run_simulation(toy, start, finish, samples=samples)
+    folder = _folder(out)
+    figures = _plots()
+    for name, axes in (
+        ("time_history", figures.plot_time_history(trajectory)),
+        ("phase_portraits", figures.plot_phase_portraits(trajectory)),
+    ):
+        _save(axes[0].figure, folder / f"{name}.png")
+    columns = ("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s")
+    samples_table = zip(
+        trajectory.t.tolist(), *trajectory.q.T.tolist(), *trajectory.u.T.tolist(), strict=True
+    )
+    _write_csv(folder / "trajectory.csv", columns, samples_table)
+    rows = [
+        (event.time, event.symbol, *event.u_before, *event.u_after) for event in trajectory.events
+    ]
+    speeds = ("dy", "dphi_m", "dphi_s")
+    header = ["t", "event", *(f"{name}_before" for name in speeds)]
+    header += [f"{name}_after" for name in speeds]
+    _write_csv(folder / "events.csv", header, rows)
+    table = Table("t [s]", "event", title=f"{trajectory.status.value}; fell {_mm(trajectory.drop)}")
+    for row in rows[:40]:
+        table.add_row(f"{row[0]:.9f}", row[1])
+    if len(rows) > 40:
+        table.add_row("...", f"{len(rows) - 40} more in events.csv")
+    console.print(table)
+    _report(folder, "time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv")
+
+
+@app.command(name="map")
+@_with_toy
+def draw_map(
+    toy: Toy,
+    order: Annotated[int, typer.Option(min=1, help="Number of returns j of P_j.")] = 1,
+    window: Annotated[tuple[float, float], typer.Option(help="Interval of phi_S [rad].")] = (
+        -2.5,
+        0.11,
+    ),
+    points: Annotated[int, typer.Option(min=2, help="Number of starts.")] = 4000,
+    out: Out = Path("out"),
+) -> None:
+    """Compute and draw the return map P_j with the diagonal and its jumps.
+
+    Example: woodpecker map --eps-n1 0.125 --window -1.2 -0.4
+    """
+    import numpy as np
+
+    if not window[0] < window[1]:
+        raise ValueError(f"window must ascend, got {window[0]} {window[1]}")
+    starts = np.linspace(*window, points)
+    parts: list[ReturnMap] = []
+    with _progress() as progress:
+        task = progress.add_task("return map", total=points)
+        for k in range(0, points, 4 * CHUNK):
+            parts.append(return_map(toy, starts[k : k + 4 * CHUNK], order))
+            progress.advance(task, len(parts[-1].start))
+    returns = ReturnMap(
+        **{
+            name: np.concatenate([getattr(part, name) for part in parts])
+            for name in ("start", "phi_s", "period", "drop", "slope", "d_eps_n1")
+        },
+        words=tuple(text for part in parts for text in part.words),
+        status=tuple(reason for part in parts for reason in part.status),
+    )
+    folder = _folder(out)
+    _save(_plots().plot_return_map(toy, returns, order=order).figure, folder / "return_map.png")
+    columns = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
+    _write_csv(
+        folder / "return_map.csv",
+        columns,
+        zip(
+            returns.start.tolist(), returns.phi_s.tolist(), returns.period.tolist(),
+            returns.drop.tolist(), returns.slope.tolist(),
+            [reason.name.lower() for reason in returns.status], returns.words, strict=True,
+        ),
+    )  # fmt: skip
+    outcomes = {reason: returns.status.count(reason) for reason in dict.fromkeys(returns.status)}
+    table = Table("starts", "outcome", title=f"{len(set(returns.words))} words")
+    for reason, count in outcomes.items():
+        table.add_row(str(count), reason.value)
+    console.print(table)
+    _report(folder, "return_map.png", "return_map.csv")
+
+
+@app.command()
+@_with_toy
+def diagram(
+    toy: Toy,
+    parameter: Annotated[str, typer.Option(help="Parameter of the toy to vary.")] = "eps_n1",
+    span: Annotated[tuple[float, float], typer.Option(help="Interval of the parameter.")] = (
+        0.0,
+        1.0,
+    ),
+    phi_s: Annotated[
+        float, typer.Option(help="Guess for the periodic motion to start from [rad].")
+    ] = GUESS,
+    order: Annotated[int, typer.Option(min=1, help="Number of returns j of the motion.")] = 1,
+    window: Annotated[tuple[float, float], typer.Option(help="Interval of phi_S [rad].")] = WINDOW,
+    step: Annotated[float, typer.Option(help="Largest step along a branch.")] = 0.02,
+    out: Out = Path("out"),
+) -> None:
+    """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
+
+    Example: woodpecker diagram --parameter mu_2 --span 0.286 0.6
+    """
+    settings = Settings(
+        span=span, window=window, step=min(0.005, step), max_step=step
+    )  # before anything is computed: it checks the values
+    orbit = _cycle(toy, phi_s, order)
+    with _progress() as progress:
+        task = progress.add_task(f"{parameter} = {getattr(toy, parameter):.4f}", total=None)
+
+        def show(value: float) -> None:
+            progress.update(task, description=f"{parameter} = {value:.4f}")
+
+        found = continuation(toy, orbit, parameter, span, settings=settings, progress=show)
+    folder = _folder(out)
+    _save(_plots().plot_diagram(found).figure, folder / "diagram.png")
+    graph = found.graph()
+    write_graph(graph, folder / "graph.graphml")
+    write_graph(graph, folder / "graph.json")
+    _write_points(found, folder)
+    console.print(_summary(found))
+    _report(folder, "diagram.png", "points.csv", "branches.csv", "graph.graphml", "graph.json")
+
+
+def _cycle(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
+    orbit = shoot(toy, guess, order)
+    if not orbit.success:
+        raise _FailureError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
+    return orbit
+
+
+def _plots() -> Any:
+    """The plotting functions, loaded when a picture is drawn and without a screen."""
+    mpl.use("Agg")
+    from types import SimpleNamespace
+
+    from pwmap.plot import plot_diagram
+    from woodpecker import plot
+
+    return SimpleNamespace(plot_diagram=plot_diagram, **vars(plot))
+
+
+def _save(figure: Any, path: Path) -> None:
+    figure.savefig(path, dpi=200)
+
+
+def _folder(out: Path) -> Path:
+    out.mkdir(parents=True, exist_ok=True)
+    return out
+
+
+def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def _write_points(found: Diagram, folder: Path) -> None:
+    _write_csv(
+        folder / "points.csv",
+        ("id", "kind", found.parameter_name, found.x_name, "order", "note", "branches"),
+        (
+            (p.id, p.kind, p.parameter, p.x, p.order, p.note, " ".join(p.branches))
+            for p in found.points
+        ),
+    )
+    _write_csv(
+        folder / "branches.csv",
+        ("id", "kind", "word", "from", "to", found.parameter_name, found.x_name, "multiplier"),
+        (
+            (b.id, b.kind, b.word, *b.ends, p, x, m)
+            for b in found.branches
+            for p, x, m in zip(
+                b.parameter.tolist(), b.x.tolist(), b.multiplier.tolist(), strict=True
+            )
+        ),
+    )
+
+
+def _summary(found: Diagram) -> Table:
+    """Table of the special points but for changes of word, which are counted."""
+    changes = sum(point.kind is PointKind.WC for point in found.points)
+    table = Table(
+        "point", found.parameter_name, found.x_name, "what", "branches",
+        title=f"{len(found.branches)} branches, {len(found.points)} special points, "
+        f"{changes} of them changes of word",
+    )  # fmt: skip
+    for point in found.points:
+        if point.kind is not PointKind.WC:
+            what = f"{point.kind.meaning}{f' ({point.note})' if point.note else ''}"
+            table.add_row(
+                point.id, f"{point.parameter:.10f}", f"{point.x:.10f}", what,
+                " ".join(point.branches),
+            )  # fmt: skip
+    return table
+
+
+def _progress() -> Progress:
+    return Progress(
+        TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
+        transient=True,
+    )  # fmt: skip
+
+
+def _mm(length: float) -> str:
+    return "without end" if math.isinf(length) else f"{1e3 * length:.4f} mm"
+
+
+def _report(folder: Path, *names: str) -> None:
+    console.print("wrote " + ", ".join(str(folder / name) for name in names), soft_wrap=True)
+
+
+def run() -> None:
+    """Entry point of the command."""
+    logging.basicConfig(format="%(message)s")
+    app()
+
+
+if __name__ == "__main__":
+    run()
