@@ -22,7 +22,7 @@ from woodpecker.diagram import WINDOW, continuation
 from woodpecker.follow import Settings
 from woodpecker.returns import CHUNK, ReturnMap, return_map
 from woodpecker.shooting import PeriodicOrbit, shoot
-from woodpecker.toy import Toy
+from woodpecker.toy import Toy, known_parameter
 from woodpecker.trajectory import simulate as run_simulation
 
 app = typer.Typer(
@@ -216,9 +216,10 @@ def diagram(
     settings = Settings(
         span=span, window=window, step=min(0.005, step), max_step=step
     )  # before anything is computed: it checks the values
+    known_parameter(parameter)
     orbit = _cycle(toy, phi_s, order)
     with _progress() as progress:
-        task = progress.add_task(f"{parameter} = {getattr(toy, parameter):.4f}", total=None)
+        task = progress.add_task(parameter, total=None)
 
         def show(value: float) -> None:
             progress.update(task, description=f"{parameter} = {value:.4f}")

@@ -16,7 +16,7 @@ from woodpecker.modes import CONTACT, EPS, model
 from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
 from woodpecker.status import status
 from woodpecker.tolerances import DEFAULT, Tolerances
-from woodpecker.toy import Toy, parameters
+from woodpecker.toy import Toy, known_parameter
 from woodpecker.words import word
 
 RELATIVE_STEP = 1e-6  # of central differences in parameters the variational flow does not carry:
@@ -88,11 +88,7 @@ def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
     TypeError
         If the parameter is unknown.
     """
-    if parameter not in parameters():
-        raise TypeError(
-            f"unknown parameter {parameter!r}, expected one of {', '.join(parameters())}"
-        )
-    if parameter in RESTITUTIONS:
+    if known_parameter(parameter) in RESTITUTIONS:
         return _restitution_map(toy, RESTITUTIONS.index(parameter))
 
     def value(phi_s: float, p: float) -> Evaluation:

@@ -106,11 +106,8 @@ class Toy:
 
     def replace(self, **changes: float) -> Toy:
         """Copy with some parameters changed; TypeError names an unknown parameter."""
-        unknown = sorted(set(changes) - set(parameters()))
-        if unknown:
-            raise TypeError(
-                f"unknown parameter {unknown[0]!r}, expected one of {', '.join(parameters())}"
-            )
+        for name in changes:
+            known_parameter(name)
         return dataclasses.replace(self, **changes)
 
     @property
@@ -127,3 +124,10 @@ class Toy:
 def parameters() -> tuple[str, ...]:
     """Names of the toy's parameters."""
     return tuple(field.name for field in dataclasses.fields(Toy))
+
+
+def known_parameter(name: str) -> str:
+    """The name itself; TypeError if the toy has no such parameter."""
+    if name not in parameters():
+        raise TypeError(f"unknown parameter {name!r}, expected one of {', '.join(parameters())}")
+    return name

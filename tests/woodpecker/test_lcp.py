@@ -153,13 +153,18 @@ def test_units_do_not_matter(seed: int, n: int) -> None:
     """Rows in other units, columns in other units, and b a thousand times larger."""
     rng = np.random.default_rng(seed)
     a, b = p_matrix(rng, n), smooth(rng, n)
-    row, column = 10.0 ** rng.uniform(-3, 3, size=(2, n))
+    row, column = 10.0 ** rng.uniform(-6, 6, size=(2, n))
     expected = lemke(a, b)
     result = lemke(row[:, None] * a * column, 1e3 * row * b)
     assert result.success
     scale = np.abs(expected.x).max(initial=1.0)
     np.testing.assert_allclose(result.x * column / 1e3, expected.x, atol=SAME * scale)
     np.testing.assert_allclose(result.y / row / 1e3, expected.y, atol=SAME * scale)
+
+
+def test_small_units_are_not_zeros() -> None:
+    np.testing.assert_allclose(lemke([[1e-14]], [-1e-14]).x, 1.0, rtol=EXACT)
+    np.testing.assert_allclose(lemke([[1e14]], [-1e-14]).x, 1e-28, rtol=EXACT)
 
 
 # --- Classical problems --------------------------------------------------------------------------
@@ -373,6 +378,22 @@ def test_compression_and_expansion_satisfy_the_laws(
     released = solve_contact_lcp(s.delassus, between, s.mu, floor)
     assert released.status is LcpStatus.SOLVED
     assert contact_residual(released, s.delassus, between, s.mu, floor) < RESIDUAL
+
+
+@pytest.mark.parametrize("seed", [359, 363, 1240, 5974])
+def test_strong_friction_does_not_end_in_a_ray(seed: int) -> None:
+    """mu up to 7.5: covered with c mu > 1, each of these scenes ends in a ray."""
+    s = scene(np.random.default_rng(seed), 2, 5)
+    result = solve_contact_lcp(s.delassus, s.free, 5.0 * s.mu)
+    assert contact_residual(result, s.delassus, s.free, 5.0 * s.mu) < RESIDUAL
+
+
+@pytest.mark.parametrize(("seed", "freedoms"), [(369, 2), (608, 4), (687, 2), (3465, 2)])
+def test_three_contacts_of_a_body_with_few_freedoms(seed: int, freedoms: int) -> None:
+    """G of rank 2 or 4 of 6: the covering variable reaches zero without leaving the basis."""
+    s = scene(np.random.default_rng(seed), 3, freedoms)
+    result = solve_contact_lcp(s.delassus, s.free, s.mu)
+    assert contact_residual(result, s.delassus, s.free, s.mu) < RESIDUAL
 
 
 @settings(deadline=None, derandomize=True, max_examples=200)
