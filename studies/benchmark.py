@@ -2,8 +2,9 @@
 
     python -m studies.benchmark [--fast] [--out DIR]
 
-All competitors run in turn, round after round, so that a busy machine hits them alike. Wall time
-and CPU time (of the process) are kept of every round; ratios compare medians of CPU time.
+What is compared runs in turn, round after round, so that a busy machine hits all alike; wall and
+CPU time of every round are kept. The kernel carries the derivatives of the return along, with
+respect to phi_S and eps_N1; the peer (:mod:`studies.peer_ode`) does not.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from decimal import Decimal
 from importlib import metadata
 from pathlib import Path
+from types import TracebackType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,45 +32,43 @@ from rich.table import Table
 
 from pwmap.diagram import Diagram
 from studies.peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
-from woodpecker import Return, Toy, continuation, first_return, kernel, return_map, shoot
+from woodpecker import Toy, continuation, first_return, kernel, return_map, shoot
 from woodpecker.compiled import COMPILED
 from woodpecker.modes import model
 from woodpecker.returns import EVENT_LIMIT
 
 ROOT = Path(__file__).resolve().parents[1]
-RTOL = 1e-10  # of the peer; its errors then are near 1e-10 rad
+RTOL = 1e-10  # of the peer, whose error then is of the same size
 GUESS = -0.53  # rad, near the nominal cycle
 WINDOW = (-2.5, -0.24)  # rad
-NEEDS_NUMBA = "needs numba, which is not installed or switched off"
 
-# One return in a process of its own: one measurement of `count` returns for each line it reads.
-PLAIN = """
-import sys, time, woodpecker
-toy, phi_s = woodpecker.Toy(), float(sys.argv[1])
-woodpecker.first_return(toy, phi_s)
-print(flush=True)
+COMPILED_RETURN, CALLED_RETURN = "one return, compiled kernel", "one return, first_return()"
+PLAIN_RETURN, PEER_RETURN = "one return, plain Python kernel", "one return, DOP853 rtol 1e-10"
+MAP, MAIN_JOB = "map of 1000 points, one core", "continuation in eps_N1"
+IMPORT, COLD, WARM = "import woodpecker", "first call, compiling", "first call, from the cache"
+
+# Processes of their own. One measures ten returns for each line it reads, the other its own start.
+SERVE = """
+import sys
+from studies.benchmark import Toy, clocked, equal_starts
+job = clocked(equal_starts(Toy(), 10), units=10)
 for line in sys.stdin:
-    wall, cpu = time.perf_counter(), time.process_time()
-    for _ in range(int(line)):
-        woodpecker.first_return(toy, phi_s)
-    print(time.perf_counter() - wall, time.process_time() - cpu, flush=True)
+    print(*job(), flush=True)
 """
-# Import, then the first return, in a fresh process.
-FIRST = """
+START = """
 import sys, time
-wall, cpu = [time.perf_counter()], [time.process_time()]
-def note():
-    wall.append(time.perf_counter()), cpu.append(time.process_time())
+clocks = [(time.perf_counter(), time.process_time())]
 import woodpecker
-note()
+clocks.append((time.perf_counter(), time.process_time()))
 woodpecker.first_return(woodpecker.Toy(), float(sys.argv[1]))
-note()
-print(wall[1] - wall[0], cpu[1] - cpu[0], wall[2] - wall[1], cpu[2] - cpu[1])
+clocks.append((time.perf_counter(), time.process_time()))
+for before, after in zip(clocks, clocks[1:]):
+    print(*(b - a for a, b in zip(before, after)))
 """
 
 
 class Seconds(NamedTuple):
-    """Wall and CPU time of one unit of work."""
+    """Wall and CPU time [s] of one unit of work."""
 
     wall: float
     cpu: float
@@ -78,88 +77,249 @@ class Seconds(NamedTuple):
 Job = Callable[[], Seconds]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Timing:
-    """Seconds over all rounds."""
-
-    rounds: int
-    wall_median: float
-    wall_minimum: float
-    cpu_median: float
-    cpu_minimum: float
-
-
 def main(fast: bool = False) -> dict[str, Any]:
-    """Measure everything; ``fast`` takes few rounds and does not compile from nothing.
+    """Measure everything.
+
+    Parameters
+    ----------
+    fast
+        Take few rounds and do not compile from nothing.
 
     Returns
     -------
     dict
-        ``timings`` (seconds for each job), ``ratio_*`` (CPU time over that of the compiled
-        kernel), ``error_*`` (against the 30-digit reference), size of the main job's diagram,
-        ``skipped`` (sentences) and ``environment``. What was skipped is None.
+        ``ratio_*``: time of the peer and of the plain kernel over that of the compiled one
+        (medians of CPU time, ``*_wall`` of wall time; ``ratio_peer_call``: over a call of
+        ``first_return``). ``error_*``: distance from the 30-digit reference [rad], [s].
+        ``branches``, ``points`` of the main job. ``timings``: seconds of every job. ``skipped``:
+        why a number is None. ``environment``: what it ran on.
     """
     lap, peer = first_return(Toy(), PHI_S), first_return_ode(Toy(), PHI_S, rtol=RTOL)
-    timings: dict[str, Timing] = {}
-    with PlainKernel() as plain:
-        jobs = {
-            "return, kernel": sweep_job(1000 if COMPILED else 10),
-            "return, first_return": clocked(
-                lambda: first_return(Toy(), PHI_S), 200 if COMPILED else 10
-            ),
-            "return, plain Python": lambda: plain.seconds(10),
-            "return, DOP853": clocked(lambda: first_return_ode(Toy(), PHI_S, rtol=RTOL)),
-            "map of 1000 points": map_job(1000),
-        }
-        timings |= interleaved(jobs, 3 if fast else 25)
     skipped: dict[str, str] = {}
-    timings |= interleaved(first_return_jobs(fast, skipped), 1 if fast else 2)
-    diagrams: list[Diagram] = []
-    if fast and not COMPILED:
-        skipped["continuation"] = NEEDS_NUMBA
+    timings = race(3 if fast else 25)
+    timings |= starts(1 if fast else 2, cold=not fast)
+    if fast:
+        skipped[COLD] = "left out of the fast run"
+    diagram: Diagram | None = None
+    if COMPILED:
+        timings[MAIN_JOB], diagram = main_job(1 if fast else 3)
     else:
-        timings |= interleaved({"continuation": main_job(diagrams)}, 1 if fast else 3)
+        reason = "needs numba, which is not installed or switched off"
+        skipped |= dict.fromkeys((COMPILED_RETURN, COLD, WARM), reason)
+        skipped[MAIN_JOB] = f"takes some minutes: {reason}"
     return {
-        **ratios(timings, skipped),
-        **errors(lap, peer.phi_s, peer.period),
+        "ratio_peer": ratio(timings, PEER_RETURN, COMPILED_RETURN, "cpu"),
+        "ratio_peer_wall": ratio(timings, PEER_RETURN, COMPILED_RETURN, "wall"),
+        "ratio_peer_call": ratio(timings, PEER_RETURN, CALLED_RETURN, "cpu"),
+        "ratio_plain": ratio(timings, PLAIN_RETURN, COMPILED_RETURN, "cpu"),
+        "ratio_plain_wall": ratio(timings, PLAIN_RETURN, COMPILED_RETURN, "wall"),
+        "error_kernel": distance(lap.phi_s, IMAGE),
+        "error_peer": distance(peer.phi_s, IMAGE),
+        "error_period_kernel": distance(lap.period, PERIOD),
+        "error_period_peer": distance(peer.period, PERIOD),
         "word": lap.word,
         "word_peer": peer.word,
         "evaluations_peer": peer.evaluations,
-        "branches": len(diagrams[0].branches) if diagrams else None,
-        "points": len(diagrams[0].points) if diagrams else None,
-        "timings": {name: asdict(timing) for name, timing in timings.items()},
+        "branches": len(diagram.branches) if diagram else None,
+        "points": len(diagram.points) if diagram else None,
+        "timings": timings,
         "skipped": skipped,
         "environment": environment(),
     }
 
 
-def clocked(work: Callable[[], object], repeats: int = 1) -> Job:
-    """Job that repeats some work and reports the time of one repetition."""
+Timing = dict[str, float]
+
+
+def summary(seconds: Sequence[Seconds]) -> Timing:
+    """Median and minimum of wall and CPU time [s]."""
+    wall, cpu = [each.wall for each in seconds], [each.cpu for each in seconds]
+    return {
+        "wall_median": statistics.median(wall),
+        "wall_minimum": min(wall),
+        "cpu_median": statistics.median(cpu),
+        "cpu_minimum": min(cpu),
+        "rounds": len(seconds),
+    }
+
+
+def ratio(timings: dict[str, Timing], slow: str, quick: str, clock: str) -> float | None:
+    """Ratio of medians; None if one was not measured."""
+    if slow not in timings or quick not in timings:
+        return None
+    return timings[slow][f"{clock}_median"] / timings[quick][f"{clock}_median"]
+
+
+def distance(value: float, reference: str) -> float:
+    """Distance of a double from a decimal number, without rounding the latter."""
+    return float(abs(Decimal(value) - Decimal(reference)))
+
+
+def clocked(work: Callable[[], object], count: int = 1, units: int = 1) -> Job:
+    """Job that does some work ``count`` times and reports the time of one of its units."""
 
     def job() -> Seconds:
         wall, cpu = time.perf_counter(), time.process_time()
-        for _ in range(repeats):
+        for _ in range(count):
             work()
-        return Seconds(
-            (time.perf_counter() - wall) / repeats, (time.process_time() - cpu) / repeats
-        )
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        return Seconds(wall / (count * units), cpu / (count * units))
 
     return job
 
 
-def interleaved(jobs: dict[str, Job], rounds: int) -> dict[str, Timing]:
-    """Run all jobs in turn, round after round, after one round that does not count."""
-    seconds: dict[str, list[Seconds]] = {name: [] for name in jobs}
-    for _ in range(rounds):
-        for name, job in jobs.items():
-            seconds[name].append(job())
-    return {
-        name: Timing(
-            rounds=rounds,
-            wall_median=statistics.median(each.wall for each in taken),
-            wall_minimum=min(each.wall for each in taken),
-            cpu_median=statistics.median(each.cpu for each in taken),
-            cpu_minimum=min(each.cpu for each in taken),
+def race(rounds: int) -> dict[str, Timing]:
+    """One return in every way, and the map, in turn; the first round does not count."""
+    toy = Toy()
+    with ThreadPoolExecutor(1) as one_core, PlainKernel() as plain:
+        jobs: dict[str, Job] = {
+            CALLED_RETURN: clocked(lambda: first_return(toy, PHI_S), 200 if COMPILED else 10),
+            PLAIN_RETURN: plain.job,
+            PEER_RETURN: clocked(lambda: first_return_ode(toy, PHI_S, rtol=RTOL)),
+            MAP: clocked(lambda: map_window(toy, one_core)),
+        }
+        if COMPILED:
+            jobs = {COMPILED_RETURN: clocked(equal_starts(toy, 1000), units=1000), **jobs}
+        taken: dict[str, list[Seconds]] = {name: [] for name in jobs}
+        for _ in range(1 + rounds):
+            for name, job in jobs.items():
+                taken[name].append(job())
+    return {name: summary(seconds[1:]) for name, seconds in taken.items()}
+
+
+def equal_starts(toy: Toy, n: int) -> Callable[[], None]:
+    """Work of n equal returns in one call of the kernel, in this thread."""
+    numbers, seed = model(toy), np.eye(3)[:1]
+    begin, out, words = np.full(n, PHI_S), np.empty((n, 5)), np.empty((n, EVENT_LIMIT), np.int8)
+    status, lengths = np.empty(n, np.int64), np.empty(n, np.int64)
+    return lambda: kernel.sweep(numbers, begin, 1, seed, out, status, lengths, words)
+
+
+def map_window(toy: Toy, executor: Executor) -> None:
+    """P_1 at 1000 points."""
+    return_map(toy, np.linspace(*WINDOW, 1000), executor=executor)
+
+
+class PlainKernel:
+    """The kernel without numba, in a process of its own."""
+
+    def __enter__(self) -> PlainKernel:
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", SERVE],
+            cwd=ROOT,
+            env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
         )
-        for name, taken in seconds.items()
+        return self
+
+    def job(self) -> Seconds:
+        """Time of one return, the mean of ten."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
+        return _seconds(self.process.stdout.readline())
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.process.communicate()
+
+
+def _seconds(line: str) -> Seconds:
+    wall, cpu = map(float, line.split())
+    return Seconds(wall, cpu)
+
+
+def starts(rounds: int, cold: bool) -> dict[str, Timing]:
+    """Import and first return in fresh processes; if ``cold``, first with an empty cache."""
+    taken: dict[str, list[Seconds]] = {}
+    for _ in range(rounds):
+        with tempfile.TemporaryDirectory() as empty:
+            environ = {**os.environ, "NUMBA_CACHE_DIR": empty} if cold else dict(os.environ)
+            for name in (COLD, WARM) if cold else (WARM,):
+                imported, called = (_seconds(line) for line in _start(environ).splitlines())
+                taken.setdefault(IMPORT, []).append(imported)
+                taken.setdefault(name, []).append(called)
+    if not COMPILED:
+        taken = {IMPORT: taken[IMPORT]}
+    return {name: summary(seconds) for name, seconds in taken.items()}
+
+
+def _start(environ: dict[str, str]) -> str:
+    command = [sys.executable, "-c", START, repr(PHI_S)]
+    done = subprocess.run(
+        command, cwd=ROOT, env=environ, stdout=subprocess.PIPE, text=True, check=True
+    )
+    return done.stdout
+
+
+def main_job(rounds: int) -> tuple[Timing, Diagram]:
+    """Shoot, then follow every connected branch over eps_N1 in [0, 1]."""
+    found: list[Diagram] = []
+    job = clocked(lambda: found.append(continuation(Toy(), shoot(Toy(), GUESS))))
+    return summary([job() for _ in range(rounds)]), found[-1]
+
+
+def environment() -> dict[str, str]:
+    """Machine and versions."""
+    cpu = Path("/proc/cpuinfo")
+    lines = cpu.read_text().splitlines() if cpu.exists() else []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    found = {
+        "machine": f"{platform.system()} {platform.machine()}",
+        "processor": names[0] if names else platform.processor(),
+        "cores": str(os.cpu_count()),
+        "python": platform.python_version(),
     }
+    for package in ("numpy", "scipy", "numba"):
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            found[package] = "not installed"
+    return found
+
+
+def table(results: dict[str, Any]) -> Table:
+    """Medians and minima of the timings as a table for the terminal."""
+    environ = results["environment"]
+    title = ", ".join(f"{key} {environ[key]}" for key in ("python", "numpy", "scipy", "numba"))
+    shown = Table(title=f"{environ['processor']}, {environ['cores']} cores\n{title}")
+    shown.add_column("milliseconds", no_wrap=True)
+    for column in ("wall", "least", "CPU", "least", "rounds"):
+        shown.add_column(column, justify="right")
+    for name, timing in results["timings"].items():
+        *seconds, rounds = timing.values()
+        shown.add_row(name, *(f"{1e3 * value:.4g}" for value in seconds), str(rounds))
+    return shown
+
+
+def report(results: dict[str, Any]) -> None:
+    """Print the table and the other numbers."""
+    console = Console()
+    console.print(table(results))
+    for name, value in results.items():
+        if isinstance(value, float):
+            console.print(f"{name} = {value:.3g}")
+        elif name not in ("timings", "skipped", "environment"):
+            console.print(f"{name} = {value}")
+    for name, reason in results["skipped"].items():
+        console.print(f"{name}: {reason}")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Benchmark of one return of the toy.")
+    parser.add_argument("--fast", action="store_true", help="few rounds, nothing compiled anew")
+    parser.add_argument("--out", type=Path, help="directory for benchmark.json")
+    options = parser.parse_args()
+    measured = main(fast=options.fast)
+    report(measured)
+    if options.out is not None:
+        options.out.mkdir(parents=True, exist_ok=True)
+        path = options.out / "benchmark.json"
+        path.write_text(json.dumps(measured, indent=2) + "\n", encoding="utf-8")

@@ -51,6 +51,14 @@ def two_lines() -> LabelledMap:
     return pieces(line(0.5, 1.0), line(-0.5, 1.0, 1.0))
 
 
+def staircase() -> LabelledMap:
+    """x/2 + p for x < 0, x/2 + p - 1 for x >= 0.
+
+    Fixed points 2 p (p < 0) and 2 (p - 1) (p >= 1); the jump at 0 crosses in between.
+    """
+    return pieces(line(0.5, 1.0), line(0.5, 1.0, -1.0))
+
+
 def skew_tent(a: float, b: float) -> LabelledMap:
     """Continuous: a x + p for x < 0, b x + p for x >= 0.
 
@@ -137,7 +145,11 @@ def two_cycle(x: float, p: float) -> Evaluation:
     """x/2 + 1 for x < 0, x/2 - 1 + p for x >= 0, with an orbit of period two.
 
     Its points are 4/3 (p - 1/2) < 0 and 1 + 2/3 (p - 1/2) >= 0: it lives for -1 <= p < 1/2, and at
-    either end one of its points meets the jump. Multiplier 1/4.
+    either end one of its points meets the jump. Multiplier 1/4. Fixed points 2 (p - 1), p >= 1.
+
+    The second iterate jumps at 0 from p - 1/2 to (p + 1)/2 (to 3 (p - 1)/2 for p > 1), and at the
+    preimages of 0, which are -2 and, for p <= 1, 2 - 2 p, from 1 to p - 1. So it crosses at -2 for
+    p < -1, at 0 for -1 < p < 1/2 and at 2 - 2 p for 1/2 < p < 1.
     """
     return pieces(line(0.5, 0.0, 1.0), line(0.5, 1.0, -1.0))(x, p)
 

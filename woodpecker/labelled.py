@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from woodpecker.modes import Floats
 from woodpecker.tolerances import DEFAULT, Tolerances
@@ -96,7 +97,7 @@ def tangent(cycle: Cycle, along: Floats) -> Floats:
 
 def correct(
     labelled_map: LabelledMap,
-    x: Floats,
+    x: npt.ArrayLike,
     p: float,
     direction: Floats | None = None,
     tolerances: Tolerances = DEFAULT,
@@ -106,11 +107,10 @@ def correct(
     Without a direction the parameter is held. Returns the last iterate, whether its residual is
     small enough, and the number of steps. Iterates that the map does not take stop it.
     """
-    j = len(x)
-    last_row = np.zeros(j + 1) if direction is None else direction
-    if direction is None:
-        last_row[-1] = 1.0
-    cycle = evaluate(labelled_map, x, p)
+    start = np.atleast_1d(np.asarray(x, dtype=float))
+    j = len(start)
+    last_row = np.eye(j + 1)[j] if direction is None else direction
+    cycle = evaluate(labelled_map, start, p)
     rhs = np.zeros(j + 1)
     for step in range(NEWTON_STEPS):
         if not all(lap.defined for lap in cycle.laps):

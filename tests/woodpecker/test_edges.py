@@ -1,0 +1,183 @@
+"""Edges of pieces: where they are, and the limits on both sides."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from maps import grazing, line, lost_beyond, moving_edge, paper, pieces, skew_tent, two_lines
+
+from woodpecker.edges import Edge, bisect, edge_between, is_continuous, nearest_edge, one_sided
+from woodpecker.labelled import Evaluation, LabelledMap, iterate
+
+NEAR = 64  # spacings of doubles at which the first value beside an edge is read
+
+
+def strip(low: float, high: float) -> LabelledMap:
+    """Words A, B, C with edges at low and high."""
+    return lambda x, _p: Evaluation(x, 1.0, 0.0, "A" if x < low else "B" if x < high else "C")
+
+
+@pytest.mark.parametrize("edge", [0.3, -0.884773, 1.0, 1e-9, -700.1])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_bisect_ends_on_neighbouring_doubles(edge: float, side: int) -> None:
+    """Whichever side it starts from; 0.3 itself belongs to the right piece."""
+    step = pieces(line(0.0, 0.0), line(0.0, 0.0), edge)
+    inside, outside = bisect(step, 0.0, edge - side * 0.7, edge + side * 0.9)
+    assert outside == math.nextafter(inside, side * math.inf)
+    assert max(inside, outside) == edge
+    assert step(inside, 0.0).word == step(edge - side * 0.7, 0.0).word
+    assert step(outside, 0.0).word != step(inside, 0.0).word
+
+
+def test_edge_between_holds_both_sides() -> None:
+    edge = edge_between(two_lines(), 0.25, -0.3, 0.1)
+    assert edge.x == pytest.approx(0.0, abs=1e-300)
+    assert edge.p == 0.25
+    assert (edge.left.word, edge.right.word) == ("L", "R")
+    assert (edge.left.slope, edge.right.slope) == (0.5, -0.5)
+    assert (edge.left_limit, edge.right_limit) == (0.25, 1.25)
+    assert edge.jump == 1.0
+    assert not edge.crosses
+
+
+def test_edge_between_does_not_depend_on_the_way() -> None:
+    one, two = (edge_between(moving_edge, 0.5, *way) for way in ((0.0, 0.6), (0.6, 0.0)))
+    assert (one.left.word, one.right.word) == (two.left.word, two.right.word) == ("L", "R")
+    assert abs(one.x - two.x) <= math.ulp(0.25)
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.5, -1.25, 40.0])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_limit_of_a_linear_side(slope: float, side: int) -> None:
+    """Read from two points 64 and 256 spacings away: off by 128 spacings times the slope."""
+    x = -0.75
+    flat = pieces(line(slope, 1.0), line(slope, 1.0), x)
+    here, limit = one_sided(flat, x, 0.125, side)
+    exact = slope * x + 0.125
+    assert abs(limit - exact) <= (2 * NEAR * abs(slope) + 4) * math.ulp(max(1.0, abs(exact)))
+    assert here.word == ("L" if side < 0 else "R")
+
+
+@pytest.mark.parametrize("x", [0.0, 0.7, -0.884773])
+@pytest.mark.parametrize("c", [1.0, -1.0, 30.0])
+def test_limit_of_a_square_root(x: float, c: float) -> None:
+    """L + c sqrt(x - x_e): the value read 64 spacings away is off by 1e-7 c, the limit is exact."""
+
+    def root(t: float, p: float) -> Evaluation:
+        if t < x:
+            return Evaluation(p, 0.0, 1.0, "L")
+        return Evaluation(p + c * math.sqrt(t - x), math.inf, 1.0, "R")
+
+    here, limit = one_sided(root, x, 0.5, 1)
+    # rounding of the sum; the arguments of the roots are exact multiples of the spacing
+    assert limit == pytest.approx(0.5, abs=4 * math.ulp(1.0))
+    if x != 0.0:
+        assert abs(here.value - 0.5) == pytest.approx(abs(c) * 8 * math.sqrt(math.ulp(x)), rel=1e-6)
+
+
+def test_limit_beside_a_lost_side_is_nan() -> None:
+    edge = edge_between(lost_beyond(1.0), 0.25, 0.9, 1.1)
+    assert edge.x == math.nextafter(1.0, 0.0)
+    assert edge.left_limit == pytest.approx(0.75, abs=2 * NEAR * math.ulp(1.0))
+    assert math.isnan(edge.right_limit)
+    assert math.isnan(edge.jump)
+    assert edge.right.word == "lost"
+    assert not edge.crosses
+    assert not is_continuous(edge)
+
+
+def test_limit_of_a_piece_thinner_than_the_reach_is_its_value() -> None:
+    """The second point lies on another piece already: only the first is used."""
+    x = 0.5
+    thin = pieces(line(0.0, 0.0, 3.0), line(0.0, 0.0, 7.0), x + 100 * math.ulp(x))
+    assert one_sided(thin, x, 0.0, 1)[1] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "crosses"),
+    [(-1.0, 1.0, True), (1.0, -1.0, True), (0.3, 0.4, True), (0.5, 0.6, False), (0.2, 0.1, False),
+     (0.35, 1.0, False), (1.0, 0.35, False)],
+)  # fmt: skip
+def test_crossing_is_strict(left: float, right: float, crosses: bool) -> None:
+    here = Evaluation(0.0, 0.0, 0.0, "S")
+    edge = Edge(x=0.35, p=0.0, left=here, right=here, left_limit=left, right_limit=right)
+    assert edge.crosses is crosses
+
+
+def test_second_iterate_of_the_paper() -> None:
+    """At r = 1: P2^L jumps at r/a = 0.8 across the diagonal, at 0 only below it [Eq. 15]."""
+    second = iterate(paper(), 2)
+    at_zero = edge_between(second, 1.0, -0.1, 0.1)
+    assert (at_zero.left_limit, at_zero.right_limit) == (-1.0, -0.25)
+    assert not at_zero.crosses
+    at_preimage = edge_between(second, 1.0, 0.7, 0.9)
+    assert at_preimage.x == pytest.approx(0.8, abs=math.ulp(1.0))
+    # slope 25/16 on the left, 128 spacings away
+    assert at_preimage.left_limit == pytest.approx(1.0, abs=1.6 * 2 * NEAR * math.ulp(0.8))
+    assert at_preimage.right_limit == -1.0
+    assert at_preimage.crosses
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "side"),
+    [(1e-6, 1e-3, -1), (1e-3, 1e-6, 1), (1e-12, 1e-2, -1), (1e-2, 1e-12, 1), (1e-6, 1.5e-6, -1),
+     (1.5e-6, 1e-6, 1), (0.004, 0.005, -1)],
+)  # fmt: skip
+def test_nearest_edge_is_the_nearest(left: float, right: float, side: int) -> None:
+    x = 0.5
+    found = nearest_edge(strip(x - left, x + right), x, 0.0, "B")
+    assert found is not None
+    edge, on = found
+    assert on == side
+    assert edge.x - x == pytest.approx(-left if side < 0 else right, abs=2 * math.ulp(x))
+    assert (edge.left.word, edge.right.word) == (("A", "B") if side < 0 else ("B", "C"))
+
+
+def test_nearest_edge_is_looked_for_nearby_only() -> None:
+    assert nearest_edge(strip(0.45, 0.55), 0.5, 0.0, "B") is None
+    assert nearest_edge(strip(-1.0, 1.0), 0.5, 0.0, "B") is None
+
+
+def test_nearest_edge_passes_ghosts_of_rounding() -> None:
+    """A word without an interval next to x hides neither the piece nor its true edge."""
+    x, ulp = 0.5, math.ulp(0.5)
+
+    def haunted(t: float, p: float) -> Evaluation:
+        if 60 * ulp <= abs(t - x) <= 70 * ulp:
+            return Evaluation(t, 1.0, 0.0, "ghost")
+        return strip(x - 1e-3, 2.0)(t, p)
+
+    assert haunted(x + 64 * ulp, 0.0).word == "ghost"
+    found = nearest_edge(haunted, x, 0.0, "B")
+    assert found is not None
+    edge, side = found
+    assert side == -1
+    assert edge.x == pytest.approx(x - 1e-3, abs=2 * ulp)
+    assert edge.left.word == "A"
+
+
+def test_nearest_edge_of_a_point_that_rounds_onto_the_edge() -> None:
+    """Both neighbours of the last double before an edge are found, from either side."""
+    edge_at = 0.3
+    below, step = math.nextafter(edge_at, 0.0), strip(edge_at, 9.0)
+    for x, word, side in ((below, "A", 1), (edge_at, "B", -1)):
+        found = nearest_edge(step, x, 0.0, word)
+        assert found is not None
+        assert found[1] == side
+        assert abs(found[0].x - edge_at) <= math.ulp(edge_at)
+
+
+@pytest.mark.parametrize(
+    ("labelled_map", "continuous"),
+    [
+        (skew_tent(0.5, -1.5), True),
+        (grazing(-1.0), True),
+        (grazing(30.0), True),
+        (two_lines(), False),
+        (pieces(line(0.5, 1.0), line(0.5, 1.0, 1e-7)), True),  # below Tolerances.jump = 1e-6
+        (pieces(line(0.5, 1.0), line(0.5, 1.0, 1e-5)), False),
+    ],
+)
+def test_is_continuous(labelled_map: LabelledMap, continuous: bool) -> None:
+    assert is_continuous(edge_between(labelled_map, 0.0, -0.01, 0.01)) is continuous
