@@ -1,10 +1,10 @@
 """How fast and how exact is one return of the toy? The kernel against a general ODE solver.
 
-    python -m studies.benchmark [--fast] [--out DIR]
+    python studies/benchmark.py [--fast] [--out DIR]
 
 What is compared runs in turn, round after round, so that a busy machine hits all alike; wall and
 CPU time of every round are kept. The kernel carries the derivatives of the return along, with
-respect to phi_S and eps_N1; the peer (:mod:`studies.peer_ode`) does not.
+respect to phi_S and eps_N1; the peer (:mod:`peer_ode`) does not.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 import numpy as np
+from peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from rich.console import Console
 from rich.table import Table
 
 from pwmap.diagram import Diagram
-from studies.peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from woodpecker import Toy, continuation, first_return, kernel, return_map, shoot
+from woodpecker.arrays import Floats
 from woodpecker.compiled import COMPILED
 from woodpecker.modes import model
 from woodpecker.returns import EVENT_LIMIT
 
-ROOT = Path(__file__).resolve().parents[1]
 RTOL = 1e-10  # of the peer, whose error then is of the same size
 GUESS = -0.53  # rad, near the nominal cycle
 WINDOW = (-2.5, -0.24)  # rad
@@ -47,10 +47,11 @@ PLAIN_RETURN, PEER_RETURN = "one return, plain Python kernel", "one return, DOP8
 MAP, MAIN_JOB = "map of 1000 points, one core", "continuation in eps_N1"
 IMPORT, COLD, WARM = "import woodpecker", "first call, compiling", "first call, from the cache"
 
-# Processes of their own. One measures ten returns for each line it reads, the other its own start.
+# Programs of other processes. The first measures ten returns for each line it reads, the second
+# its own start.
 SERVE = """
 import sys
-from studies.benchmark import Toy, clocked, equal_starts
+from benchmark import Toy, clocked, equal_starts
 job = clocked(equal_starts(Toy(), 10), units=10)
 for line in sys.stdin:
     print(*job(), flush=True)
@@ -187,12 +188,17 @@ def race(rounds: int) -> dict[str, Timing]:
     return {name: summary(seconds[1:]) for name, seconds in taken.items()}
 
 
-def equal_starts(toy: Toy, n: int) -> Callable[[], None]:
-    """Work of n equal returns in one call of the kernel, in this thread."""
+def equal_starts(toy: Toy, n: int) -> Callable[[], Floats]:
+    """Work of n equal returns in one call of the kernel, in this thread; gives their images."""
     numbers, seed = model(toy), np.eye(3)[:1]
     begin, out, words = np.full(n, PHI_S), np.empty((n, 5)), np.empty((n, EVENT_LIMIT), np.int8)
     status, lengths = np.empty(n, np.int64), np.empty(n, np.int64)
-    return lambda: kernel.sweep(numbers, begin, 1, seed, out, status, lengths, words)
+
+    def work() -> Floats:
+        kernel.sweep(numbers, begin, 1, seed, out, status, lengths, words)
+        return out[:, 0]
+
+    return work
 
 
 def map_window(toy: Toy, executor: Executor) -> None:
@@ -206,8 +212,7 @@ class PlainKernel:
     def __enter__(self) -> PlainKernel:
         self.process = subprocess.Popen(
             [sys.executable, "-c", SERVE],
-            cwd=ROOT,
-            env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+            env=environ(NUMBA_DISABLE_JIT="1"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -241,9 +246,9 @@ def starts(rounds: int, cold: bool) -> dict[str, Timing]:
     taken: dict[str, list[Seconds]] = {}
     for _ in range(rounds):
         with tempfile.TemporaryDirectory() as empty:
-            environ = {**os.environ, "NUMBA_CACHE_DIR": empty} if cold else dict(os.environ)
+            variables = environ(NUMBA_CACHE_DIR=empty) if cold else environ()
             for name in (COLD, WARM) if cold else (WARM,):
-                imported, called = (_seconds(line) for line in _start(environ).splitlines())
+                imported, called = (_seconds(line) for line in _start(variables).splitlines())
                 taken.setdefault(IMPORT, []).append(imported)
                 taken.setdefault(name, []).append(called)
     if not COMPILED:
@@ -251,12 +256,17 @@ def starts(rounds: int, cold: bool) -> dict[str, Timing]:
     return {name: summary(seconds) for name, seconds in taken.items()}
 
 
-def _start(environ: dict[str, str]) -> str:
+def _start(variables: dict[str, str]) -> str:
     command = [sys.executable, "-c", START, repr(PHI_S)]
-    done = subprocess.run(
-        command, cwd=ROOT, env=environ, stdout=subprocess.PIPE, text=True, check=True
-    )
-    return done.stdout
+    return subprocess.run(
+        command, env=variables, stdout=subprocess.PIPE, text=True, check=True
+    ).stdout
+
+
+def environ(**changes: str) -> dict[str, str]:
+    """Environment of a process that imports what this one imports."""
+    folders = [str(Path(__file__).resolve().parent), *filter(None, sys.path)]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(folders), **changes}
 
 
 def main_job(rounds: int) -> tuple[Timing, Diagram]:
@@ -287,16 +297,21 @@ def environment() -> dict[str, str]:
 
 def table(results: dict[str, Any]) -> Table:
     """Medians and minima of the timings as a table for the terminal."""
-    environ = results["environment"]
-    title = ", ".join(f"{key} {environ[key]}" for key in ("python", "numpy", "scipy", "numba"))
-    shown = Table(title=f"{environ['processor']}, {environ['cores']} cores\n{title}")
+    found = results["environment"]
+    title = ", ".join(f"{key} {found[key]}" for key in ("python", "numpy", "scipy", "numba"))
+    shown = Table(title=f"{found['processor']}, {found['cores']} cores\n{title}")
     shown.add_column("milliseconds", no_wrap=True)
     for column in ("wall", "least", "CPU", "least", "rounds"):
         shown.add_column(column, justify="right")
     for name, timing in results["timings"].items():
         *seconds, rounds = timing.values()
-        shown.add_row(name, *(f"{1e3 * value:.4g}" for value in seconds), str(rounds))
+        shown.add_row(name, *(milliseconds(value) for value in seconds), str(rounds))
     return shown
+
+
+def milliseconds(seconds: float) -> str:
+    """Milliseconds with at least three digits, never in powers of ten."""
+    return f"{1e3 * seconds:.{4 if seconds < 0.01 else 1 if seconds < 1.0 else 0}f}"
 
 
 def report(results: dict[str, Any]) -> None:

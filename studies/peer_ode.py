@@ -5,7 +5,7 @@ M qdd = h + W lambda of its mode [Leine2001, Eqs. 1-3, 6-10]; the guards of the 
 terminal events. Modes and contact problems are the project's own, so the two programs differ in
 nothing but how they move between events and how they find the next one.
 
-    python -m studies.peer_ode [--fast]
+    python studies/peer_ode.py [--fast]
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from woodpecker import Toy, kernel
+from woodpecker.arrays import Floats, Ints
 from woodpecker.contact import SOLVED
 from woodpecker.modes import (
     ALPHA,
@@ -37,8 +38,6 @@ from woodpecker.modes import (
     A,
     B,
     Contact,
-    Floats,
-    Ints,
     mode_index,
     model,
 )

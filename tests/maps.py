@@ -134,9 +134,7 @@ def island(x_0: float, p_0: float, radius: float) -> LabelledMap:
 
     def labelled(x: float, p: float) -> Evaluation:
         dx, dp = x - x_0, p - p_0
-        return Evaluation(
-            x - (dx * dx + dp * dp - radius * radius), 1.0 - 2.0 * dx, -2.0 * dp, "S"
-        )
+        return Evaluation(x - (dx * dx + dp * dp - radius * radius), 1.0 - 2.0 * dx, -2.0 * dp, "S")
 
     return labelled
 

@@ -24,6 +24,7 @@ import math
 
 import numpy as np
 
+from woodpecker.arrays import Floats, Ints
 from woodpecker.compiled import jit
 from woodpecker.modes import (
     ANGLE,
@@ -37,8 +38,6 @@ from woodpecker.modes import (
     RESPONSE_T,
     SIGN,
     TANGENT,
-    Floats,
-    Ints,
 )
 
 # Outcome of a contact problem.
@@ -219,10 +218,6 @@ def contact_problem(
     they give the same velocities but different normal impulses where these matter.
     """
     n = len(free) // 2
-    trial, found = np.zeros(n, dtype=np.int64), np.zeros(2 * n)
-    velocity, kept_velocity, low, high = (
-        np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n),
-    )  # fmt: skip
     scale_v, scale_i = 1e-300, 1e-300
     for k in range(2 * n):
         scale_v = max(scale_v, abs(free[k]))
@@ -230,51 +225,59 @@ def contact_problem(
     for k in range(n):
         scale_i = max(scale_i, floor[k])
         scale_v = max(scale_v, floor[k] * delassus[2 * k, 2 * k])
-    best, status = math.inf, NO_SOLUTION
+    found, impulses = np.zeros((36, n), dtype=np.int64), np.zeros((36, 2 * n))
+    velocities, violations = np.zeros((36, 2 * n)), np.zeros(36)
+    count = 0
     for index in range(36 if n == 2 else 6):
+        trial, solution, velocity = found[count], impulses[count], velocities[count]
         trial[0] = index % 6
         if n == 2:
             trial[1] = index // 6
-        if not solve_case(trial, delassus, free, mu, floor, found):
+        if not solve_case(trial, delassus, free, mu, floor, solution):
             continue
-        _velocities(trial, delassus, free, found, velocity)
-        violation = _violation(trial, velocity, found, mu, floor, scale_v, scale_i)
-        if violation > SLACK:
-            continue
-        if status == NO_SOLUTION:
-            status = SOLVED
-            for k in range(2 * n):
-                kept_velocity[k], low[k], high[k] = velocity[k], found[k], found[k]
-            for k in range(n):
-                cases[0, k] = cases[1, k] = trial[k]
-        differs = False
+        _velocities(trial, delassus, free, solution, velocity)
+        violations[count] = _violation(trial, velocity, solution, mu, floor, scale_v, scale_i)
+        if violations[count] <= SLACK:
+            count += 1
+    if count == 0:
+        return NO_SOLUTION
+    best = 0
+    for s in range(1, count):
+        if violations[s] < violations[best]:
+            best = s
+    status = SOLVED
+    for s in range(count):
         for k in range(2 * n):
-            if abs(velocity[k] - kept_velocity[k]) > SAME * scale_v:
+            if abs(velocities[s, k] - velocities[best, k]) > SAME * scale_v:
                 return AMBIGUOUS
         for k in range(n):
-            if feeds[k] and abs(found[2 * k] - low[2 * k]) > SAME * scale_i:
-                differs = True
-        if differs:
-            status = INDETERMINATE
-        if violation < best and status == SOLVED:
-            best = violation
-            for k in range(2 * n):
-                low[k] = high[k] = found[k]
-            for k in range(n):
-                cases[0, k] = cases[1, k] = trial[k]
-        elif status == INDETERMINATE:  # all solutions lie on one segment: keep its ends
-            row = 0 if found[0] < low[0] else (1 if found[0] > high[0] else -1)
-            for k in range(2 * n):
-                if row == 0:
-                    low[k] = found[k]
-                elif row == 1:
-                    high[k] = found[k]
-            for k in range(n):
-                if row >= 0:
-                    cases[row, k] = trial[k]
+            if feeds[k] and abs(impulses[s, 2 * k] - impulses[best, 2 * k]) > SAME * scale_i:
+                status = INDETERMINATE
+    low = high = best
+    if status == INDETERMINATE:
+        low, high = _ends(impulses, count)
+    for k in range(n):
+        cases[0, k], cases[1, k] = found[low, k], found[high, k]
     for k in range(2 * n):
-        impulse[k] = 0.5 * (low[k] + high[k])
+        impulse[k] = 0.5 * (impulses[low, k] + impulses[high, k])
     return status
+
+
+@jit
+def _ends(points: Floats, count: int) -> tuple[int, int]:
+    """The two ends among points that lie on one segment: extremes of its longest coordinate."""
+    first = last = 0
+    longest = -1.0
+    for k in range(points.shape[1]):
+        low = high = 0
+        for s in range(1, count):
+            if points[s, k] < points[low, k]:
+                low = s
+            if points[s, k] > points[high, k]:
+                high = s
+        if points[high, k] - points[low, k] > longest:
+            longest, first, last = points[high, k] - points[low, k], low, high
+    return first, last
 
 
 @jit

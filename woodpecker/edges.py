@@ -53,13 +53,14 @@ def bisect(
             outside = middle
 
 
-def one_sided(labelled_map: LabelledMap, x: float, p: float, side: int) -> tuple[Evaluation, float]:
+def one_sided(
+    labelled_map: LabelledMap, x: float, p: float, side: int, near: float
+) -> tuple[Evaluation, float]:
     """The map next to an edge at x, and its limit, from the left (side = -1) or right (+1).
 
-    The limit extrapolates f = L + c sqrt(|x - x_e|) from two points, which is exact for a grazing's
-    square root and second order for a smooth side.
+    The limit extrapolates f = L + c sqrt(|x - x_e|) from the distances ``near`` and 4 ``near``,
+    which is exact for a grazing's square root and first order for a smooth side.
     """
-    near = NEAR * math.ulp(x)
     first = labelled_map(x + side * near, p)
     second = labelled_map(x + side * 4.0 * near, p)
     if not first.defined:
@@ -69,11 +70,17 @@ def one_sided(labelled_map: LabelledMap, x: float, p: float, side: int) -> tuple
     return first, 2.0 * first.value - second.value
 
 
-def edge_between(labelled_map: LabelledMap, p: float, inside: float, outside: float) -> Edge:
-    """The edge of the piece at ``inside`` on the way to ``outside``, with both limits."""
+def edge_between(
+    labelled_map: LabelledMap, p: float, inside: float, outside: float, near: float = 0.0
+) -> Edge:
+    """The edge of the piece at ``inside`` on the way to ``outside``, with both limits.
+
+    They are read at a distance of at least ``near`` from it.
+    """
     x, beyond = bisect(labelled_map, p, inside, outside)
-    left, left_limit = one_sided(labelled_map, min(x, beyond), p, -1)
-    right, right_limit = one_sided(labelled_map, max(x, beyond), p, +1)
+    near = max(near, NEAR * math.ulp(x))
+    left, left_limit = one_sided(labelled_map, min(x, beyond), p, -1, near)
+    right, right_limit = one_sided(labelled_map, max(x, beyond), p, +1, near)
     return Edge(x=x, p=p, left=left, right=right, left_limit=left_limit, right_limit=right_limit)
 
 
@@ -82,16 +89,21 @@ def nearest_edge(
 ) -> tuple[Edge, int] | None:
     """The edge nearest to x of the piece ``word`` that x lies in, and its side (-1 or +1).
 
-    Within a few spacings of an edge rounding mixes the two words; only a change of word that is
-    seen beyond that counts.
+    Near an edge rounding mixes the words of its two sides, and the steeper the map the further. The
+    words at growing distances on both sides of x tell where the piece really is.
     """
     distance = NEAR * math.ulp(x)
     while distance < WIDEST:
-        for side in (1, -1):
-            if labelled_map(x + side * distance, p).word != word:
-                edge = edge_between(labelled_map, p, x, x + side * distance)
-                if edge.left.word != edge.right.word:
-                    return edge, side
+        left, right = (labelled_map(x + side * distance, p).word == word for side in (-1, 1))
+        if left != right:
+            side = 1 if left else -1
+            inside, outside = x - side * distance, x + side * distance
+            return edge_between(labelled_map, p, inside, outside, distance), side
+        if not left:  # a thin piece: both its ends are near
+            ends = [
+                (edge_between(labelled_map, p, x, x + side * distance), side) for side in (-1, 1)
+            ]
+            return min(ends, key=lambda end: abs(end[0].x - x))
         distance *= 4.0
     return None
 

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from pwmap.diagram import PointKind
+from woodpecker.arrays import Floats
 from woodpecker.edges import Edge, is_continuous, nearest_edge
 from woodpecker.labelled import (
     Cycle,
@@ -25,7 +26,6 @@ from woodpecker.labelled import (
     iterate,
     tangent,
 )
-from woodpecker.modes import Floats
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 
@@ -43,6 +43,9 @@ class Settings:
         First and largest step in arclength of (x, p).
     max_turn
         Largest angle [rad] between the tangents of neighbouring points.
+    probe
+        Largest distance along a step at which the word is looked at: a stretch of another word
+        shorter than this can be missed.
     max_points
         The branch ends (EP) after this many points.
     """
@@ -52,6 +55,7 @@ class Settings:
     step: float = 0.005
     max_step: float = 0.02
     max_turn: float = 0.1
+    probe: float = 0.001
     max_points: int = 5000
     tolerances: Tolerances = field(default=DEFAULT)
 
@@ -160,7 +164,11 @@ class _Path:
                 step = (bound - point.p) / point.tangent[-1]
             target = self._correct(point, step, bound) if step > 0.0 else point
             if target is not None:
-                break
+                seen = self._same_word_until(point, target, step)
+                if seen >= step:
+                    break
+                self.step = seen
+                continue
             if self.step <= self.settings.tolerances.edge:
                 yield from self._meet_edge(point)
                 return
@@ -205,6 +213,22 @@ class _Path:
         if not np.linalg.norm(there - point.tangent) <= self.settings.max_turn:
             return None
         return PathPoint(cycle=cycle, tangent=there)
+
+    def _same_word_until(self, a: PathPoint, b: PathPoint, step: float) -> float:
+        """How far along a step every probe shows the words of its ends."""
+        parts = math.ceil(step / self.settings.probe)
+        ends = np.append(a.cycle.x, a.p), np.append(b.cycle.x, b.p)
+        for k in range(1, parts):
+            s = k / parts
+            # Cubic with the positions and tangents of both ends.
+            x = (
+                (1.0 + 2.0 * s) * (1.0 - s) ** 2 * ends[0]
+                + s * s * (3.0 - 2.0 * s) * ends[1]
+                + s * (1.0 - s) * step * ((1.0 - s) * a.tangent - s * b.tangent)
+            )
+            if evaluate(self.map, x[:-1], float(x[-1])).words != a.cycle.words:
+                return (k - 0.5) * step / parts
+        return step
 
     def _specials(self, a: PathPoint, b: PathPoint, step: float) -> Iterator[PathPoint]:
         """Folds and flips between two neighbouring points of one piece, in order."""
@@ -277,7 +301,7 @@ class _Path:
         elif is_continuous(edge, self.settings.tolerances):
             yield replace(special, kind=PointKind.WC)
             landed = start_beside(self.map, edge, side, len(last.cycle.x), self.settings, lap)
-            if landed is None:
+            if landed is None or landed.cycle.words == last.cycle.words:
                 yield replace(special, kind=PointKind.EP, note="no branch beyond a word change")
             else:
                 self.step = max(100.0 * self.settings.tolerances.landing, self.step)

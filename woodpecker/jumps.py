@@ -66,6 +66,7 @@ def follow_jump(
         if p == current.p:
             yield JumpPoint(edge=current, kind=PointKind.EP, note="end of the parameter span")
             return
+        p = track.probed(p, current, previous)
         found = track.at(p, current, previous)
         if found is None:
             last, beyond = track.word_change(current, previous, p)
@@ -123,6 +124,15 @@ class _Track:
         miss = abs(edge.x - 0.5 * (bracket[0] + bracket[1]))
         self.widest = min(max(1e4 * miss, NARROWEST), WIDEST)
         return edge
+
+    def probed(self, p: float, near: Edge, before: Edge) -> float:
+        """p, or the first probe on the way to it at which the words differ."""
+        parts = math.ceil(abs(p - near.p) / self.settings.probe)
+        for k in range(1, parts):
+            middle = near.p + (p - near.p) * k / parts
+            if self._bracket(middle, near, before) is None:
+                return middle
+        return p
 
     def _bracket(self, p: float, near: Edge, before: Edge) -> tuple[float, float] | None:
         """Neighbours of the predicted edge that carry its two words."""

@@ -15,6 +15,7 @@ from typing import cast
 
 import numpy as np
 
+from woodpecker.arrays import Codes, Floats, Ints
 from woodpecker.compiled import jit
 from woodpecker.contact import (
     AMBIGUOUS,
@@ -52,9 +53,6 @@ from woodpecker.modes import (
     TANGENT,
     A,
     B,
-    Codes,
-    Floats,
-    Ints,
 )
 
 # A number with a type: numba would compile every function anew for a literal argument.
@@ -272,8 +270,8 @@ def advance(
 
 @jit
 def copy(source: Floats, target: Floats) -> None:
-    """Copy a state; a loop compiles many times faster than an assignment of slices."""
-    for k in range(len(target)):
+    """Copy the seven entries of a state; loops compile much faster than slices."""
+    for k in range(7):
         target[k] = source[k]
 
 
@@ -421,8 +419,8 @@ def arrive(
     for i in range(3):
         before[i] = states[i]
     contacts, striking = _touching(model, z, states, fired, closed)
-    for j in range(3):
-        event[2 + j] = z[3 + j]
+    for k in range(EVENT_COLUMNS):
+        event[k] = z[1 + k] if 2 <= k < 5 else 0.0
     if striking:
         case, impulses = np.zeros(2, dtype=np.int64), np.zeros((2, 4))
         status = impact(model, contacts, z, tangents, seed, case, impulses)
@@ -538,47 +536,28 @@ def run(
     counts
         (3,) output: symbols, phases, events. Symbols already in the word are kept.
     """
-    slips, work = np.zeros(3, dtype=np.int64), np.zeros(7)
-    event = np.zeros(EVENT_COLUMNS)
-    mark, mark_tangents = np.zeros(7), np.zeros((len(tangents), 7))
-    mark_contact, mark_symbols, mark_speed = -1, -1, 0.0
+    slips, work, event = np.zeros(3, dtype=np.int64), np.zeros(7), np.zeros(EVENT_COLUMNS)
+    bounce, mark = (
+        np.zeros(2, dtype=np.int64),
+        np.zeros(8),
+    )  # the last bounce: contact, symbols; state, speed
+    mark_tangents = np.zeros((len(tangents), 7))
     none = typed(-1)
-    fired, status = none, SOLVED
+    fired = bounce[0] = none
     while True:
         symbols = counts[0]
-        if len(events) > 0:
-            for k in range(EVENT_COLUMNS):
-                event[k] = 0.0
         status = arrive(model, z, tangents, seed, fired, states, slips, word, counts, event)
         if len(events) > 0:
             _record_events(events, counts, symbols, z[6], word, event)
+        if status == SOLVED and 0 <= fired < 3:
+            status = _watch_bounces(
+                model, z, tangents, fired, symbols, to_section, states, slips, word, counts,
+                events, bounce, mark, mark_tangents,
+            )  # fmt: skip
         if status != SOLVED:
             return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
         if counts[0] > len(word):
             return EVENT_LIMIT
-        if 0 <= fired < 3 and counts[0] == symbols + 1 and states[fired] == OPEN:
-            speed = SIGN[fired] * z[3 + ANGLE[fired]]
-            ratio = speed / mark_speed if mark_speed > 0.0 else 1.0
-            if (
-                mark_contact == fired
-                and mark_symbols == symbols
-                and 0.0 <= ratio < 1.0
-                and _chatters(
-                    model, z, states, to_section, fired, mark_speed, z[6] - mark[6], ratio
-                )
-            ):
-                status = _close_chatter(
-                    model, z, tangents, mark, mark_tangents, ratio, fired, states, slips, word,
-                    counts, events,
-                )  # fmt: skip
-                mark_contact = -1
-                if status != SOLVED:
-                    return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
-            else:
-                mark_contact, mark_symbols, mark_speed = fired, counts[0], speed
-                copy(z, mark)
-                for m in range(len(tangents)):
-                    copy(tangents[m], mark_tangents[m])
         mode = mode_of(states)
         if len(phases) > 0:
             _record_phase(phases, counts, z, mode)
@@ -591,13 +570,44 @@ def run(
         if z[0] < -model[FORCE, POLE]:
             return POLE_END
         if fired == SECTION:
-            z[1] = -model[CONTACT + 1, LIMIT]
-            z[3] = z[4] = z[5] = 0.0
-            for m in range(len(tangents)):
-                tangents[m, 1] = tangents[m, 3] = tangents[m, 4] = tangents[m, 5] = 0.0
+            _put_on_section(model, z, tangents)
             return RETURNED
         if fired < 0:
             return TIME_REACHED
+
+
+@jit
+def _put_on_section(model: Floats, z: Floats, tangents: Floats) -> None:
+    """Make exact what the section says: the sleeve at its lower contact, everything at rest."""
+    z[1] = -model[CONTACT + 1, LIMIT]
+    z[3] = z[4] = z[5] = 0.0
+    for m in range(len(tangents)):
+        tangents[m, 1] = tangents[m, 3] = tangents[m, 4] = tangents[m, 5] = 0.0
+
+
+@jit
+def _watch_bounces(
+    model: Floats, z: Floats, tangents: Floats, i: int, symbols: int, to_section: bool,
+    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, bounce: Ints,
+    mark: Floats, mark_tangents: Floats,
+) -> int:  # fmt: skip
+    """After an impact at contact i: sum the bounces that accumulate, or remember this one."""
+    if counts[0] != symbols + 1 or states[i] != OPEN:
+        bounce[0] = -1
+        return SOLVED
+    speed = SIGN[i] * z[3 + ANGLE[i]]
+    ratio = speed / mark[7] if mark[7] > 0.0 else 1.0
+    again = bounce[0] == i and bounce[1] == symbols and 0.0 <= ratio < 1.0
+    if again and _chatters(model, z, states, to_section, i, mark[7], z[6] - mark[6], ratio):
+        bounce[0] = -1
+        return _close_chatter(
+            model, z, tangents, mark, mark_tangents, ratio, i, states, slips, word, counts, events
+        )
+    bounce[0], bounce[1], mark[7] = i, counts[0], speed
+    copy(z, mark)
+    for m in range(len(tangents)):
+        copy(tangents[m], mark_tangents[m])
+    return SOLVED
 
 
 @jit
@@ -715,7 +725,8 @@ def sweep(
     z, states = np.zeros(7), np.zeros(3, dtype=np.int64)
     tangents, seeds = np.zeros((1 + len(seed), 7)), np.zeros((1 + len(seed), 3))
     for k in range(len(seed)):
-        copy(seed[k], seeds[1 + k])
+        for i in range(3):
+            seeds[1 + k, i] = seed[k, i]
     counts, separator = np.zeros(3, dtype=np.int64), typed(0)
     nothing, no_events = np.zeros((0, PHASE_COLUMNS)), np.zeros((0, EVENT_COLUMNS))
     for n in range(len(starts)):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from woodpecker.modes import Floats
+from woodpecker.arrays import Floats
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 NEWTON_STEPS = 25  # quadratic convergence takes 4 to 6; more is needed on curved flanks only

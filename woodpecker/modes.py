@@ -17,8 +17,8 @@ from enum import IntEnum
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
+from woodpecker.arrays import Floats
 from woodpecker.mechanics import (
     force_at_rest,
     force_per_stretch,
@@ -28,10 +28,6 @@ from woodpecker.mechanics import (
     tangential_directions,
 )
 from woodpecker.toy import Toy
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Codes = npt.NDArray[np.int8]  # event codes
 
 
 class Contact(IntEnum):

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE
+from woodpecker.arrays import Floats
 from woodpecker.labelled import iterate
-from woodpecker.modes import Floats
 from woodpecker.returns import ReturnMap
 from woodpecker.shooting import toy_map
 from woodpecker.toy import Toy

@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker import kernel
+from woodpecker.arrays import Codes, Floats, Ints
 from woodpecker.compiled import COMPILED, announce
-from woodpecker.modes import Codes, Floats, Ints, model
+from woodpecker.modes import model
 from woodpecker.status import Status, status
 from woodpecker.toy import Toy
 from woodpecker.words import EventKind, word

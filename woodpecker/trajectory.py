@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker import kernel
+from woodpecker.arrays import Floats
 from woodpecker.compiled import announce
 from woodpecker.mechanics import (
     energy,
@@ -16,7 +17,13 @@ from woodpecker.mechanics import (
     normal_directions,
     tangential_directions,
 )
-from woodpecker.modes import LAMBDA, OMEGA, Contact, Floats, mode_states, model
+from woodpecker.modes import (
+    LAMBDA,
+    OMEGA,
+    Contact,
+    mode_states,
+    model,
+)
 from woodpecker.status import Status, status
 from woodpecker.toy import Toy
 from woodpecker.words import EventKind, decode, symbol, word

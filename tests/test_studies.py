@@ -1,0 +1,114 @@
+"""The studies run, and the general ODE solver confirms the kernel."""
+
+import importlib
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from woodpecker import Toy, first_return
+from woodpecker.compiled import COMPILED
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
+benchmark, peer_ode = map(importlib.import_module, ("benchmark", "peer_ode"))
+PHI_S, IMAGE, PERIOD = peer_ode.PHI_S, peer_ode.IMAGE, peer_ode.PERIOD
+first_return_ode = peer_ode.first_return_ode
+
+NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
+RTOL = 1e-10
+AGREES = 1e-7  # rad; a thousand times the peer's tolerance, for slopes and eleven phases
+
+
+@pytest.fixture(scope="module")
+def measured() -> dict[str, Any]:
+    results: dict[str, Any] = benchmark.main(fast=True)
+    return results
+
+
+@pytest.mark.slow
+def test_benchmark_compares_the_same_motion(measured: dict[str, Any]) -> None:
+    assert measured["word"] == measured["word_peer"] == NOMINAL
+
+
+@pytest.mark.slow
+def test_the_kernel_is_closer_to_the_reference_than_the_peer(measured: dict[str, Any]) -> None:
+    assert measured["error_kernel"] < measured["error_peer"] < AGREES
+    assert measured["error_period_kernel"] < measured["error_period_peer"] < AGREES
+    assert measured["error_kernel"] < 1e-14  # some spacings of doubles
+
+
+@pytest.mark.slow
+def test_benchmark_measures_everything_or_says_why_not(measured: dict[str, Any]) -> None:
+    missing = [key for key, value in measured.items() if value is None]
+    assert measured["skipped"] if missing else COMPILED
+    for name, timing in measured["timings"].items():
+        assert 0.0 <= timing["wall_minimum"] <= timing["wall_median"], name
+        assert 0.0 <= timing["cpu_minimum"] <= timing["cpu_median"], name
+    assert set(measured["environment"]) >= {"machine", "python", "numpy", "scipy", "numba"}
+
+
+@pytest.mark.slow
+def test_the_main_job_finds_branches(measured: dict[str, Any]) -> None:
+    if not COMPILED:
+        pytest.skip("the main job needs numba to end in seconds")
+    assert measured["branches"] >= 1
+    assert measured["points"] >= 2
+
+
+def test_the_peer_returns_near_the_reference() -> None:
+    lap = first_return_ode(Toy(), PHI_S, rtol=RTOL)
+    assert lap.word == NOMINAL
+    assert lap.phi_s == pytest.approx(float(IMAGE), abs=AGREES)
+    assert lap.period == pytest.approx(float(PERIOD), abs=AGREES)
+    assert lap.drop == pytest.approx(first_return(Toy(), PHI_S).drop, abs=AGREES)
+
+
+@pytest.mark.parametrize("eps_n1", [0.9, 0.5, 0.1])
+def test_the_peer_agrees_with_the_kernel_over_the_window(eps_n1: float) -> None:
+    """Image, period, drop and word from start to start; no chatter among these starts."""
+    toy = Toy(eps_n1=eps_n1)
+    for phi_s in (-2.4, -2.0, -1.6, -1.1, -0.95, -0.6, -0.4, -0.3):
+        lap, peer = first_return(toy, phi_s), first_return_ode(toy, phi_s, rtol=RTOL)
+        assert peer.word == lap.word
+        allowed = AGREES * max(1.0, abs(lap.slope))
+        assert peer.phi_s == pytest.approx(lap.phi_s, abs=allowed)
+        assert peer.period == pytest.approx(lap.period, abs=allowed)
+        assert peer.drop == pytest.approx(lap.drop, abs=allowed)
+
+
+@pytest.mark.parametrize("method", ["RK45", "DOP853", "LSODA"])
+def test_the_peer_converges_to_the_reference(method: str) -> None:
+    """Three orders of tolerance gain at least one order of accuracy; the word stays."""
+    coarse, fine = (
+        first_return_ode(Toy(), PHI_S, method, rtol, 1e-2 * rtol) for rtol in (1e-7, 1e-11)
+    )
+    assert coarse.word == fine.word == NOMINAL
+    errors = [abs(lap.phi_s - float(IMAGE)) for lap in (coarse, fine)]
+    assert errors[1] < 0.1 * errors[0]
+    assert fine.evaluations > coarse.evaluations
+
+
+def test_the_peer_refuses_what_it_cannot_follow() -> None:
+    with pytest.raises(ValueError, match="below"):
+        first_return_ode(Toy(), 1.0)
+    with pytest.raises(RuntimeError, match="closer than"):  # impacts accumulate
+        first_return_ode(Toy(eps_n1=0.1), -0.7)
+
+
+def test_what_is_timed_is_the_return() -> None:
+    images = benchmark.equal_starts(Toy(), 5)()
+    assert images.shape == (5,)
+    assert np.all(images == first_return(Toy(), PHI_S).phi_s)
+
+
+def test_distance_does_not_round_the_reference() -> None:
+    third = "0.333333333333333333333333333333"
+    assert np.isclose(benchmark.distance(1.0 / 3.0, third), 2.0**-54 / 3.0, rtol=1e-10, atol=0.0)
+
+
+@pytest.mark.slow
+def test_work_and_precision_of_the_peer() -> None:
+    rows = peer_ode.main(fast=True)
+    assert rows["DOP853 1e-10"]["error"] < rows["DOP853 1e-06"]["error"]

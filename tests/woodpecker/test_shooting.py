@@ -1,0 +1,232 @@
+"""Periodic solutions of the toy, and its return map as a labelled map."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from woodpecker.labelled import iterate
+from woodpecker.returns import first_return
+from woodpecker.shooting import ShootingStatus, cycle_of, shoot, toy_map
+from woodpecker.status import Status
+from woodpecker.toy import Toy
+
+TOY = Toy()
+CYCLE = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"  # of the stable motion at eps_n1 = 0.5
+RESIDUAL = 1e-12  # Tolerances.residual
+
+
+def central(f: object, x: float, step: float) -> float:
+    """Central difference."""
+    return (f(x + step) - f(x - step)) / (2.0 * step)  # type: ignore[operator]
+
+
+# --- shooting ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("guess", [-0.53, -0.5, -0.56])
+def test_stable_motion(guess: float) -> None:
+    """The reference values have eight digits, found by two independent programs."""
+    orbit = shoot(TOY, guess)
+    assert orbit.status is ShootingStatus.CONVERGED
+    assert orbit.success
+    assert orbit.message == "a periodic solution was found"
+    assert orbit.phi_s == pytest.approx(-0.52947197, abs=1e-8)
+    assert orbit.period == pytest.approx(0.14597607, abs=1e-8)
+    assert 1000.0 * orbit.drop == pytest.approx(19.4454, abs=5e-5)
+    assert orbit.multiplier == pytest.approx(-0.83916, abs=5e-6)
+    assert orbit.stable
+    assert orbit.word == CYCLE
+    assert orbit.residual < RESIDUAL
+    assert orbit.points == (orbit.phi_s,)
+    assert (orbit.order, orbit.toy) == (1, TOY)
+
+
+def test_the_motion_repeats() -> None:
+    orbit = shoot(TOY, -0.53)
+    back = first_return(TOY, orbit.phi_s)
+    assert back.phi_s == pytest.approx(orbit.phi_s, abs=RESIDUAL)
+    assert (back.period, back.drop, back.slope) == (orbit.period, orbit.drop, orbit.multiplier)
+
+
+def test_multiplier_against_differences() -> None:
+    """Step 1e-6: h^2/6 P1''' < 1e-11 and rounding 1e-15/h = 1e-9."""
+    orbit = shoot(TOY, -0.53)
+    slope = central(lambda x: first_return(TOY, x).phi_s, orbit.phi_s, 1e-6)
+    assert orbit.multiplier == pytest.approx(slope, abs=1e-8)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_higher_orders_find_the_motion_again(order: int) -> None:
+    once, orbit = shoot(TOY, -0.53), shoot(TOY, -0.53, order)
+    assert orbit.success
+    assert orbit.residual < RESIDUAL
+    assert orbit.points == pytest.approx([once.phi_s] * order, abs=1e-11)
+    assert orbit.multiplier == pytest.approx(once.multiplier**order, abs=1e-10)
+    assert orbit.period == pytest.approx(order * once.period, abs=1e-11)
+    assert orbit.drop == pytest.approx(order * once.drop, abs=1e-11)
+    assert orbit.word == " | ".join([CYCLE] * order)
+
+
+@pytest.mark.parametrize("guess", [-0.53, -0.51])
+def test_motion_of_period_two_past_the_flip(guess: float) -> None:
+    """The flip is at eps_n1 = 0.6485; at 0.66 two points alternate, stable again."""
+    toy = TOY.replace(eps_n1=0.66)
+    orbit = shoot(toy, guess, 2)
+    assert orbit.success
+    assert orbit.residual < RESIDUAL
+    assert sorted(orbit.points) == pytest.approx([-0.53000422, -0.50628075], abs=1e-8)
+    assert abs(guess - orbit.phi_s) < 0.01
+    one, two = orbit.points
+    assert first_return(toy, one).phi_s == pytest.approx(two, abs=RESIDUAL)
+    assert first_return(toy, one, 2).phi_s == pytest.approx(one, abs=2 * RESIDUAL)
+    slope = central(lambda x: first_return(toy, x, 2).phi_s, one, 1e-6)
+    assert orbit.multiplier == pytest.approx(slope, abs=1e-7)  # P2''' reaches 1e4
+    assert abs(orbit.multiplier) < 1.0 < abs(shoot(toy, -0.5177).multiplier)
+    assert orbit.period == pytest.approx(sum(first_return(toy, x).period for x in (one, two)))
+    assert orbit.drop == pytest.approx(sum(first_return(toy, x).drop for x in (one, two)))
+
+
+def test_cycle_of_an_orbit() -> None:
+    toy = TOY.replace(eps_n1=0.66)
+    orbit = shoot(toy, -0.53, 2)
+    cycle = cycle_of(orbit, toy_map(toy), 0.66)
+    assert tuple(cycle.x) == orbit.points
+    assert (cycle.word, cycle.multiplier) == (orbit.word, orbit.multiplier)
+    assert cycle.residual < RESIDUAL
+
+
+@pytest.mark.parametrize("guess", [-0.884773, -0.8847, -0.8848])
+def test_jump_across_the_diagonal_is_no_solution(guess: float) -> None:
+    """At eps_n1 = 0.125 P1 jumps at -0.884773 from -1.514 to -0.462, past the diagonal."""
+    orbit = shoot(TOY.replace(eps_n1=0.125), guess)
+    assert not orbit.success
+    assert orbit.status is ShootingStatus.AT_JUMP
+    assert "-0.884773" in orbit.message
+
+
+@pytest.mark.parametrize("guess", [-0.09, -0.05, 0.0])
+@pytest.mark.parametrize("order", [1, 2])
+def test_start_that_falls_is_lost(guess: float, order: int) -> None:
+    """Above -0.2052 the sleeve cannot jam; in (-0.10, 0.01) it never does again."""
+    orbit = shoot(TOY, guess, order)
+    assert orbit.status is ShootingStatus.LOST
+    assert not orbit.success
+    assert orbit.phi_s == guess
+    assert Status.FREE_FALL.value in orbit.message
+
+
+def test_centres() -> None:
+    """Between -0.2382 and -0.2217 P1 is the identity: the guess is the solution."""
+    orbit = shoot(TOY, -0.23)
+    assert orbit.success
+    assert (orbit.phi_s, orbit.multiplier, orbit.word) == (-0.23, 1.0, "")
+    assert not orbit.stable
+
+
+@pytest.mark.parametrize(
+    ("guess", "order", "message"),
+    [
+        (math.nan, 1, "phi_s must be finite and below 0.12"),
+        (-math.inf, 1, "phi_s must be finite"),
+        (0.2, 1, "where the beak touches the pole, got 0.2"),
+        (-0.53, 0, "order must be a whole number of at least 1, got 0"),
+        (-0.53, -2, "order must be a whole number"),
+        (-0.53, 1.5, "order must be a whole number of at least 1, got 1.5"),
+        (-0.53, True, "order must be a whole number"),
+    ],
+)
+def test_shoot_refuses(guess: float, order: int, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        shoot(TOY, guess, order)
+
+
+# --- the labelled map ----------------------------------------------------------------------------
+
+
+def image(phi_s: float = -0.53, **changes: float) -> float:
+    return first_return(TOY.replace(**changes), phi_s).phi_s
+
+
+def test_labelled_map_is_the_return_map() -> None:
+    """Value, slope, derivative and word are those of first_return, in every parameter."""
+    back = first_return(TOY, -0.53)
+    for name in ("eps_n1", "eps_n2", "mu_2", "m_s"):
+        here = toy_map(TOY, name)(-0.53, getattr(TOY, name))
+        assert (here.value, here.slope, here.word) == (back.phi_s, back.slope, back.word)
+        assert here.defined
+    assert toy_map(TOY)(-0.53, 0.5).rate == back.d_eps_n1
+
+
+def test_labelled_map_moves_with_its_parameter() -> None:
+    """Two maps of different toys share nothing: calls may alternate."""
+    first, second = toy_map(TOY), toy_map(TOY.replace(mu_2=0.32))
+    for p in (0.1, 0.5, 0.9):
+        assert first(-0.6, p).value == image(-0.6, eps_n1=p)
+        assert second(-0.6, p).value == image(-0.6, eps_n1=p, mu_2=0.32)
+        assert toy_map(TOY, "mu_2")(-0.6, 0.3 + 0.01 * p).value == image(-0.6, mu_2=0.3 + 0.01 * p)
+
+
+def test_iterate_of_the_labelled_map_is_the_return_map_of_higher_order() -> None:
+    here, back = iterate(toy_map(TOY), 3)(-0.6, 0.5), first_return(TOY, -0.6, 3)
+    assert here.value == pytest.approx(back.phi_s, abs=1e-14)
+    assert here.slope == pytest.approx(back.slope, rel=1e-12)
+    assert here.rate == pytest.approx(back.d_eps_n1, rel=1e-12)
+
+
+# Relative step 1e-5: h^2 of the third derivative (relative 1e-9 where measured), and rounding
+# 1e-15 over the step. The map's own differences have step 1e-6.
+@pytest.mark.parametrize("name", ["eps_n1", "mu_2", "m_s", "c_phi", "mu_3"])
+@pytest.mark.parametrize("phi_s", [-0.53, -0.6])
+def test_derivative_in_a_parameter(name: str, phi_s: float) -> None:
+    p = getattr(TOY, name)
+    rate = central(lambda value: image(phi_s, **{name: value}), p, 1e-5 * p)
+    assert toy_map(TOY, name)(phi_s, p).rate == pytest.approx(rate, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["eps_n2", "eps_n3"])
+def test_derivative_in_a_restitution_that_is_zero(name: str) -> None:
+    """One-sided at 0: second-order forward difference, step 1e-5."""
+    h = 1e-5
+    f = [image(**{name: k * h}) for k in range(3)]
+    rate = (-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * h)
+    assert toy_map(TOY, name)(-0.53, 0.0).rate == pytest.approx(rate, rel=1e-5)
+
+
+def test_derivative_next_to_a_jump_is_taken_on_its_side() -> None:
+    """Where mu_2 + step has another word, only the other neighbour is used."""
+    labelled = toy_map(TOY, "mu_2")
+    low, high = 0.3, 0.4  # find an edge over mu_2 at -0.53
+    word = labelled(-0.53, low).word
+    assert labelled(-0.53, high).word != word
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if labelled(-0.53, middle).word == word else (low, middle)
+    inside = low - 1e-8  # nearer than the step of 3e-7
+    expected = central(lambda value: image(mu_2=value), inside - 1e-5, 1e-6)
+    assert labelled(-0.53, inside).rate == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "phi_s", "p", "reason"),
+    [
+        ("eps_n1", -0.53, 1.1, r"eps_n1 must lie in [0, 1], got 1.1"),
+        ("eps_n1", -0.53, -0.1, r"eps_n1 must lie in [0, 1], got -0.1"),
+        ("mu_2", -0.53, -0.1, "mu_2 must be at least 0 and finite, got -0.1"),
+        ("m_s", -0.53, 0.0, "m_s must be positive and finite, got 0.0"),
+        ("eps_n1", 0.2, 0.5, "the beak touches the pole"),
+        ("eps_n1", math.nan, 0.5, "the beak touches the pole"),
+        ("eps_n1", -0.05, 0.5, Status.FREE_FALL.value),
+    ],
+)
+def test_no_value_and_why(name: str, phi_s: float, p: float, reason: str) -> None:
+    here = toy_map(TOY, name)(phi_s, p)
+    assert not here.defined
+    assert here.word == reason
+    assert math.isnan(here.value)
+
+
+def test_unknown_parameter() -> None:
+    with pytest.raises(TypeError, match="unknown parameter 'eps', expected one of m_m, j_m"):
+        toy_map(TOY, "eps")
