@@ -233,25 +233,26 @@ class _Path:
     def _specials(self, a: PathPoint, b: PathPoint, step: float) -> Iterator[PathPoint]:
         """Folds and flips between two neighbouring points of one piece, in order."""
         found = []
-        for kind, value in ((PointKind.LP, 1.0), (PointKind.PD, -1.0)):
-            if (a.cycle.multiplier - value) * (b.cycle.multiplier - value) < 0.0:
-                found.append(self._locate(a, b, step, kind, value))
-        found = [item for item in found if item is not None]
+        measures: tuple[tuple[PointKind, Callable[[PathPoint], float]], ...] = (
+            (PointKind.LP, lambda point: float(point.tangent[-1])),
+            (PointKind.PD, lambda point: point.cycle.multiplier + 1.0),
+        )
+        for kind, measure in measures:
+            if measure(a) * measure(b) < 0.0:
+                s = self._root(a, b, step, measure)
+                found.append((s, replace(self._inner(a, s), kind=kind)))
         for _, special in sorted(found, key=lambda item: item[0]):
             yield special
 
-    def _locate(
-        self, a: PathPoint, b: PathPoint, step: float, kind: PointKind, value: float
-    ) -> tuple[float, PathPoint]:
-        """Where the multiplier takes a value, by root finding along the step."""
+    def _root(
+        self, a: PathPoint, b: PathPoint, step: float, measure: Callable[[PathPoint], float]
+    ) -> float:
+        """Arclength from a at which a measure of the points of the step changes its sign."""
 
-        def excess(s: float) -> float:
-            if s <= 0.0 or s >= step:
-                return (a if s <= 0.0 else b).cycle.multiplier - value
-            return self._inner(a, s).cycle.multiplier - value
+        def at(s: float) -> float:
+            return measure(a if s <= 0.0 else b if s >= step else self._inner(a, s))
 
-        s = float(brentq(excess, 0.0, step, xtol=1e-15, rtol=1e-14))
-        return s, replace(self._inner(a, s), kind=kind)
+        return float(brentq(at, 0.0, step, xtol=1e-15, rtol=1e-14))
 
     def _at_window(self, a: PathPoint, b: PathPoint, step: float) -> PathPoint:
         """Where the branch leaves the window between two neighbouring points."""
@@ -259,12 +260,12 @@ class _Path:
         lap = int(np.argmax(np.maximum(low - b.cycle.x, b.cycle.x - high)))
         bound = low if b.cycle.x[lap] < low else high
 
-        def excess(s: float) -> float:
-            return float(self._inner(a, s).cycle.x[lap]) - bound
+        def excess(point: PathPoint) -> float:
+            return float(point.cycle.x[lap]) - bound
 
-        if (a.cycle.x[lap] - bound) * (b.cycle.x[lap] - bound) >= 0.0:
+        if excess(a) * excess(b) >= 0.0:
             return b  # it started outside
-        return self._inner(a, float(brentq(excess, 0.0, step, xtol=1e-15, rtol=1e-14)))
+        return self._inner(a, self._root(a, b, step, excess))
 
     def _inner(self, a: PathPoint, s: float) -> PathPoint:
         """The corrected point at arclength s from a, on the same piece."""

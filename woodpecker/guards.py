@@ -68,7 +68,7 @@ def bracketed(
 
     A zero of f at low itself is not the root: it is where the guard has just fired.
     """
-    t, step = 0.5 * (low + high), high - low
+    t, previous = 0.5 * (low + high), 0.0
     for _ in range(200):
         f, slope = value(f0, f1, f2, f3, kappa, omega, t)
         if f > 0.0:
@@ -76,14 +76,15 @@ def bracketed(
         else:
             high = t
         trial = t - f / slope if slope < 0.0 else low
-        if not low < trial < high:
+        newton = low < trial < high
+        if not newton:
             trial = 0.5 * (low + high)
-        previous, step = step, trial - t
-        t = trial
-        # Newton's steps shrink quadratically: the next would be step (step / previous)^2.
-        ratio = step / previous
-        if abs(step) * min(1.0, ratio * ratio) <= 0.25 * EPSILON * t or t in (low, high):
+        step, t = trial - t, trial
+        # After two of Newton's steps the next would be about step (step / previous)^2.
+        shrink = step / previous if newton and previous != 0.0 else 1.0
+        if abs(step) * min(1.0, shrink * shrink) <= 0.25 * EPSILON * t or t in (low, high):
             break
+        previous = step if newton else 0.0
     return t
 
 

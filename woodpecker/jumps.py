@@ -21,6 +21,7 @@ from woodpecker.labelled import LabelledMap
 FIRST_STEP, LARGEST_STEP = 1e-3, 0.01  # in the parameter
 NARROWEST = 1e-10  # half width within which a straight edge is predicted
 RESOLVED = 1e-11  # a change of words is located this well in the parameter
+CLOSED = 1e-8  # a limit this close to the diagonal has met it
 SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
 WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
 
@@ -69,9 +70,9 @@ def follow_jump(
         p = track.probed(p, current, previous)
         found = track.at(p, current, previous)
         if found is None:
-            last, beyond = track.word_change(current, previous, p)
+            last, beyond, p = track.word_change(current, previous, p)
             if beyond is None:
-                yield JumpPoint(edge=last, kind=PointKind.EP, note="the jump ends")
+                yield track.end(last, p)
                 return
             found, step = beyond, FIRST_STEP
             yield JumpPoint(edge=last, kind=PointKind.WC)
@@ -94,6 +95,7 @@ def follow_jump(
             previous = current  # else their rounding would spoil the prediction
         current = found
         step = min(1.5 * step, LARGEST_STEP)
+    yield JumpPoint(edge=current, kind=PointKind.EP, note="limit on the number of points")
 
 
 def _distance(edge: Edge, side: int) -> float:
@@ -115,15 +117,17 @@ class _Track:
 
     def at(self, p: float, near: Edge, before: Edge) -> Edge | None:
         """The edge at p, predicted from two known ones; None if its words are not found."""
-        bracket = self._bracket(p, near, before)
-        if bracket is None:
-            return None
-        edge = edge_between(self.map, p, *bracket)
-        if edge.right.word != self.right:
-            return None
-        miss = abs(edge.x - 0.5 * (bracket[0] + bracket[1]))
-        self.widest = min(max(1e4 * miss, NARROWEST), WIDEST)
-        return edge
+        for widest in dict.fromkeys((self.widest, WIDEST)):
+            self.widest = widest
+            bracket = self._bracket(p, near, before)
+            if bracket is None:
+                continue
+            edge = edge_between(self.map, p, *bracket)
+            if edge.right.word == self.right:
+                miss = abs(edge.x - 0.5 * (bracket[0] + bracket[1]))
+                self.widest = min(max(1e4 * miss, NARROWEST), WIDEST)
+                return edge
+        return None
 
     def probed(self, p: float, near: Edge, before: Edge) -> float:
         """p, or the first probe on the way to it at which the words differ."""
@@ -146,12 +150,11 @@ class _Track:
             half *= 1000.0
         return None
 
-    def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None]:
-        """The last edge with these words on the way from ``near`` to p, and the next beyond it."""
-        seen = self._bracket if self.widest <= NARROWEST else self.at
+    def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None, float]:
+        """The last edge with these words on the way to p, the next beyond it, and where that is."""
         good, bad = near.p, p
         while (middle := 0.5 * (good + bad)) not in (good, bad) and abs(bad - good) > RESOLVED:
-            if seen(middle, near, before) is None:
+            if self.at(middle, near, before) is None:
                 bad = middle
             else:
                 good = middle
@@ -166,9 +169,20 @@ class _Track:
         while abs(reach) <= self.settings.tolerances.edge:
             beyond = self._change_words(last, good + reach)
             if beyond is not None:
-                return last, beyond
+                return last, beyond, good + reach
             reach *= 8.0
-        return last, None
+        return last, None, good + reach
+
+    def end(self, last: Edge, p: float) -> JumpPoint:
+        """Why there is no jump with other words beyond the last one seen."""
+        for side in (-1, 1):
+            if abs(_distance(last, side)) <= CLOSED:  # its piece closes as it meets the diagonal
+                return JumpPoint(edge=last, kind=PointKind.BC, side=side)
+        for side in (-1, 1):
+            beside = self.map(last.x + side * 100.0 * abs(p - last.p), p)
+            if not beside.defined:
+                return JumpPoint(edge=last, kind=PointKind.FALL, note=beside.word)
+        return JumpPoint(edge=last, kind=PointKind.EP, note="the jump ends")
 
     def _change_words(self, near: Edge, p: float) -> Edge | None:
         """The jump with new words at p, if it still crosses the diagonal, and can be kept."""

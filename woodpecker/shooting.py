@@ -11,7 +11,7 @@ import numpy as np
 from woodpecker import kernel
 from woodpecker.compiled import announce
 from woodpecker.edges import nearest_edge
-from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct
+from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
 from woodpecker.modes import CONTACT, EPS, model
 from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
 from woodpecker.status import status
@@ -176,13 +176,13 @@ def shoot(
     cycle, good, _ = correct(labelled_map, np.array(points), toy.eps_n1, None, tolerances)
     if good:
         return _orbit(toy, order, cycle, ShootingStatus.CONVERGED)
+    near = nearest_edge(labelled_map, guess, toy.eps_n1, start.word) if order == 1 else None
+    if near is not None and near[0].crosses:
+        at_jump = evaluate(labelled_map, np.array([near[0].x]), toy.eps_n1)
+        return _orbit(toy, order, at_jump, ShootingStatus.AT_JUMP, f"at {near[0].x:.9g}")
     lost = [lap.word for lap in cycle.laps if not lap.defined]
     if lost:
         return _orbit(toy, order, cycle, ShootingStatus.LOST, lost[0])
-    for x, lap in zip(cycle.x, cycle.laps, strict=True):
-        near = nearest_edge(labelled_map, float(x), toy.eps_n1, lap.word)
-        if order == 1 and near is not None and near[0].crosses:
-            return _orbit(toy, order, cycle, ShootingStatus.AT_JUMP, f"jump at {near[0].x:.9g}")
     return _orbit(toy, order, cycle, ShootingStatus.NOT_CONVERGED)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -36,6 +37,8 @@ class Tolerances:
 
     def allowed(self, slope: float) -> float:
         """Largest residual of an accepted fixed point on a piece of this slope."""
+        if not math.isfinite(slope):
+            return self.residual
         return max(self.residual, 4.0 * self.resolution * abs(slope))
 
 

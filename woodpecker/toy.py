@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import numbers
 from dataclasses import dataclass
 
 _POSITIVE = (
@@ -78,7 +79,7 @@ class Toy:
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if isinstance(value, bool) or not hasattr(value, "__float__"):
+            if isinstance(value, bool) or not isinstance(value, numbers.Real):
                 raise TypeError(f"{field.name} must be a real number, got {value!r}")
             object.__setattr__(self, field.name, float(value))
         for name in _POSITIVE:

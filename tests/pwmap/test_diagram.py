@@ -89,7 +89,7 @@ def test_a_branch_is_frozen() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"id": "b:1"}, r"a branch id must not contain ':', got 'b:1'"),
+        ({"id": "b:1"}, r"a branch id must be text without ':', got 'b:1'"),
         ({"order": 0}, r"order must be at least 1, got 0"),
         ({"x": [0.0, 1.0]}, r"one common length of at least 1, got 3, 2 and 3"),
         ({"parameter": [], "x": [], "multiplier": []}, r"at least 1, got 0, 0 and 0"),
@@ -130,7 +130,7 @@ def test_every_kind_of_point_has_a_meaning() -> None:
 @pytest.mark.parametrize(
     ("name", "changes", "message"),
     [
-        ("P:1", {}, r"a point id must not contain ':', got 'P:1'"),
+        ("P:1", {}, r"a point id must be text without ':', got 'P:1'"),
         ("P1", {"kind": "HB"}, r"'HB' is not a valid PointKind"),
     ],
 )

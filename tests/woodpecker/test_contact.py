@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import hypothesis.strategies as st
@@ -38,7 +37,7 @@ from woodpecker.lcp import (
     enumerate_contacts,
     solve_contact_lcp,
 )
-from woodpecker.modes import ANGLE, CONTACT, DELASSUS, EPS, SIGN, model
+from woodpecker.modes import ANGLE, SIGN, model
 from woodpecker.toy import Toy
 
 FloatArray = npt.NDArray[np.float64]
@@ -438,94 +437,186 @@ def test_an_impact_never_adds_energy(contacts: tuple[int, ...], friction: float)
 
 
 def test_two_contacts_with_much_friction_are_ambiguous() -> None:
-    """mu = 1: the wedge of beak and sleeve has several answers, and brute force sees them."""
+    """mu = 1: the wedge of beak and sleeve has several answers, and brute force sees them too."""
     rng, outcomes = np.random.default_rng(24), []
-    toy = Toy(mu_1=1.0, mu_2=1.0, mu_3=1.0)
-    for _ in range(40):
+    toy = Toy(mu_1=1.0, mu_2=1.0, mu_3=1.0, eps_n1=0.0)
+    for _ in range(60):
         contacts = ((0, 1), (0, 2))[rng.integers(2)]
-        u = approach(rng, contacts)
-        w = directions(toy, contacts)
+        u, w = approach(rng, contacts), directions(toy, contacts)
         delassus = w.T @ np.linalg.solve(mechanics.mass_matrix(toy), w)
         problem = Problem(delassus=delassus, free=w.T @ u, mu=np.ones(2), floor=np.zeros(2))
         expected = expected_outcome(problem)
-        if expected == INDETERMINATE and toy.eps_n1 == 0.0:
-            expected = SOLVED
+        if expected == INDETERMINATE:
+            expected = SOLVED  # without expansion the impulses do not matter afterwards
         outcomes.append(strike(toy, contacts, u).outcome)
-        if outcomes[-1] == AMBIGUOUS:
-            assert expected == AMBIGUOUS or toy.eps_n1 > 0.0
-    assert AMBIGUOUS in outcomes
-    assert SOLVED in outcomes
+        assert outcomes[-1] == expected
+    assert set(outcomes) == {SOLVED, AMBIGUOUS}
 
 
 # --- Derivatives of an impact ---------------------------------------------------------------------
 
+UNITS = np.array([0.2, 10.0, 10.0])  # of the velocities
 
-@scenes
+
+@pytest.mark.parametrize("along", ["velocities", "restitution"])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_derivative_along_velocities(contacts: tuple[int, ...], friction: float) -> None:
-    """Within one index combination u_after is linear in u: central differences are exact."""
+@scenes
+def test_derivative_of_an_impact(contacts: tuple[int, ...], friction: float, along: str) -> None:
+    """Within one index combination u_after is linear in u and in eps_N: differences are exact."""
     rng, step, compared = np.random.default_rng(25), 1e-3, 0
     for _ in range(MANY // 20):
         toy, u = random_toy(rng, friction), approach(rng, contacts)
-        direction = rng.normal(size=3) * [0.2, 10.0, 10.0]
-        middle = strike(toy, contacts, u, direction, np.zeros(3))
-        one = strike(toy, contacts, u + step * direction)
-        other = strike(toy, contacts, u - step * direction)
-        if not (one.case.tolist() == middle.case.tolist() == other.case.tolist()):
-            continue
-        if middle.outcome != SOLVED or one.outcome != SOLVED or other.outcome != SOLVED:
-            continue
-        jump = np.abs(one.u + other.u - 2.0 * middle.u) / np.array([0.2, 10.0, 10.0])
-        if jump.max() > 1e-9:
-            continue  # compression changed its combination in between
-        compared += 1
-        slope = (one.u - other.u) / (2.0 * step)
-        # Rounding of u, 1e-15 of its size, over the step.
-        np.testing.assert_allclose(
-            middle.tangents[0] / [0.2, 10.0, 10.0], slope / [0.2, 10.0, 10.0], rtol=0.0, atol=1e-10
-        )
-    assert compared > 0.5 * (MANY // 20)
-
-
-@scenes
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_derivative_along_restitution(contacts: tuple[int, ...], friction: float) -> None:
-    """u_after is linear in eps_N, too, as long as the expansion keeps its combination."""
-    rng, step, compared = np.random.default_rng(26), 1e-3, 0
-    for _ in range(MANY // 20):
-        toy, u = random_toy(rng, friction), approach(rng, contacts)
-        eps, seed = np.array([toy.eps_n1, toy.eps_n2, toy.eps_n3]), rng.normal(size=3)
-        eps = np.clip(eps, 0.01, 0.99)
-        names = ("eps_n1", "eps_n2", "eps_n3")
-
-        def changed(
-            s: float, toy: Toy = toy, eps: FloatArray = eps, seed: FloatArray = seed
-        ) -> Toy:
-            return toy.replace(**dict(zip(names, (eps + s * seed).tolist(), strict=True)))
-
-        middle = strike(changed(0.0), contacts, u, np.zeros(3), seed)
-        one, other = (strike(changed(s), contacts, u) for s in (step, -step))
-        if not (one.case.tolist() == middle.case.tolist() == other.case.tolist()):
-            continue
-        if middle.outcome == AMBIGUOUS:
+        du, seed = UNITS * rng.normal(size=3), rng.uniform(-1.0, 1.0, size=3)
+        if along == "velocities":
+            seed[:] = 0.0
+        else:
+            du[:] = 0.0
+        blows = []
+        for s in (-step, 0.0, step):
+            eps = np.clip([toy.eps_n1, toy.eps_n2, toy.eps_n3], 0.01, 0.99) + s * seed
+            other = toy.replace(eps_n1=eps[0], eps_n2=eps[1], eps_n3=eps[2])
+            blows.append(strike(other, contacts, u + s * du, du, seed))
+        before, middle, after = blows
+        bend = np.abs(before.u - 2.0 * middle.u + after.u) / UNITS
+        if bend.max() > 1e-9:  # another combination, in compression or expansion, in between
             continue
         compared += 1
-        slope = (one.u - other.u) / (2.0 * step)
-        np.testing.assert_allclose(
-            middle.tangents[0] / [0.2, 10.0, 10.0], slope / [0.2, 10.0, 10.0], rtol=0.0, atol=1e-10
-        )  # as above
-    assert compared > 0.5 * (MANY // 20)
+        slope = (after.u - before.u) / (2.0 * step)
+        # Rounding of u, 1e-14 of its unit, over the step.
+        np.testing.assert_allclose(middle.tangents[0] / UNITS, slope / UNITS, atol=1e-10)
+    assert compared > 0.7 * (MANY // 20)
 
 
-def test_derivative_at_eps_zero() -> None:
-    """One-sided: without expansion at eps_N = 0, d / d eps_N is that of the impact just above."""
-    u, step = np.array([-0.1, 3.0, 8.0]), 1e-3
-    for contacts in SCENES.values():
-        if contacts == (1,):
-            u = u * [1.0, -1.0, 1.0]
-        toy = Toy(eps_n1=0.0)
-        middle = strike(toy, contacts, u, np.zeros(3), [1.0, 1.0, 1.0])
-        above = strike(Toy(eps_n1=step, eps_n2=step, eps_n3=step), contacts, u)
-        if len(contacts) == 1:
-            slope = (above.u - middle.u) / step
-            np.testing.assert_allclose(middle.tangents[0], slope, atol=1e-9)  # linear; rounding
+# --- Indeterminate impulses -----------------------------------------------------------------------
+
+# The upper edge of the sleeve rests on the pole while the beak strikes; all comes to rest.
+ALL_AT_REST = np.array([-0.1727, 0.0, 16.4])
+BOTH = (0, 2)
+
+
+def wedge(toy: Toy) -> Problem:
+    """Compression at beak and upper sleeve contact from ALL_AT_REST."""
+    w = directions(toy, BOTH)
+    return Problem(
+        delassus=w.T @ np.linalg.solve(mechanics.mass_matrix(toy), w),
+        free=w.T @ ALL_AT_REST,
+        mu=np.array([toy.mu_1, toy.mu_3]),
+        floor=np.zeros(2),
+    )
+
+
+def extreme_impulse(toy: Toy, sign: float) -> FloatArray:
+    """Impulses W Lambda = -M u in both cones with the largest sign * Lambda_N1."""
+    w, load = directions(toy, BOTH), -np.array(mechanics.mass_matrix(toy)) @ ALL_AT_REST
+    units = np.array([1.0, toy.h_m, toy.h_s])[:, None]  # rows in N s
+    scale = np.abs(load / units[:, 0]).max()
+    cones = np.array(
+        [[-toy.mu_1, s, 0, 0] for s in (1, -1)] + [[0, 0, -toy.mu_3, s] for s in (1, -1)]
+    )
+    result = linprog(
+        [-sign, 0.0, 0.0, 0.0],
+        A_ub=cones,
+        b_ub=np.zeros(4),
+        A_eq=w / units,
+        b_eq=load / units[:, 0] / scale,
+        bounds=(None, None),
+    )
+    assert result.success
+    return np.asarray(result.x * scale)
+
+
+def test_the_segment_of_indeterminate_impulses() -> None:
+    """Its ends are those of a linear program; the middle is taken; all of it is lawful."""
+    toy = Toy(eps_n1=0.79)
+    problem = wedge(toy)
+    answer = solve(problem)
+    assert answer.outcome == INDETERMINATE
+    ends = np.zeros((2, 4))
+    for case, end in zip(answer.cases, ends, strict=True):
+        assert solve_case(case, problem.delassus, problem.free, problem.mu, problem.floor, end)
+    ends = ends[np.argsort(ends[:, 0])]
+    expected = [extreme_impulse(toy, sign) for sign in (-1.0, 1.0)]
+    # linprog's own feasibility is 1e-7, in units of the load.
+    np.testing.assert_allclose(ends, expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
+    assert ends[1, 0] > 1.005 * ends[0, 0]  # a segment, not a point
+    np.testing.assert_allclose(answer.impulse, ends.mean(axis=0), rtol=EXACT)
+    for part in (0.0, 0.3, 0.5, 1.0):
+        assert residual(problem, (1.0 - part) * ends[0] + part * ends[1]) < SOLVES
+
+
+def test_an_indeterminate_impact_goes_on_from_the_middle() -> None:
+    toy = Toy(eps_n1=0.79)
+    blow = strike(toy, BOTH, ALL_AT_REST)
+    assert blow.outcome == INDETERMINATE
+    middle = solve(wedge(toy)).impulse
+    # The table of the modes and numpy round G differently, amplified by its condition.
+    np.testing.assert_allclose(blow.impulses[0], middle, rtol=SOLVES)
+    # The beak expands with eps_N1 of the middle; the sleeve has eps_N3 = 0.
+    assert blow.impulses[1, 0] == pytest.approx(0.79 * blow.impulses[0, 0], rel=EXACT)
+    mass, w = np.array(mechanics.mass_matrix(toy)), directions(toy, BOTH)
+    balance = mass @ (blow.u - ALL_AT_REST) - w @ blow.impulses.sum(axis=0)
+    assert (np.abs(balance) <= SOLVES * np.abs(mass) @ np.abs(ALL_AT_REST)).all()
+
+
+def test_without_expansion_the_impulses_do_not_matter() -> None:
+    blow = strike(Toy(eps_n1=0.0), BOTH, ALL_AT_REST)
+    assert blow.outcome == SOLVED
+    assert blow.u.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_derivative_of_an_indeterminate_impact() -> None:
+    """The middle moves with half of each end, linearly in u, and eps_N1 scales the expansion."""
+    step, toy = 1e-4, Toy(eps_n1=0.79)
+    for du, seed in ((UNITS * [1.0, 0.0, 1.0], np.zeros(3)), (np.zeros(3), np.eye(3)[0])):
+        blow = strike(toy, BOTH, ALL_AT_REST, du, seed)
+        sides = [
+            strike(toy.replace(eps_n1=0.79 + s * seed[0]), BOTH, ALL_AT_REST + s * du)
+            for s in (step, -step)
+        ]
+        slope = (sides[0].u - sides[1].u) / (2.0 * step)
+        # Rounding of u over the step.
+        np.testing.assert_allclose(blow.tangents[0] / UNITS, slope / UNITS, atol=1e-9)
+
+
+# --- Rest on two contacts -------------------------------------------------------------------------
+
+
+def some_forces_hold(toy: Toy, k: int, d: float) -> bool:
+    """Linear program: 0 = h + W lambda with lambda in both cones."""
+    w = directions(toy, (0, k))
+    h = np.array(mechanics.force_at_rest(toy)) + np.array(mechanics.force_per_stretch(toy)) * d
+    units = np.array([1.0, toy.h_m, toy.h_s])
+    mu_k = (toy.mu_1, toy.mu_2, toy.mu_3)[k]
+    cones = [[-toy.mu_1, s, 0, 0] for s in (1, -1)] + [[0, 0, -mu_k, s] for s in (1, -1)]
+    result = linprog(
+        np.zeros(4),
+        A_ub=cones,
+        b_ub=np.zeros(4),
+        A_eq=w / units[:, None],
+        b_eq=-h / units / np.abs(h / units).max(),
+        bounds=(None, None),
+    )
+    return bool(result.success)
+
+
+@pytest.mark.parametrize(
+    ("k", "mu_max", "stretch", "share"),
+    [(1, 1.0, (-1.5, 1.5), 0.3), (2, 2.0, (-10.0, 0.0), 0.05)],  # contact 3 needs huge friction
+)
+def test_rest_is_possible_as_a_linear_program_says(
+    k: int, mu_max: float, stretch: tuple[float, float], share: float
+) -> None:
+    """Random stretches and frictions; nothing within 1e-7, linprog's tolerance, of a boundary."""
+    rng, verdicts = np.random.default_rng(30 + k), []
+    for _ in range(300):
+        mu = 10.0 ** rng.uniform(-1.5, mu_max, size=3)
+        toy, d = Toy(mu_1=mu[0], mu_2=mu[1], mu_3=mu[2]), rng.uniform(*stretch)
+        verdicts.append(rest_is_possible(model(toy), k, d))
+        assert verdicts[-1] == some_forces_hold(toy, k, d)
+    assert share < np.mean(verdicts) < 1.0 - share
+
+
+def test_rest_without_friction_is_impossible() -> None:
+    """Nothing carries the weight, whatever the spring does."""
+    numbers = model(Toy(mu_1=0.0, mu_2=0.0, mu_3=0.0))
+    assert not any(rest_is_possible(numbers, k, d) for k in (1, 2) for d in (-0.3, 0.0, 0.1, 0.5))

@@ -250,6 +250,17 @@ def test_flips_of_an_island() -> None:
     )
 
 
+def test_corner_without_a_word_change_is_no_flip() -> None:
+    """The multiplier jumps from 0.5 to -1.5 and is never -1, or to 1.5 and is never 1."""
+    for slope in (-1.5, 1.5):
+        tent = skew_tent(0.5, slope)
+        path = run(lambda x, p, f=tent: f(x, p)._replace(word="S"), -0.2, -0.1, span=(-1.0, 1.0))  # type: ignore[misc]
+        for point in path:
+            if point.kind in (LP, PD):
+                expected = 1.0 if point.kind is LP else -1.0
+                assert point.cycle.multiplier == pytest.approx(expected, abs=1e-6)
+
+
 # --- changes of word -----------------------------------------------------------------------------
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import pytest
 from maps import A, moving_edge, paper, staircase, two_lines
@@ -66,8 +67,7 @@ def test_jump_of_the_paper(direction: int, end: float, side: int) -> None:
     for point in path:
         assert point.edge.left_limit == pytest.approx(point.p - 2.0, abs=COLLISION)
         assert point.edge.right_limit == pytest.approx(point.p, abs=COLLISION)
-    steps = [abs(b.p - a.p) for a, b in zip(path, path[1:], strict=False)]
-    assert max(steps) <= 0.01 + 1e-15
+    assert max(abs(b.p - a.p) for a, b in pairwise(path)) <= 0.01 + 1e-15
 
 
 @pytest.mark.parametrize(("direction", "end", "side"), [(1, 1.0, 1), (-1, 0.0, -1)])
@@ -88,8 +88,8 @@ def test_second_map_of_the_paper_crosses_at_the_preimage_only(r: float) -> None:
     second = iterate(paper(), 2)
     assert edge_near(second, r / A, r).x == pytest.approx(r / A, abs=COLLISION)
     at_zero = edge_between(second, r, -0.5 * r / A, 0.5 * r / A)
-    # r - 2 and (1 - a) r, both below 0
-    assert (at_zero.left_limit, at_zero.right_limit) == pytest.approx((r - 2, (1 - A) * r), abs=1e-14)
+    limits = at_zero.left_limit, at_zero.right_limit
+    assert limits == pytest.approx((r - 2.0, (1.0 - A) * r), abs=1e-14)  # both below 0
     assert not at_zero.crosses
 
 
