@@ -7,4 +7,4 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-Codes = npt.NDArray[np.int8]  # event codes
+Codes = npt.NDArray[np.int16]  # event codes

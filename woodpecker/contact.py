@@ -48,6 +48,11 @@ REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
 HOLD, FORWARD, BACKWARD = 0, 1, 2  # tangential velocity zero / positive / negative
 UNSOLVED = -1
 
+# A mark tells index combinations of one contact apart: compression + 3 * expansion, where
+# compression is 0 slides, 1 sticks, 2 separates; expansion is 0 ends as usual (leaves if it stores
+# impulse, stays if not) and slides or is missing, 1 as usual and sticks, 2 and 3 the other way.
+MARKS = 12
+
 SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-deficient: rounding of G
 # is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
 SLACK = 1e-11  # used only where strict signs leave no combination: a solution on a boundary
@@ -299,9 +304,20 @@ def _velocities(
 
 
 @jit
+def _mark(first: int, second: int, expands: bool, floor: float) -> int:
+    """What the compression and the expansion did at one contact, as a number below MARKS."""
+    compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
+    if not expands:
+        return compression
+    usual = FREE if floor > 0.0 else REST
+    expansion = (0 if second // 3 == usual else 2) + (1 if second % 3 == HOLD else 0)
+    return compression + 3 * expansion
+
+
+@jit
 def impact(
     model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
-    impulses: Floats,
+    impulses: Floats, marks: Ints,
 ) -> int:  # fmt: skip
     """Poisson impact with Coulomb friction: compression, then expansion.
 
@@ -313,17 +329,25 @@ def impact(
         State (7,) and derivatives of states (m, 7); their velocities are updated in place.
     seed
         (m, 3) derivative of eps_N along each tangent.
-    case, impulses
-        Output: index combination after the expansion (2,), impulses (2, 4) of both phases.
+    case, impulses, marks
+        Output: index combination after the expansion (2,), impulses (2, 4) of both phases, and a
+        mark (2,) for each contact: between equal marks the impact depends smoothly on the state.
     """
     if len(contacts) == 1:
-        status = _single_impact(model, contacts[0], z, tangents, seed, case, impulses)
+        status = _single_impact(model, contacts[0], z, tangents, seed, case, impulses, marks)
     else:
-        status = _double_impact(model, contacts, z, tangents, seed, case, impulses)
+        status = _double_impact(model, contacts, z, tangents, seed, case, impulses, marks)
     if status in (SOLVED, INDETERMINATE):
         _clear(model, contacts, case, z)
         for m in range(len(tangents)):
+            bounce = 0.0
+            for k in range(len(contacts)):
+                i = contacts[k]
+                if seed[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
+                    bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
             _clear(model, contacts, case, tangents[m])
+            if bounce != 0.0:  # a larger eps_N makes this contact bounce
+                tangents[m, 3 + ANGLE[contacts[0]]] = bounce
     return status
 
 
@@ -347,8 +371,9 @@ def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
 
 @jit
 def _single_impact(
-    model: Floats, i: int, z: Floats, tangents: Floats, seed: Floats, case: Ints, impulses: Floats
-) -> int:
+    model: Floats, i: int, z: Floats, tangents: Floats, seed: Floats, case: Ints,
+    impulses: Floats, marks: Ints,
+) -> int:  # fmt: skip
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
     mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
@@ -364,7 +389,7 @@ def _single_impact(
         status, second, e_n, e_t = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
         if status != SOLVED:
             return status
-    case[0] = second
+    case[0], marks[0] = second, _mark(first, second, floor > 0.0, floor)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     for m in range(len(tangents)):
         dv_n, dv_t = rates(model, i, tangents[m])
@@ -384,7 +409,7 @@ def _single_impact(
 @jit
 def _double_impact(
     model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
-    impulses: Floats,
+    impulses: Floats, marks: Ints,
 ) -> int:  # fmt: skip
     delassus, mu, eps = np.zeros((4, 4)), np.zeros(2), np.zeros(2)
     feeds, free, middle = np.zeros(2, dtype=np.int64), np.zeros(4), np.zeros(4)
@@ -415,6 +440,10 @@ def _double_impact(
             return status
         for k in range(2):
             case[k] = second[0, k]
+    for k in range(2):
+        marks[k] = _mark(first[0, k], case[k], expands, floor[k])
+        if outcome == INDETERMINATE:  # tells the two ends of the segment apart
+            marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
     change, part, more = np.zeros(4), np.zeros(4), np.zeros(4)
     for m in range(len(tangents)):
         for k in range(2):

@@ -15,16 +15,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from woodpecker.edges import Edge, is_continuous, nearest_edge
+from woodpecker.edges import Edge, edges_between, is_continuous
 from woodpecker.follow import PathPoint, Settings, classify, follow_from, start_beside
 from woodpecker.jumps import JumpPoint, follow_jump
-from woodpecker.labelled import Cycle, LabelledMap, iterate
+from woodpecker.labelled import Cycle, LabelledMap, correct, iterate
+from woodpecker.returns import RESTITUTIONS
 from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map
 from woodpecker.toy import Toy
 
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
 MOST_BRANCHES = 2000
+SMALLEST = 1e-9  # where a branch starts that would start at zero restitution
+FASTEST = 100.0  # largest speed dx/dp of an edge that is expected next to a border collision
+COLLISIONS = (PointKind.BC, PointKind.FF)
 Progress = Callable[[float], None]
 
 
@@ -65,6 +69,8 @@ def continuation(
     """
     if not orbit.success:
         raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
+    if orbit.toy != toy:
+        raise ValueError("continuation needs an orbit of this toy, got one of another toy")
     chosen = settings if settings is not None else Settings(window=WINDOW)
     chosen = replace(chosen, span=(float(span[0]), float(span[1])))
     labelled_map = toy_map(toy, parameter)
@@ -72,6 +78,8 @@ def continuation(
     if not span[0] <= p <= span[1]:
         raise ValueError(f"span must hold {parameter} = {p} of the toy, got {span}")
     start = cycle_of(orbit, labelled_map, p)
+    if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
+        start, _, _ = correct(labelled_map, start.x, SMALLEST)
     return connected(
         labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s", progress=progress
     )
@@ -197,16 +205,18 @@ class _Explorer:
             p = node.p + direction * self.settings.tolerances.landing
             if not self.settings.span[0] <= p <= self.settings.span[1]:
                 continue
-            met = nearest_edge(self.whole, node.edge.x, p, self.whole(node.edge.x, p).word)
-            if met is None or not met[0].crosses or is_continuous(met[0], self.settings.tolerances):
-                continue
-            path = self._jumps(follow_jump(self.whole, met[0], self.settings, direction))
-            word = f"{met[0].left.word} / {met[0].right.word}"
-            first = _Sample(
-                node.p, node.x, math.nan, word, node.kind, node.note, node.edge, node.inner
-            )
-            self._add([first, *path], BranchKind.JUMP)
-            return
+            reach = FASTEST * self.settings.tolerances.landing
+            x = node.edge.x
+            for edge in edges_between(self.whole, p, x - reach, x + reach):
+                if not edge.crosses or is_continuous(edge, self.settings.tolerances):
+                    continue
+                path = self._jumps(follow_jump(self.whole, edge, self.settings, direction))
+                word = f"{edge.left.word} / {edge.right.word}"
+                first = _Sample(
+                    node.p, x, math.nan, word, node.kind, node.note, node.edge, node.inner
+                )
+                self._add([first, *path], BranchKind.JUMP)
+                return
 
     def _fixed_from(self, node: _Node) -> None:
         """Follow the fixed-point branch that starts at a border collision."""
@@ -256,21 +266,22 @@ class _Explorer:
     def _node(self, sample: _Sample, kind: BranchKind) -> _Node:
         """The special point of a sample; border collisions are found again."""
         assert sample.kind is not None
+        x = sample.x if sample.edge is None else sample.edge.x
         for node in self.nodes:
             if (
-                node.kind is sample.kind
+                sample.kind in COLLISIONS
+                and node.kind in COLLISIONS
                 and abs(node.p - sample.p) < SAME_POINT
-                and abs(node.x - sample.x) < SAME_POINT
-                and (sample.edge is None or node.edge is not None)
+                and abs(node.x - x) < SAME_POINT
             ):
                 break
         else:
             node = _Node(
-                self._name(sample.kind.value), sample.kind, sample.p, sample.x, sample.note,
+                self._name(sample.kind.value), sample.kind, sample.p, x, sample.note,
                 sample.edge, sample.inner,
             )  # fmt: skip
             self.nodes.append(node)
-            if sample.kind in (PointKind.BC, PointKind.FF):
+            if sample.kind in COLLISIONS:
                 self.queue.append(node)
         if kind is BranchKind.FIXED_POINT:
             node.has_fixed = True

@@ -9,6 +9,7 @@ from woodpecker.labelled import Evaluation, LabelledMap
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 NEAR = 64  # spacings of doubles between an edge and the first point a limit is read from
+MOST = 50  # edges looked for in one interval
 WIDEST = 0.02  # largest distance [rad] at which the next edge is looked for
 
 
@@ -106,6 +107,17 @@ def nearest_edge(
             return min(ends, key=lambda end: abs(end[0].x - x))
         distance *= 4.0
     return None
+
+
+def edges_between(labelled_map: LabelledMap, p: float, low: float, high: float) -> list[Edge]:
+    """Edges met on the way from low to high, at most MOST; thinner pieces than NEAR are skipped."""
+    found: list[Edge] = []
+    while len(found) < MOST and labelled_map(low, p).word != labelled_map(high, p).word:
+        edge = edge_between(labelled_map, p, low, high)
+        if edge.left.word != edge.right.word:
+            found.append(edge)
+        low = edge.x + 2.0 * NEAR * math.ulp(edge.x)
+    return found
 
 
 def is_continuous(edge: Edge, tolerances: Tolerances = DEFAULT) -> bool:

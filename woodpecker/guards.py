@@ -173,26 +173,25 @@ def _first_root_monotone_pieces(
 def _critical_points(
     f1: float, f2: float, f3: float, kappa: float, omega: float
 ) -> tuple[float, float]:
-    """Positive roots of f' in ascending order, inf where there are fewer than two."""
-    if kappa > 0.0:  # with E = exp(omega t): p E^2 + drift E + q = 0
-        p, q = 0.5 * (f2 / omega + f3 / kappa), 0.5 * (f3 / kappa - f2 / omega)
-        middle, start = f1 - f3 / kappa, 1.0
-    else:  # f1 + f2 t + f3 t^2 / 2 = 0
-        p, middle, q, start = 0.5 * f3, f2, f1, 0.0
-    root_1, root_2 = math.inf, math.inf
-    discriminant = middle * middle - 4.0 * p * q
-    if p == 0.0:
-        if middle != 0.0:
-            root_1 = -q / middle
+    """Positive roots of f' in ascending order, inf where there are fewer than two.
+
+    With s = (2/omega) tanh(omega t/2), or s = t for kappa = 0, they are roots of a quadratic.
+    """
+    a, root_1, root_2 = 0.5 * f3 - 0.25 * kappa * f1, math.inf, math.inf
+    discriminant = f2 * f2 - 4.0 * a * f1
+    if a == 0.0:
+        if f2 != 0.0:
+            root_1 = -f1 / f2
     elif discriminant >= 0.0:
-        half = -0.5 * (middle + math.copysign(math.sqrt(discriminant), middle))
-        root_1 = half / p
-        root_2 = q / half if half != 0.0 else root_1
-    root_1 = root_1 if root_1 > start else math.inf
-    root_2 = root_2 if root_2 > start else math.inf
-    if kappa > 0.0:
-        root_1 = math.log(root_1) / omega if root_1 < math.inf else math.inf
-        root_2 = math.log(root_2) / omega if root_2 < math.inf else math.inf
+        half = -0.5 * (f2 + math.copysign(math.sqrt(discriminant), f2))
+        root_1 = half / a
+        root_2 = f1 / half if half != 0.0 else root_1
+    reach = 2.0 / omega if omega > 0.0 else math.inf
+    root_1 = root_1 if 0.0 < root_1 < reach else math.inf
+    root_2 = root_2 if 0.0 < root_2 < reach else math.inf
+    if omega > 0.0:
+        root_1 = 2.0 * math.atanh(root_1 / reach) / omega if root_1 < math.inf else math.inf
+        root_2 = 2.0 * math.atanh(root_2 / reach) / omega if root_2 < math.inf else math.inf
     return min(root_1, root_2), max(root_1, root_2)
 
 

@@ -75,7 +75,8 @@ def follow_jump(
                 yield track.end(last, p)
                 return
             found, step = beyond, FIRST_STEP
-            yield JumpPoint(edge=last, kind=PointKind.WC)
+            if (beyond.left.word, beyond.right.word) != (last.left.word, last.right.word):
+                yield JumpPoint(edge=last, kind=PointKind.WC)
         for side in (-1, 1):
             if _distance(current, side) * _distance(found, side) <= 0.0 and found is not current:
                 yield track.collision(current, found, previous, side)
@@ -147,7 +148,7 @@ class _Track:
             left, right = guess - half, guess + half
             if self.map(left, p).word == self.left and self.map(right, p).word == self.right:
                 return left, right
-            half *= 1000.0
+            half = min(1000.0 * half, WIDEST) if half < WIDEST else math.inf
         return None
 
     def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None, float]:

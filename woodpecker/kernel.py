@@ -21,6 +21,7 @@ from woodpecker.contact import (
     AMBIGUOUS,
     HOLD,
     INDETERMINATE,
+    MARKS,
     NO_SOLUTION,
     REST,
     SOLVED,
@@ -62,7 +63,7 @@ typed = cast("Callable[[int], int]", np.int64)
 RETURNED, TIME_REACHED, FREE_FALL, POLE_END, AT_REST = 0, 1, 2, 3, 4
 EVENT_LIMIT, CONTACT_NO_SOLUTION, CONTACT_AMBIGUOUS = 5, 6, 7
 
-# Event codes: 8 * kind + bit mask of the contacts.
+# Event codes: 8 * kind + bit mask of the contacts + 64 * (marks of an impact, see contact.MARKS).
 IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END, INDETERMINATE_IMPACT = range(7)
 
 # Contact states, as in modes.Contact.
@@ -70,7 +71,6 @@ OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = 0, 1, 2, 3
 
 CHATTER = 1e-9  # relative size of a bounce below which the rest of its geometric series is summed:
 # the neglected second order is its square, below rounding
-LAMBDA_P, LAMBDA_R = 0, 1  # offsets of p and r in the table's pairs (lambda_N, then lambda_T)
 PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
 EVENT_COLUMNS = 16  # t, code, u before, u after, impulses (N, T) x (beak, sleeve) of both phases
 
@@ -422,8 +422,9 @@ def arrive(
     for k in range(EVENT_COLUMNS):
         event[k] = z[1 + k] if 2 <= k < 5 else 0.0
     if striking:
-        case, impulses = np.zeros(2, dtype=np.int64), np.zeros((2, 4))
-        status = impact(model, contacts, z, tangents, seed, case, impulses)
+        case, marks = np.zeros(2, dtype=np.int64), np.zeros(2, dtype=np.int64)
+        impulses = np.zeros((2, 4))
+        status = impact(model, contacts, z, tangents, seed, case, impulses, marks)
         if status in (NO_SOLUTION, AMBIGUOUS):
             return status
         kind = INDETERMINATE_IMPACT if status == INDETERMINATE else IMPACT
@@ -437,7 +438,7 @@ def arrive(
             for phase in range(2):
                 event[column + 4 * phase] = impulses[phase, 2 * k]
                 event[column + 4 * phase + 1] = impulses[phase, 2 * k + 1]
-        _append(word, counts, 8 * kind + mask)
+        _append(word, counts, 64 * (marks[0] + MARKS * marks[1]) + 8 * kind + mask)
         for i in range(3):
             before[i] = before[i] if before[i] != OPEN or not closed[i] else SLIP_POSITIVE
         fired = typed(-1)
@@ -455,7 +456,22 @@ def arrive(
     status = settle(model, z, closed, slips, fired, states)
     if status == SOLVED:
         _append_transitions(before, states, fired, word, counts)
+        if striking:
+            _still_contacts(states, tangents)
     return status
+
+
+@jit
+def _still_contacts(states: Ints, tangents: Floats) -> None:
+    """Where a larger eps_N would make a closed contact bounce, the derivative is unknown.
+
+    The bounces that it begins are not in this flow.
+    """
+    for i in range(3):
+        if states[i] != OPEN:
+            for m in range(len(tangents)):
+                if tangents[m, 3 + ANGLE[i]] != 0.0:
+                    tangents[m, 3 + ANGLE[i]] = math.nan
 
 
 @jit

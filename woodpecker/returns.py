@@ -151,7 +151,7 @@ def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Co
     n = len(starts)
     out = np.empty((n, len(_COLUMNS)))
     codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-    words = np.empty((n, EVENT_LIMIT * order), dtype=np.int8)
+    words = np.empty((n, EVENT_LIMIT * order), dtype=np.int16)
     announce(kernel.sweep)
     kernel.sweep(model(toy), starts, order, _SEED, out, codes, lengths, words)
     return out, codes, lengths, words
@@ -165,7 +165,7 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     for row, length in zip(words, lengths, strict=True):
         key = row[:length].tobytes()
         if key not in known:
-            known[key] = word(key)
+            known[key] = word(row[:length].tolist())
         texts.append(known[key])
     endless = codes == kernel.FREE_FALL
     if math.isfinite(toy.pole):

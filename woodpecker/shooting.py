@@ -80,8 +80,9 @@ class PeriodicOrbit:
 def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
     """P_1 of the toy as a labelled map of (phi_S, parameter).
 
-    The derivative in a restitution coefficient is exact; in any other parameter it is a central
-    difference, taken on one side of an edge only if both neighbours share the word.
+    The derivative in a restitution coefficient is exact, except where the coefficient is zero and
+    a larger one would make a resting contact bounce: there it is a forward difference. In any other
+    parameter it is a central difference, or one-sided next to a change of word.
 
     Raises
     ------
@@ -125,7 +126,7 @@ def _restitution_map(toy: Toy, index: int) -> LabelledMap:
     seed = np.eye(3)[index : index + 1]
     start, out = np.empty(1), np.empty((1, 5))
     codes, lengths = np.empty(1, dtype=np.int64), np.empty(1, dtype=np.int64)
-    words = np.empty((1, EVENT_LIMIT), dtype=np.int8)
+    words = np.empty((1, EVENT_LIMIT), dtype=np.int16)
     texts: dict[bytes, str] = {}
     announce(kernel.sweep)
 
@@ -140,9 +141,16 @@ def _restitution_map(toy: Toy, index: int) -> LabelledMap:
             return _undefined(status(int(codes[0])).value)
         key = words[0, : lengths[0]].tobytes()
         if key not in texts:
-            texts[key] = word(key)
+            texts[key] = word(words[0, : lengths[0]].tolist())
         image, _, _, slope, rate = out[0].tolist()
+        if p == 0.0 and math.isnan(rate):
+            rate = forward(phi_s, image)
         return Evaluation(image, slope, rate, texts[key])
+
+    def forward(phi_s: float, image: float) -> float:
+        """One-sided difference at zero restitution, of second order."""
+        near, far = (value(phi_s, k * RELATIVE_STEP).value for k in (1, 2))
+        return (-3.0 * image + 4.0 * near - far) / (2.0 * RELATIVE_STEP)
 
     return value
 

@@ -6,6 +6,7 @@ import dataclasses
 import math
 import numbers
 from dataclasses import dataclass
+from decimal import Decimal
 
 _POSITIVE = (
     *("m_m", "j_m", "m_s", "j_s", "g", "r_0", "r_m"),
@@ -79,7 +80,7 @@ class Toy:
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            if isinstance(value, bool) or not isinstance(value, numbers.Real | Decimal):
                 raise TypeError(f"{field.name} must be a real number, got {value!r}")
             object.__setattr__(self, field.name, float(value))
         for name in _POSITIVE:

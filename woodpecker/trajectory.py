@@ -165,7 +165,7 @@ def simulate(
     state = start if isinstance(start, State) else State.on_section(toy, float(start))
     numbers = model(toy)
     z, states = _initial(toy, state)
-    codes, counts = np.zeros(max_events, dtype=np.int8), np.zeros(3, dtype=np.int64)
+    codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
     phases = np.zeros((max_events + 1, kernel.PHASE_COLUMNS))
     rows = np.zeros((max_events, kernel.EVENT_COLUMNS))
     none = np.zeros((0, 7)), np.zeros((0, 3))

@@ -4,6 +4,12 @@ A symbol is a kind and its contacts: ``I3`` an impact, ``I1+3`` one in which con
 part, ``D3`` a detachment, ``S2`` slip starts, ``J2`` sticking or jamming starts, ``R2`` slip
 reverses, ``C1`` impacts accumulated until contact 1 closed. ``I~1+3`` is an impact whose impulses
 the contact laws do not fix (:mod:`woodpecker.contact`). ``|`` separates the returns of P_j.
+
+In an impact a contact slides through compression and expansion unless letters behind its number say
+otherwise: ``s`` sticks, ``f`` separates; after ``-`` the same of the expansion, where ``r`` is a
+contact that stays although it stores impulse, or leaves although it stores none. So ``I3s`` sticks
+at the end of the compression, ``I1-s`` at the end of the expansion. With these letters a return
+map is smooth where its word is constant.
 """
 
 from __future__ import annotations
@@ -12,6 +18,7 @@ from collections.abc import Iterable
 from enum import Enum
 
 from woodpecker import kernel
+from woodpecker.contact import MARKS
 
 SEPARATOR = "|"
 
@@ -39,9 +46,13 @@ _KINDS = {
 }
 
 
+_COMPRESSION = ("", "s", "f")
+_EXPANSION = ("", "-s", "-r", "-rs")
+
+
 def decode(code: int) -> tuple[EventKind, tuple[int, ...]]:
     """Kind and contacts (1-based, ascending) of an event code of the kernel."""
-    return _KINDS[code // 8], tuple(i + 1 for i in range(3) if code % 8 >> i & 1)
+    return _KINDS[code % 64 // 8], tuple(i + 1 for i in range(3) if code % 8 >> i & 1)
 
 
 def symbol(code: int) -> str:
@@ -49,12 +60,18 @@ def symbol(code: int) -> str:
     if code == 0:
         return SEPARATOR
     kind, contacts = decode(code)
-    return kind.value + "+".join(map(str, contacts))
-
-
-_SYMBOLS = {code: symbol(code) for code in range(8 * len(_KINDS)) if code == 0 or code % 8}
+    marks = divmod(code // 64, MARKS)[::-1]
+    if kind is EventKind.INDETERMINATE_IMPACT:  # the two ends of the segment of solutions
+        letters = [f"e{mark}" for mark in marks]
+    else:
+        letters = [_COMPRESSION[mark % 3] + _EXPANSION[mark // 3] for mark in marks]
+    pairs = zip(contacts, [*letters, ""], strict=False)
+    return kind.value + "+".join(f"{contact}{text}" for contact, text in pairs)
 
 
 def word(codes: Iterable[int]) -> str:
     """Word of a sequence of event codes: symbols joined by blanks."""
-    return " ".join([_SYMBOLS[code] for code in codes])
+    return " ".join([_SYMBOLS[code] if code in _SYMBOLS else symbol(code) for code in codes])
+
+
+_SYMBOLS = {code: symbol(code) for code in range(8 * len(_KINDS)) if code == 0 or code % 8}

@@ -431,19 +431,19 @@ def test_toy_fixed_points_are_fixed(toy_diagram: Diagram) -> None:
 
 @pytest.mark.slow
 def test_toy_jumps_cross_the_diagonal(toy_diagram: Diagram) -> None:
-    """Every fifth sample: 1e-12 beside the jump the map lies strictly across, with its words."""
+    """Every third sample: 1e-12 beside the jump the map lies strictly across, with its words."""
     labelled = toy_map(Toy())
     count = 0
     for branch in of_kind(toy_diagram, JUMP):
         words = branch.word.split(" / ")
         # the samples next to a special point may lie where words are thinner than 1e-12
-        for p, x in list(zip(branch.parameter, branch.x, strict=True))[2:-2:5]:
+        for p, x in list(zip(branch.parameter, branch.x, strict=True))[2:-2:3]:
             sides = [labelled(float(x) + shift, float(p)) for shift in (-1e-12, 1e-12)]
             assert [side.word for side in sides] == words
             assert (sides[0].value - x) * (sides[1].value - x) < 0.0
             assert abs(sides[0].value - sides[1].value) > 1e-6  # Tolerances.jump
             count += 1
-    assert count > 50
+    assert count > 30
 
 
 @pytest.mark.slow

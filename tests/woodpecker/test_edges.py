@@ -7,7 +7,7 @@ import math
 import pytest
 from maps import grazing, line, lost_beyond, moving_edge, paper, pieces, skew_tent, two_lines
 
-from woodpecker.edges import Edge, bisect, edge_between, is_continuous, nearest_edge, one_sided
+from woodpecker.edges import Edge, bisect, edge_between, is_continuous, nearest_edge
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
 
 NEAR = 64  # spacings of doubles at which the first value beside an edge is read
@@ -48,32 +48,42 @@ def test_edge_between_does_not_depend_on_the_way() -> None:
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.5, -1.25, 40.0])
-@pytest.mark.parametrize("side", [-1, 1])
-def test_limit_of_a_linear_side(slope: float, side: int) -> None:
+def test_limits_of_linear_sides(slope: float) -> None:
     """Read from two points 64 and 256 spacings away: off by 128 spacings times the slope."""
     x = -0.75
-    flat = pieces(line(slope, 1.0), line(slope, 1.0), x)
-    here, limit = one_sided(flat, x, 0.125, side)
-    exact = slope * x + 0.125
-    assert abs(limit - exact) <= (2 * NEAR * abs(slope) + 4) * math.ulp(max(1.0, abs(exact)))
-    assert here.word == ("L" if side < 0 else "R")
+    edge = edge_between(pieces(line(slope, 1.0), line(-slope, 1.0, 1.0), x), 0.125, -0.8, -0.7)
+    for limit, exact in (
+        (edge.left_limit, slope * x + 0.125),
+        (edge.right_limit, -slope * x + 1.125),
+    ):
+        error = (2 * NEAR * abs(slope) + 4) * math.ulp(max(1.0, abs(exact)))
+        assert limit == pytest.approx(exact, abs=error)
 
 
 @pytest.mark.parametrize("x", [0.0, 0.7, -0.884773])
 @pytest.mark.parametrize("c", [1.0, -1.0, 30.0])
-def test_limit_of_a_square_root(x: float, c: float) -> None:
-    """L + c sqrt(x - x_e): the value read 64 spacings away is off by 1e-7 c, the limit is exact."""
+@pytest.mark.parametrize("side", [-1, 1])
+def test_limit_of_a_square_root(x: float, c: float, side: int) -> None:
+    """L + c sqrt|x - x_e|: the value read 64 spacings away is off by 1e-7 c, the limit is not."""
 
     def root(t: float, p: float) -> Evaluation:
-        if t < x:
-            return Evaluation(p, 0.0, 1.0, "L")
-        return Evaluation(p + c * math.sqrt(t - x), math.inf, 1.0, "R")
+        word = "L" if t < x else "R"
+        if (t - x) * side > 0.0:
+            return Evaluation(p + c * math.sqrt(abs(t - x)), math.inf, 1.0, word)
+        return Evaluation(p + 2.0, 0.0, 1.0, word)
 
-    here, limit = one_sided(root, x, 0.5, 1)
-    # rounding of the sum; the arguments of the roots are exact multiples of the spacing
-    assert limit == pytest.approx(0.5, abs=4 * math.ulp(1.0))
+    edge = edge_between(root, 0.5, x - 0.1, x + 0.1)
+    limit, other = edge.left_limit, edge.right_limit
+    here = edge.left
+    if side > 0:
+        limit, other, here = other, limit, edge.right
+    assert other == 2.5
+    # the last double of the left piece lies one spacing short of x, which leaves
+    # 2 sqrt(65) - sqrt(257) = 0.0117 * 8 spacings under the root
+    value = abs(c) * math.sqrt(NEAR * math.ulp(x))
+    assert limit == pytest.approx(0.5, abs=4 * math.ulp(1.0) + 0.012 * value)
     if x != 0.0:
-        assert abs(here.value - 0.5) == pytest.approx(abs(c) * 8 * math.sqrt(math.ulp(x)), rel=1e-6)
+        assert abs(here.value - 0.5) == pytest.approx(value, rel=0.02)
 
 
 def test_limit_beside_a_lost_side_is_nan() -> None:
@@ -88,10 +98,15 @@ def test_limit_beside_a_lost_side_is_nan() -> None:
 
 
 def test_limit_of_a_piece_thinner_than_the_reach_is_its_value() -> None:
-    """The second point lies on another piece already: only the first is used."""
-    x = 0.5
-    thin = pieces(line(0.0, 0.0, 3.0), line(0.0, 0.0, 7.0), x + 100 * math.ulp(x))
-    assert one_sided(thin, x, 0.0, 1)[1] == 3.0
+    """100 spacings wide: the point 256 spacings away lies on another piece and is not used."""
+    x, ulp = 0.5, math.ulp(0.5)
+
+    def thin(t: float, _p: float) -> Evaluation:
+        low, high = t < x, t < x + 100 * ulp
+        return Evaluation(1.0 if low else 3.0 if high else 7.0, 0.0, 0.0, f"{low}{high}")
+
+    edge = edge_between(thin, 0.0, x - 0.1, x + 50 * ulp)
+    assert (edge.left_limit, edge.right_limit) == (1.0, 3.0)
 
 
 @pytest.mark.parametrize(
@@ -139,22 +154,41 @@ def test_nearest_edge_is_looked_for_nearby_only() -> None:
     assert nearest_edge(strip(-1.0, 1.0), 0.5, 0.0, "B") is None
 
 
-def test_nearest_edge_passes_ghosts_of_rounding() -> None:
-    """A word without an interval next to x hides neither the piece nor its true edge."""
-    x, ulp = 0.5, math.ulp(0.5)
+@pytest.mark.parametrize("offset", [-20, -5, -2, 0, 1, 2, 5, 20])
+def test_nearest_edge_passes_ghosts_of_rounding(offset: int) -> None:
+    """Two spacings around an edge show a word that has no interval; neither side reports it."""
+    e, ulp = 0.5, math.ulp(0.5)
 
     def haunted(t: float, p: float) -> Evaluation:
-        if 60 * ulp <= abs(t - x) <= 70 * ulp:
+        if abs(t - e) <= 2 * ulp:
             return Evaluation(t, 1.0, 0.0, "ghost")
-        return strip(x - 1e-3, 2.0)(t, p)
+        return strip(e, 2.0)(t, p)
 
-    assert haunted(x + 64 * ulp, 0.0).word == "ghost"
-    found = nearest_edge(haunted, x, 0.0, "B")
+    found = nearest_edge(haunted, e + offset * ulp, 0.0, "A" if offset < 0 else "B")
     assert found is not None
     edge, side = found
-    assert side == -1
-    assert edge.x == pytest.approx(x - 1e-3, abs=2 * ulp)
-    assert edge.left.word == "A"
+    assert side == (1 if offset < 0 else -1)
+    assert abs(edge.x - e) <= 4 * ulp
+    assert (edge.left.word, edge.right.word) == ("A", "B")
+
+
+@pytest.mark.parametrize("offset", [-9, -4, 0, 3, 8])
+@pytest.mark.parametrize("word", ["A", "B"])
+def test_nearest_edge_where_rounding_mixes_the_words(offset: int, word: str) -> None:
+    """Within ten spacings the words alternate; the piece asked for lies where it has room."""
+    e, ulp = 0.5, math.ulp(0.5)
+
+    def mixed(t: float, p: float) -> Evaluation:
+        if abs(t - e) <= 10 * ulp:
+            return Evaluation(t, 1.0, 0.0, "AB"[round((t - e) / ulp) % 2])
+        return strip(e, 2.0)(t, p)
+
+    found = nearest_edge(mixed, e + offset * ulp, 0.0, word)
+    assert found is not None
+    edge, side = found
+    assert side == (1 if word == "A" else -1)
+    assert abs(edge.x - e) <= 11 * ulp
+    assert (edge.left.word, edge.right.word) == ("A", "B")
 
 
 def test_nearest_edge_of_a_point_that_rounds_onto_the_edge() -> None:

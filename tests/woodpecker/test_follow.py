@@ -112,6 +112,20 @@ def test_branch_never_hops_over_a_jump(jump: float, step: float) -> None:
     assert all(point.p <= COLLISION for point in path)
 
 
+@pytest.mark.parametrize("width", [0.002, 0.01])
+@pytest.mark.parametrize("max_step", [0.02, 0.5])
+def test_thin_piece_between_two_of_one_name_is_seen(width: float, max_step: float) -> None:
+    """Beyond a strip of another word the same word rules again: the ends of a step do not tell."""
+
+    def striped(x: float, p: float) -> Evaluation:
+        inside = 0.0 <= x < width
+        return Evaluation(0.5 * x + p + inside, 0.5, 1.0, "strip" if inside else "S")
+
+    path = run(striped, -1.0, -0.5, max_step=max_step)
+    assert kinds(path) == [BC]
+    assert at(path[-1]) == pytest.approx((0.0, 0.0), abs=COLLISION)
+
+
 @pytest.mark.parametrize(("a", "kind"), [(A, FF), (1.01, FF), (3.0, FF), (0.5, BC), (0.99, BC)])
 def test_point_a_of_the_paper(a: float, kind: PointKind) -> None:
     """The fixed point r/(1 + a) folds into the jump at r = 0; a flip comes with it if a > 1."""

@@ -194,22 +194,24 @@ def test_derivative_in_a_restitution_that_is_zero(name: str) -> None:
     assert toy_map(TOY, name)(-0.53, 0.0).rate == pytest.approx(rate, rel=1e-5)
 
 
-def test_derivative_next_to_an_edge_is_taken_on_its_side() -> None:
-    """At phi_S = -0.75 the word changes near mu_2 = 0.4716, and the derivative from 0.00154 to
-    0.00151: 1e-8 before it, nearer than the step of 5e-7, only the near side counts."""
-    labelled = toy_map(TOY, "mu_2")
-    low, high = 0.471, 0.472
-    word = labelled(-0.75, low).word
-    assert labelled(-0.75, high).word != word
-    for _ in range(40):
+def test_derivative_next_to_a_jump_is_taken_on_its_side() -> None:
+    """At phi_S = -0.7578 P1 jumps by 0.025 just above m_s = 0.0045.
+
+    1e-10 before and beyond it, nearer than the step of 4.5e-9, the neighbour across does not count.
+    """
+    labelled = toy_map(TOY, "m_s")
+    low, high = 0.0045, 0.0045009
+    word = labelled(-0.7578, low).word
+    assert labelled(-0.7578, high).word != word
+    for _ in range(50):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if labelled(-0.75, middle).word == word else (low, middle)
-    inside = low - 1e-8
-    before = central(lambda value: image(-0.75, mu_2=value), inside - 1e-5, 5e-6)
-    beyond = central(lambda value: image(-0.75, mu_2=value), inside + 1e-5, 5e-6)
-    assert abs(before - beyond) > 1e-5
-    # one-sided difference with rounding 1e-15/5e-7
-    assert labelled(-0.75, inside).rate == pytest.approx(before, abs=2e-7)
+        low, high = (middle, high) if labelled(-0.7578, middle).word == word else (low, middle)
+    for side, slope in ((-1.0, -50.5), (1.0, -74.8)):
+        p = low + side * 1e-10
+        away = central(lambda value: image(-0.7578, m_s=value), p + side * 2e-7, 1e-7)
+        assert away == pytest.approx(slope, rel=0.02)  # as the two pieces have it 1e-6 away
+        # the rate itself changes by 1e-3 over 2e-7; rounding 1e-15/4.5e-9 is smaller
+        assert labelled(-0.7578, p).rate == pytest.approx(away, rel=1e-2)
 
 
 def test_a_word_names_one_smooth_piece() -> None:
