@@ -191,7 +191,7 @@ def race(rounds: int) -> dict[str, Timing]:
 def equal_starts(toy: Toy, n: int) -> Callable[[], Floats]:
     """Work of n equal returns in one call of the kernel, in this thread; gives their images."""
     numbers, seed = model(toy), np.eye(3)[:1]
-    begin, out, words = np.full(n, PHI_S), np.empty((n, 5)), np.empty((n, EVENT_LIMIT), np.int8)
+    begin, out, words = np.full(n, PHI_S), np.empty((n, 5)), np.empty((n, EVENT_LIMIT), np.int16)
     status, lengths = np.empty(n, np.int64), np.empty(n, np.int64)
 
     def work() -> Floats:

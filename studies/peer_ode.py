@@ -105,7 +105,7 @@ def first_return_ode(
     z, event = np.zeros(7), np.zeros(kernel.EVENT_COLUMNS)
     tangents, seed = np.zeros((0, 7)), np.zeros((0, 3))
     states, slips = np.array([Contact.OPEN, Contact.STICK, Contact.OPEN]), np.zeros(3, np.int64)
-    codes, counts = np.zeros(EVENT_LIMIT, np.int8), np.zeros(3, np.int64)
+    codes, counts = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64)
     z[1], z[2] = -toy.phi_m_max, phi_s
     fired, evaluations, modes = -1, 0, dict[int, _Mode]()
     while fired != SECTION:

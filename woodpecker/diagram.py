@@ -235,14 +235,16 @@ class _Explorer:
 
     def _add(self, samples: Sequence[_Sample], kind: BranchKind) -> None:
         """Cut a run of samples at its special points and keep the pieces as branches."""
-        first = 0
+        first, start = 0, self._node(samples[0], kind)
         for k in range(1, len(samples)):
             if samples[k].kind is not None:
-                self._add_branch(samples[first : k + 1], kind)
-                first = k
+                end = self._node(samples[k], kind)
+                self._add_branch(samples[first : k + 1], kind, start, end)
+                first, start = k, end
 
-    def _add_branch(self, piece: Sequence[_Sample], kind: BranchKind) -> None:
-        start, end = self._node(piece[0], kind), self._node(piece[-1], kind)
+    def _add_branch(
+        self, piece: Sequence[_Sample], kind: BranchKind, start: _Node, end: _Node
+    ) -> None:
         inner = piece[1:-1] or piece[-1:]
         multipliers = [sample.multiplier for sample in piece]
         if piece[0].word != inner[0].word:  # the special point carries the slope before it

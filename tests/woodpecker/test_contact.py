@@ -336,7 +336,8 @@ def strike(
     rows[:, 3:6] = np.reshape(tangents, (-1, 3))
     seeds = np.array(seed, dtype=float).reshape(-1, 3)
     hit = np.array(contacts, dtype=np.int64)
-    outcome = impact(model(toy), hit, z, rows, seeds, case, impulses)
+    marks = np.zeros(2, dtype=np.int64)
+    outcome = impact(model(toy), hit, z, rows, seeds, case, impulses, marks)
     return Blow(
         outcome=outcome, u=z[3:6], tangents=rows[:, 3:6], case=case[: len(hit)], impulses=impulses
     )
