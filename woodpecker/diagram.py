@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from woodpecker.edges import Edge, edges_between, is_continuous
-from woodpecker.follow import PathPoint, Settings, classify, follow_from, start_beside
+from woodpecker.edges import Edge, edges_between, is_continuous, nearest_edge
+from woodpecker.follow import CLOSED, PathPoint, Settings, classify, follow_from, start_beside
 from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, LabelledMap, correct, iterate
 from woodpecker.returns import RESTITUTIONS
@@ -154,7 +154,11 @@ class _Explorer:
         along = np.zeros(self.order + 1)
         along[-1] = 1.0
         ahead = self._fixed(follow_from(self.map, start, along, self.settings))
-        behind = self._fixed(follow_from(self.map, start, -along, self.settings))
+        if ahead[-1].note == CLOSED:  # an island: cut where it closes
+            ahead[0] = ahead[-1] = replace(ahead[-1], p=ahead[0].p, x=ahead[0].x)
+            behind = []
+        else:
+            behind = self._fixed(follow_from(self.map, start, -along, self.settings))
         self._add([*reversed(behind[1:]), *ahead], BranchKind.FIXED_POINT)
         while self.queue and len(self.branches) < MOST_BRANCHES:
             node = self.queue.popleft()
@@ -177,10 +181,17 @@ class _Explorer:
         samples = []
         for point in path:
             self.progress(point.p)
+            kind, note, edge, inner = point.kind, point.note, point.edge, -point.side
+            x = float(point.cycle.x[0])
+            if kind in COLLISIONS and self.order > 1:  # the jump of P_order next to the first point
+                met = nearest_edge(self.whole, x, point.p, self.whole(x, point.p).word)
+                if met is not None:
+                    edge, inner = met[0], -met[1]
+                    kind, note = classify(edge, inner, point.cycle.multiplier)
             samples.append(
                 _Sample(
-                    float(point.p), float(point.cycle.x[0]), point.cycle.multiplier,
-                    point.cycle.word, point.kind, point.note, point.edge, -point.side,
+                    float(point.p), x, point.cycle.multiplier, point.cycle.word, kind, note, edge,
+                    inner,
                 )
             )  # fmt: skip
         return samples
@@ -270,12 +281,10 @@ class _Explorer:
         assert sample.kind is not None
         x = sample.x if sample.edge is None else sample.edge.x
         for node in self.nodes:
-            if (
-                sample.kind in COLLISIONS
-                and node.kind in COLLISIONS
-                and abs(node.p - sample.p) < SAME_POINT
-                and abs(node.x - x) < SAME_POINT
-            ):
+            collide = sample.kind in COLLISIONS and node.kind in COLLISIONS
+            closes = sample.note == node.note == CLOSED
+            near = abs(node.p - sample.p) < SAME_POINT and abs(node.x - x) < SAME_POINT
+            if near and (collide or closes):
                 break
         else:
             node = _Node(

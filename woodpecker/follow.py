@@ -28,6 +28,8 @@ from woodpecker.labelled import (
 )
 from woodpecker.tolerances import DEFAULT, Tolerances
 
+CLOSED = "the branch closes"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
@@ -141,7 +143,7 @@ def follow_from(
             if point.ends or (stop is not None and stop(point)):
                 return
         if path.closed(start, point):
-            yield replace(point, kind=PointKind.EP, note="the branch closes")
+            yield replace(point, kind=PointKind.EP, note=CLOSED)
             return
     yield replace(point, kind=PointKind.EP, note="limit on the number of points")
 

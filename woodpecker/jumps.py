@@ -8,7 +8,7 @@ where a one-sided limit meets the diagonal (a border collision) and a fixed poin
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
@@ -18,7 +18,7 @@ from woodpecker.edges import NEAR, Edge, edge_between, is_continuous
 from woodpecker.follow import Settings
 from woodpecker.labelled import LabelledMap
 
-FIRST_STEP, LARGEST_STEP = 1e-3, 0.01  # in the parameter
+FIRST_STEP = 1e-3  # in the parameter
 NARROWEST = 1e-10  # half width within which a straight edge is predicted
 RESOLVED = 1e-11  # a change of words is located this well in the parameter
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
@@ -71,16 +71,20 @@ def follow_jump(
         found = track.at(p, current, previous)
         if found is None:
             last, beyond, p = track.word_change(current, previous, p)
+            side = _collided(current, last)
+            if side != 0:
+                yield track.collision(current, last, previous, side)
+                return
             if beyond is None:
                 yield track.end(last, p)
                 return
             found, step = beyond, FIRST_STEP
             if (beyond.left.word, beyond.right.word) != (last.left.word, last.right.word):
                 yield JumpPoint(edge=last, kind=PointKind.WC)
-        for side in (-1, 1):
-            if _distance(current, side) * _distance(found, side) <= 0.0 and found is not current:
-                yield track.collision(current, found, previous, side)
-                return
+        side = _collided(current, found)
+        if side != 0:
+            yield track.collision(current, found, previous, side)
+            return
         if math.isnan(found.jump):
             lost = found.left if math.isnan(found.left_limit) else found.right
             yield JumpPoint(edge=found, kind=PointKind.FALL, note=lost.word)
@@ -95,13 +99,32 @@ def follow_jump(
         if abs(found.p - current.p) > settings.tolerances.edge:
             previous = current  # else their rounding would spoil the prediction
         current = found
-        step = min(1.5 * step, LARGEST_STEP)
+        rate = (current.x - previous.x) / (current.p - previous.p) if current is not start else 0.0
+        step = min(1.5 * step, settings.max_step / math.hypot(1.0, rate))
     yield JumpPoint(edge=current, kind=PointKind.EP, note="limit on the number of points")
 
 
 def _distance(edge: Edge, side: int) -> float:
     """Signed distance of a one-sided limit from the diagonal."""
     return (edge.left_limit if side < 0 else edge.right_limit) - edge.x
+
+
+def _collided(a: Edge, b: Edge) -> int:
+    """Side whose limit passes the diagonal between two points of a branch; 0 if none does."""
+    for side in (-1, 1):
+        if a is not b and _distance(a, side) * _distance(b, side) <= 0.0:
+            return side
+    return 0
+
+
+def _bisected(good: float, bad: float, holds: Callable[[float], bool]) -> tuple[float, float]:
+    """The last parameter at which a condition holds and the first at which it does not."""
+    while abs(bad - good) > RESOLVED and (middle := 0.5 * (good + bad)) not in (good, bad):
+        if holds(middle):
+            good = middle
+        else:
+            bad = middle
+    return good, bad
 
 
 class _Track:
@@ -114,19 +137,18 @@ class _Track:
     def __init__(self, labelled_map: LabelledMap, settings: Settings, start: Edge) -> None:
         self.map, self.settings = labelled_map, settings
         self.left, self.right = start.left.word, start.right.word
-        self.widest = WIDEST
+        self.reach = WIDEST  # half width that held the last prediction, with a margin
 
     def at(self, p: float, near: Edge, before: Edge) -> Edge | None:
         """The edge at p, predicted from two known ones; None if its words are not found."""
-        for widest in dict.fromkeys((self.widest, WIDEST)):
-            self.widest = widest
-            bracket = self._bracket(p, near, before)
+        for widest in dict.fromkeys((self.reach, WIDEST)):
+            bracket = self._bracket(p, near, before, widest)
             if bracket is None:
                 continue
             edge = edge_between(self.map, p, *bracket)
             if edge.right.word == self.right:
                 miss = abs(edge.x - 0.5 * (bracket[0] + bracket[1]))
-                self.widest = min(max(1e4 * miss, NARROWEST), WIDEST)
+                self.reach = min(max(1e4 * miss, NARROWEST), WIDEST)
                 return edge
         return None
 
@@ -135,16 +157,18 @@ class _Track:
         parts = math.ceil(abs(p - near.p) / self.settings.probe)
         for k in range(1, parts):
             middle = near.p + (p - near.p) * k / parts
-            if self._bracket(middle, near, before) is None:
+            if self._bracket(middle, near, before, self.reach) is None:
                 return middle
         return p
 
-    def _bracket(self, p: float, near: Edge, before: Edge) -> tuple[float, float] | None:
-        """Neighbours of the predicted edge that carry its two words."""
+    def _bracket(
+        self, p: float, near: Edge, before: Edge, widest: float
+    ) -> tuple[float, float] | None:
+        """Neighbours of the predicted edge, at most ``widest`` off, that carry its two words."""
         rate = (near.x - before.x) / (near.p - before.p) if near.p != before.p else 0.0
         guess = near.x + rate * (p - near.p)
         half = 8.0 * NEAR * math.ulp(guess)  # a neighbouring piece may be just as thin
-        while half <= self.widest:
+        while half <= widest:
             left, right = guess - half, guess + half
             if self.map(left, p).word == self.left and self.map(right, p).word == self.right:
                 return left, right
@@ -154,18 +178,20 @@ class _Track:
     def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None, float]:
         """The last edge with these words on the way to p, the next beyond it, and where that is."""
         good, bad = near.p, p
-        while (middle := 0.5 * (good + bad)) not in (good, bad) and abs(bad - good) > RESOLVED:
-            if self.at(middle, near, before) is None:
-                bad = middle
-            else:
-                good = middle
+        if self.reach <= NARROWEST:  # a straight edge: two evaluations tell whether it is there
+            good, bad = _bisected(
+                good, bad, lambda q: self._bracket(q, near, before, NARROWEST) is not None
+            )
+        if self.at(bad, near, before) is not None:  # it was not that straight
+            good, bad = near.p, p
+        good, bad = _bisected(good, bad, lambda q: self.at(q, near, before) is not None)
         last = near
         for back in (0.0, 1e-10, 1e-8, 1e-6):  # right at the change a piece is too thin to see
             edge = self.at(good + math.copysign(back, near.p - p), near, before)
             if edge is not None:
                 last = edge
                 break
-        self.widest = WIDEST
+        self.reach = WIDEST
         reach = 4.0 * (bad - good)
         while abs(reach) <= self.settings.tolerances.edge:
             beyond = self._change_words(last, good + reach)
