@@ -157,6 +157,9 @@ class _Path:
 
     def advance(self, point: PathPoint) -> Iterator[PathPoint]:
         """The special points up to the next regular one, then that one."""
+        if not np.isfinite(point.tangent).all():
+            yield replace(point, kind=PointKind.EP, note="the derivatives are not finite here")
+            return
         low, high = self.settings.span
         while True:
             step, bound = self.step, math.nan
@@ -376,8 +379,8 @@ def start_beside(
                 continue
             cycle, good, _ = correct(labelled_map, orbit, p, None, settings.tolerances)
             if good and cycle.word == outside.word and abs(cycle.x[0] - x) <= delta * scale:
-                chord = np.append(cycle.x - cycle.x, p - edge.p)
-                chord[0] = cycle.x[0] - edge.x
+                chord = np.zeros(order + 1)
+                chord[0], chord[-1] = cycle.x[0] - edge.x, p - edge.p
                 direction = tangent(cycle, chord)
                 cycle = evaluate(labelled_map, np.roll(cycle.x, lap), p)
                 direction[:-1] = np.roll(direction[:-1], lap)

@@ -176,8 +176,6 @@ def simulate(
     phases = phases[: max(1, counts[1])].copy()
     if counts[1] == 0:
         phases[0, :7] = z
-    if reason in (Status.FREE_FALL, Status.AT_REST):
-        reason, z = Status.TIME_REACHED, _state_at(numbers, phases, t_end)
     finish, drop = float(z[6]), float(state.y - z[0])
     if -z[0] > toy.pole:
         reason = Status.POLE_END
