@@ -150,7 +150,7 @@ def test_nearest_edge_is_the_nearest(left: float, right: float, side: int) -> No
 
 
 def test_nearest_edge_is_looked_for_nearby_only() -> None:
-    assert nearest_edge(strip(0.45, 0.55), 0.5, 0.0, "B") is None
+    assert nearest_edge(strip(0.475, 0.525), 0.5, 0.0, "B") is None  # beyond 0.02 on both sides
     assert nearest_edge(strip(-1.0, 1.0), 0.5, 0.0, "B") is None
 
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pytest
 from hypothesis import given, settings
 from mpmath import mpf
+from scenes import in_another_process
 
 from woodpecker.compiled import COMPILED
 from woodpecker.guards import EPSILON, bracketed, first_root, stumpff, value
@@ -384,6 +385,19 @@ def test_equal_numbers_leave_no_drift() -> None:
         assert root(jet, -(omega**2)) * omega == close(math.pi, rel=4.0 * EPSILON)
         above: Jet = (1.0 + 1e-9, 1e-16 * omega - omega, 0.0, omega**3)  # 1 + 1e-9 - sin t
         assert root(above, -(omega**2)) == math.inf
+
+
+@pytest.mark.slow
+def test_a_drift_too_slow_for_the_clock_ends_all_the_same() -> None:
+    """A toy that cannot jam: its last swings need 1e14 s, where one period is below rounding."""
+    code = """
+from math import inf
+from woodpecker.guards import first_root
+jet = 0.01655172413793099, -8.585061843513723e-16, 2.49020607285044e-12, 1.5989450675713026e-10
+print(first_root(*jet, -209853.41532325107, 458.0976045814375, inf))
+"""
+    found = float(in_another_process(code, timeout=60.0))
+    assert found > 1e14  # 1.71e14, or inf; the drift has no correct digit but the sign
 
 
 # --- Roots far away -------------------------------------------------------------------------------

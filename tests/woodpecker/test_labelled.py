@@ -149,6 +149,12 @@ def test_newton_stops_where_the_map_has_no_value() -> None:
     assert cycle.x[0] == pytest.approx(1.2, abs=1e-15)
 
 
+def test_newton_does_not_trust_a_value_the_map_disowns() -> None:
+    """x = 0 would be fixed, but the map says that it has no value there."""
+    _, good, steps = correct(lambda x, _p: Evaluation(x / 2, 0.5, 1.0, "lost", False), [0.0], 0.0)
+    assert (good, steps) == (False, 0)
+
+
 def test_newton_gives_up_where_there_is_no_fixed_point() -> None:
     cycle, good, steps = correct(fold, np.array([0.5]), -0.1)
     assert not good
