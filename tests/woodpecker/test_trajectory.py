@@ -131,10 +131,11 @@ def test_start_from_any_state() -> None:
 
 
 def test_both_gaps_close_in_the_same_instant() -> None:
-    """Without gravity on the angles a rigid turn brings beak and sleeve to the pole together."""
-    rate = 10.0
-    start = State(phi_m=TOY.phi_m_max - 1e-3, phi_s=TOY.phi_m_max - 1e-3, dphi_m=rate, dphi_s=rate)
-    toy = TOY.replace(l_s=TOY.l_s + (TOY.phi_s_max - TOY.phi_m_max) * TOY.h_s)
+    """With equal angle limits a rigid turn brings beak and sleeve to the pole together."""
+    toy = TOY.replace(h_m=(TOY.r_m - TOY.r_0) / TOY.phi_s_max)
+    assert toy.phi_m_max == toy.phi_s_max
+    angle = toy.phi_s_max - 1e-3
+    start = State(phi_m=angle, phi_s=angle, dphi_m=10.0, dphi_s=10.0)
     path = simulate(toy, start, 2e-4)
     assert path.events[0].symbol.startswith(("I1+3", "I1s+3", "I~1"))
     assert path.events[0].time == pytest.approx(1e-4, rel=1e-9)
