@@ -1,4 +1,4 @@
-"""What several tests of the toy need: words without details, runs of the kernel, other processes."""
+"""What several tests of the toy need: plain words, runs of the kernel, other processes."""
 
 from __future__ import annotations
 
