@@ -7,6 +7,7 @@ special points, so that each has one word, and each is one edge of the graph.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
@@ -166,6 +167,12 @@ class _Explorer:
                 self._jump_from(node)
             if not node.has_fixed:
                 self._fixed_from(node)
+        if self.queue:
+            logging.getLogger("woodpecker").warning(
+                "stopped after %d branches: %d ends were not followed",
+                MOST_BRANCHES,
+                len(self.queue),
+            )
 
     def special_points(self) -> tuple[SpecialPoint, ...]:
         """The finished special points."""

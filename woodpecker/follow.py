@@ -66,6 +66,7 @@ class Settings:
             low, high = getattr(self, name)
             if not low < high:
                 raise ValueError(f"{name} must ascend, got ({low}, {high})")
+            object.__setattr__(self, name, (float(low), float(high)))
         if not 0.0 < self.step <= self.max_step:
             raise ValueError(f"step must lie in (0, {self.max_step}], got {self.step}")
 
@@ -113,7 +114,7 @@ def follow(
     direction
         +1 starts towards larger parameters, -1 towards smaller ones.
     stop
-        Called with every point; a true answer ends the iteration after it.
+        Called with every point after the start; a true answer ends the iteration.
 
     Yields
     ------

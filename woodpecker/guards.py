@@ -19,6 +19,7 @@ from woodpecker.compiled import jit
 
 TWO_PI = 2.0 * math.pi
 EPSILON = 2.220446049250313e-16  # spacing of doubles at 1
+CLOCK = 0.01  # a swing that doubles resolve worse than this is too far away to be told: 1e11 s
 TERMS = 9  # the first one left out is below 1e-20
 SERIES_3 = tuple(1.0 / math.factorial(2 * n + 3) for n in reversed(range(TERMS)))
 SERIES_4 = tuple(1.0 / math.factorial(2 * n + 4) for n in reversed(range(TERMS)))
@@ -136,7 +137,7 @@ def _first_root_trigonometric(
         swings = max(1.0, math.floor(-lowest / (drift * period)))
         while lowest >= 0.0:
             low = theta / omega + swings * period
-            if low - fall > horizon or low == math.inf:
+            if low - fall > horizon or EPSILON * low > CLOCK * period:
                 return math.inf
             lowest = value(f0, f1, f2, f3, kappa, omega, low)[0]
             swings += 1.0

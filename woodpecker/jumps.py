@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
@@ -85,15 +85,9 @@ def follow_jump(
         if side != 0:
             yield track.collision(current, found, previous, side)
             return
-        if math.isnan(found.jump):
-            lost = found.left if math.isnan(found.left_limit) else found.right
-            yield JumpPoint(edge=found, kind=PointKind.FALL, note=lost.word)
-            return
-        if is_continuous(found, settings.tolerances):
-            yield JumpPoint(edge=found, kind=PointKind.EP, note="the jump closes")
-            return
-        if not settings.window[0] <= found.x <= settings.window[1]:
-            yield JumpPoint(edge=found, kind=PointKind.EP, note="end of the window")
+        ending = track.ending(current, found, previous)
+        if ending is not None:
+            yield ending
             return
         yield JumpPoint(edge=found)
         if abs(found.p - current.p) > settings.tolerances.edge:
@@ -139,10 +133,10 @@ class _Track:
         self.left, self.right = start.left.word, start.right.word
         self.reach = WIDEST  # half width that held the last prediction, with a margin
 
-    def at(self, p: float, near: Edge, before: Edge) -> Edge | None:
+    def at(self, p: float, near: Edge, before: Edge, widest: float = WIDEST) -> Edge | None:
         """The edge at p, predicted from two known ones; None if its words are not found."""
-        for widest in dict.fromkeys((self.reach, WIDEST)):
-            bracket = self._bracket(p, near, before, widest)
+        for half in dict.fromkeys((self.reach, widest)):
+            bracket = self._bracket(p, near, before, half)
             if bracket is None:
                 continue
             edge = edge_between(self.map, p, *bracket)
@@ -177,17 +171,18 @@ class _Track:
 
     def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None, float]:
         """The last edge with these words on the way to p, the next beyond it, and where that is."""
-        good, bad = near.p, p
-        if self.reach <= NARROWEST:  # a straight edge: two evaluations tell whether it is there
+        good, bad, straight = near.p, p, self.reach <= NARROWEST
+        if straight:  # two evaluations tell whether it is there
             good, bad = _bisected(
                 good, bad, lambda q: self._bracket(q, near, before, NARROWEST) is not None
             )
         if self.at(bad, near, before) is not None:  # it was not that straight
-            good, bad = near.p, p
+            good, bad, straight = near.p, p, False
         good, bad = _bisected(good, bad, lambda q: self.at(q, near, before) is not None)
         last = near
         for back in (0.0, 1e-10, 1e-8, 1e-6):  # right at the change a piece is too thin to see
-            edge = self.at(good + math.copysign(back, near.p - p), near, before)
+            place = good + math.copysign(back, near.p - p)
+            edge = self.at(place, near, before, NARROWEST if straight else WIDEST)
             if edge is not None:
                 last = edge
                 break
@@ -213,8 +208,8 @@ class _Track:
 
     def _change_words(self, near: Edge, p: float) -> Edge | None:
         """The jump with new words at p, if it still crosses the diagonal, and can be kept."""
-        half = 100.0 * (abs(p - near.p) + NEAR * math.ulp(near.x))
-        for _ in range(4):
+        half = 8.0 * NEAR * math.ulp(near.x)  # if the edge does not move, it is here
+        for _ in range(5):
             low, high = near.x - half, near.x + half
             candidates = [edge_between(self.map, p, low, high)]
             candidates.append(edge_between(self.map, p, high, low))
@@ -225,21 +220,44 @@ class _Track:
                 if edge.crosses and shift < SAME_LIMITS:
                     self.left, self.right = edge.left.word, edge.right.word
                     return edge
-            half *= 10.0
+            half = max(10.0 * half, 100.0 * abs(p - near.p))
+        return None
+
+    def ending(self, a: Edge, b: Edge, before: Edge) -> JumpPoint | None:
+        """The end of the branch at b, if it ends there for another reason than a collision."""
+        low, high = self.settings.window
+        if math.isnan(b.jump):
+            lost = b.left if math.isnan(b.left_limit) else b.right
+            return JumpPoint(edge=b, kind=PointKind.FALL, note=lost.word)
+        if is_continuous(b, self.settings.tolerances):
+            return JumpPoint(edge=b, kind=PointKind.EP, note="the jump closes")
+        if not low <= b.x <= high:
+            bound = low if b.x < low else high
+            edge = self.locate(a, b, before, lambda edge: edge.x - bound)
+            return JumpPoint(edge=edge, kind=PointKind.EP, note="end of the window")
+        if b.p in self.settings.span:
+            return JumpPoint(edge=b, kind=PointKind.EP, note="end of the parameter span")
         return None
 
     def collision(self, a: Edge, b: Edge, before: Edge, side: int) -> JumpPoint:
         """Where the limit on one side meets the diagonal between two points of the branch."""
+        edge = self.locate(a, b, before, lambda edge: _distance(edge, side))
+        return JumpPoint(edge=edge, kind=PointKind.BC, side=side)
+
+    def locate(self, a: Edge, b: Edge, before: Edge, measure: Callable[[Edge], float]) -> Edge:
+        """Where a measure of the edge changes its sign between two points of the branch."""
         found: dict[float, Edge] = {a.p: a, b.p: b}
 
-        def distance(p: float) -> float:
+        def at(p: float) -> float:
             if p not in found:
                 edge = self.at(p, a, before) or self.at(p, b, b)
-                if edge is None:
-                    raise ArithmeticError(f"the jump between {a.p} and {b.p} was lost at {p}")
+                if edge is None:  # other words in between: the nearer of the known points decides
+                    edge = min(a, b, key=lambda known: abs(known.p - p))
                 found[p] = edge
-            return _distance(found[p], side)
+            return measure(found[p])
 
-        p = float(brentq(distance, a.p, b.p, xtol=1e-15, rtol=1e-14))
-        distance(p)
-        return replace(JumpPoint(edge=found[p]), kind=PointKind.BC, side=side)
+        if measure(a) * measure(b) > 0.0:
+            return b
+        p = float(brentq(at, a.p, b.p, xtol=1e-15, rtol=1e-14))
+        at(p)
+        return found[p]

@@ -35,7 +35,7 @@ FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 
 # Border collisions of the solved maps are found to a few roundings; see test_follow, test_jumps.
 EXACT = 1e-11
-# One step of continuation: 0.02 along a branch, 0.01 in the parameter along a jump.
+# One step of continuation, Settings.max_step = 0.02 along a branch of either kind; bends add to it.
 LONGEST = 0.0201
 
 
@@ -266,6 +266,14 @@ def test_orbit_of_period_two_and_its_jumps() -> None:
             "BC": [(-1.0, -2.0), (0.5, 0.0), (-1.0, 0.0), (0.5, 1.0)],
         },
     )
+
+
+def test_two_jumps_that_merge_give_birth_to_a_fixed_point() -> None:
+    """Further on, 2 - 2 p meets 0 at p = 1, where the fixed point 2 (p - 1) begins."""
+    diagram = explore(two_cycle, [-2 / 3, 2 / 3], 0.0, (-2.0, 2.0))
+    assert_graph(diagram, chain("EP J BC F BC J BC F BC J BC F EP"))
+    # the piece between the two jumps closes there: found to jumps.RESOLVED = 1e-11 only
+    assert places(diagram)["BC"][-1] == pytest.approx((1.0, 0.0), abs=1e-10)
 
 
 @pytest.mark.parametrize("lap", [0, 1])

@@ -80,6 +80,20 @@ def test_jump_of_a_staircase(direction: int, end: float, side: int) -> None:
     assert_crossing(path, lambda _: 0.0, "L / R")
 
 
+def test_collision_of_a_curved_limit() -> None:
+    """The right limit p^3 - 0.2 meets 0 at the cube root of 0.2, at the rate 3 p^2 = 1.03."""
+
+    def curved(x: float, p: float) -> Evaluation:
+        if x < 0.0:
+            return Evaluation(-1.0, 0.0, 0.0, "L")
+        return Evaluation(p**3 - 0.2, 0.0, 3.0 * p * p, "R")
+
+    path = run(curved, edge_near(curved, 0.0, 0.9), -1)
+    assert kinds(path) == [BC]
+    assert path[-1].side == 1
+    assert path[-1].p == pytest.approx(0.2 ** (1 / 3), abs=1e-14)
+
+
 # --- the second iterate of the paper's map -------------------------------------------------------
 
 
@@ -144,6 +158,21 @@ def test_moving_edge(p: float, direction: int) -> None:
     assert_crossing(path, lambda q: 0.5 * q, "L / R")
 
 
+@pytest.mark.parametrize("width", [1e-4, 1e-9])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_moving_edge_of_a_thin_piece(width: float, direction: int) -> None:
+    """The right piece is narrower than the way the edge moves in one step: prediction finds it."""
+
+    def thin(x: float, p: float) -> Evaluation:
+        here = moving_edge(x, p)
+        return here._replace(word="beyond") if x >= 0.5 * p + width else here
+
+    path = run(thin, edge_between(thin, 0.3, 0.1, 0.15 + 0.5 * width), direction)
+    assert kinds(path) == [BC]
+    assert at(path[-1]) == pytest.approx((direction, 0.5 * direction), abs=COLLISION)
+    assert_crossing(path, lambda q: 0.5 * q, "L / R")
+
+
 def test_curved_edge() -> None:
     """x = sin(3 p) with limits one above and one below: prediction is not exact here."""
 
@@ -184,11 +213,11 @@ def test_end_of_the_span_is_met_exactly(direction: int, end: float) -> None:
 
 
 def test_end_of_the_window() -> None:
-    """At most one step of 0.01 in p, 0.005 in x, beyond the bound."""
+    """At most one step beyond the bound: 0.02 along the jump, 0.009 of it in x."""
     path = run(moving_edge, edge_near(moving_edge, 0.0, 0.0), 1, window=(-0.1, 0.2))
     assert kinds(path) == [EP]
     assert path[-1].note == "end of the window"
-    assert 0.2 - COLLISION <= path[-1].edge.x <= 0.205
+    assert 0.2 - COLLISION <= path[-1].edge.x <= 0.209
     assert all(point.edge.x <= 0.2 for point in path[:-1])
 
 

@@ -1,11 +1,14 @@
 """Trajectories: exact at any time, events with impulses, energy to the last bits."""
 
+import math
+
 import numpy as np
 import pytest
+from scenes import run
 
-from woodpecker import State, Status, Toy, energy_balance, shoot, simulate
+from woodpecker import State, Status, Toy, energy_balance, first_return, shoot, simulate
 from woodpecker.mechanics import mass_matrix, normal_directions, tangential_directions
-from woodpecker.modes import ALPHA, KAPPA, A, B, mode_states, model
+from woodpecker.modes import ALPHA, KAPPA, LAMBDA, A, B, Contact, mode_states, model
 from woodpecker.trajectory import Trajectory
 from woodpecker.words import EventKind
 
@@ -177,3 +180,147 @@ def test_times_outside_are_refused() -> None:
     for t in (-1e-9, 0.1 + 1e-9, float("nan")):
         with pytest.raises(ValueError, match=r"t must lie in \[0, 0.1\]"):
             path.at(t)
+
+
+def forces_and_velocities(path: Trajectory, k: int, i: int) -> tuple[np.ndarray, ...]:
+    """lambda_N, lambda_T, gap rate over its lever and tangential velocity, 200 times in phase k."""
+    end = path.phases[k + 1, 6] if k + 1 < len(path.phases) else path.t_end
+    start, row = path.phases[k, 6], model(path.toy)[int(path.phases[k, 7])]
+    times = np.linspace(start, end, 202)[1:-1]
+    q, u = path.at(times[(times > start) & (times < end)])
+    p_n, r_n, p_t, r_t = row[LAMBDA + 4 * i : LAMBDA + 4 * i + 4]
+    d = q[:, 2] - q[:, 1]
+    normal = np.sign(np.array(normal_directions(path.toy)[i]))
+    return (
+        p_n + r_n * d,
+        p_t + r_t * d,
+        u @ normal,
+        u @ np.array(tangential_directions(path.toy)[i]),
+    )
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_forces_lie_in_their_cones(scene: tuple[float, float, float]) -> None:
+    """Closed contacts: no pull, no gap rate; sticking inside the cone, sliding on its edge."""
+    path = motion(*scene)
+    toy, closed = path.toy, 0
+    weight = 9.81 * (toy.m_s + toy.m_m)
+    for k, phase in enumerate(path.phases):
+        for i, state in enumerate(mode_states(int(phase[7]))):
+            if state == Contact.OPEN:
+                continue
+            force_n, force_t, gap_rate, slip = forces_and_velocities(path, k, i)
+            closed += len(force_n)
+            # Forces of up to ten weights; at the ends of a phase they vanish up to rounding.
+            slack = 1e-12 * weight
+            assert (force_n >= -slack).all()
+            assert (gap_rate == 0.0).all()
+            mu = (toy.mu_1, toy.mu_2, toy.mu_3)[i]
+            if state == Contact.STICK:
+                assert (np.abs(force_t) <= mu * force_n + slack).all()
+                assert np.abs(slip).max(initial=0.0) <= 1e-12  # of velocities up to 30 rad/s
+            else:
+                sign = 1.0 if state == Contact.SLIP_POSITIVE else -1.0
+                np.testing.assert_allclose(force_t, -sign * mu * force_n, rtol=0.0, atol=slack)
+                assert (sign * slip >= -1e-12).all()
+    assert closed > 2000
+
+
+@pytest.mark.parametrize("scene", SCENES[:4])
+def test_friction_losses_against_the_trapezoidal_rule(scene: tuple[float, float, float]) -> None:
+    """Power lambda_T g_T of sliding contacts, 200 steps a phase: errors of order 1e-4 or less."""
+    path, loss = motion(*scene), 0.0
+    for k, phase in enumerate(path.phases):
+        for i, state in enumerate(mode_states(int(phase[7]))):
+            if state > Contact.STICK:
+                _, force_t, _, slip = forces_and_velocities(path, k, i)
+                end = path.phases[k + 1, 6] if k + 1 < len(path.phases) else path.t_end
+                loss -= float((force_t * slip).sum()) * (end - phase[6]) / 201.0
+    assert energy_balance(path).friction == pytest.approx(loss, rel=2e-3)
+
+
+def test_events_are_those_of_the_kernel() -> None:
+    """Rows: time, code, velocities before and after, impulses (beak, sleeve) of both phases."""
+    path = motion(0.125, -0.8, 0.5)
+    rows = run(path.toy, [0, -TOY.phi_m_max, -0.8, 0, 0, 0, 0], (0, 1, 0), t_end=0.5).events
+    assert len(rows) == len(path.events) > 20
+    for row, event in zip(rows, path.events, strict=True):
+        assert (row[0], *row[2:8]) == (event.time, *event.u_before, *event.u_after)
+        for impulse in event.impulses:
+            column = 8 if impulse.contact == 1 else 10
+            expected = [*row[column : column + 2], *row[column + 4 : column + 6]]
+            assert expected == [
+                impulse.normal_compression, impulse.tangential_compression,
+                impulse.normal_expansion, impulse.tangential_expansion,
+            ]  # fmt: skip
+    assert {len(event.impulses) for event in path.events} == {0, 1, 2}
+
+
+def test_impulses_of_an_impact() -> None:
+    """No pull, friction in its cone; the expansion stores at least eps_N of the compression."""
+    for scene in SCENES:
+        toy = Toy(eps_n1=scene[0])
+        for event in motion(*scene).events:
+            for p in event.impulses:
+                eps = (toy.eps_n1, toy.eps_n2, toy.eps_n3)[p.contact - 1]
+                assert p.normal_compression >= 0.0
+                # Impulses up to 1e-3 N s; small ones are solved with errors of 1e-11 of those.
+                assert p.normal_expansion >= eps * p.normal_compression - 1e-14
+                assert abs(p.tangential_compression) <= 0.3 * p.normal_compression + 1e-14
+                assert abs(p.tangential_expansion) <= 0.3 * p.normal_expansion + 1e-14
+
+
+@pytest.mark.parametrize(("phi_s", "eps_n1"), [(-0.61, 0.3), (-0.8, 0.125), (-1.3, 0.5)])
+def test_a_simulation_comes_by_the_return_map(phi_s: float, eps_n1: float) -> None:
+    """After the period of the first return it is on the section, at the image."""
+    toy = Toy(eps_n1=eps_n1)
+    once = first_return(toy, phi_s)
+    q, u = simulate(toy, phi_s, 1.5 * once.period).at(once.period)
+    np.testing.assert_allclose(q, [-once.drop, -toy.phi_m_max, once.phi_s], atol=1e-14)
+    # phi_S'' = 1e3 times the rounding of the time.
+    np.testing.assert_allclose(u, 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("t_end", [0.1, 0.3, 1.0, 2.7182818284590451])
+def test_the_end_is_the_time_asked_for(t_end: float) -> None:
+    path = simulate(TOY, -0.53, t_end, samples=3)
+    assert (path.t_end, path.t[-1], path.status) == (t_end, t_end, Status.TIME_REACHED)
+    np.testing.assert_array_equal(path.at(t_end)[0], path.q[-1])
+
+
+@pytest.mark.parametrize(("y", "pole"), [(0.0, 1.0), (0.5, 1.0), (-0.25, 3.0)])
+def test_free_fall_off_the_pole(y: float, pole: float) -> None:
+    """At rest in the middle of the pole, y = y_0 - g t^2 / 2 until the height -pole is passed."""
+    toy = TOY.replace(pole=pole)
+    path = simulate(toy, State(phi_m=0.0, phi_s=0.0, y=y), 10.0)
+    assert (path.status, path.events, path.drop) == (Status.POLE_END, (), pole + y)
+    assert path.t_end == pytest.approx(math.sqrt(2.0 * (pole + y) / toy.g), rel=1e-14)
+    q, u = path.at(path.t_end / 2.0)
+    np.testing.assert_allclose(q, [y - (pole + y) / 4.0, 0.0, 0.0], atol=1e-15)
+    np.testing.assert_allclose(u, [-toy.g * path.t_end / 2.0, 0.0, 0.0], rtol=1e-14)
+
+
+def test_a_fall_for_ever_lasts_as_long_as_asked_for() -> None:
+    path = simulate(TOY, State(phi_m=0.0, phi_s=0.0), 100.0)
+    assert (path.status, path.t_end) == (Status.TIME_REACHED, 100.0)
+    assert path.drop == pytest.approx(0.5 * TOY.g * 100.0**2, rel=1e-14)
+
+
+def test_a_motion_without_events() -> None:
+    """Within the band of centres nothing happens and nothing is lost."""
+    path = simulate(TOY, -0.22, 1.0)
+    assert (path.events, path.word, path.drop) == ((), "", 0.0)
+    balance = energy_balance(path)
+    assert (balance.friction, balance.impacts) == (0.0, 0)
+    assert abs(balance.residual) <= 1e-6  # of a swing of 1e-8 J in a potential of 1e-4 J
+
+
+@pytest.mark.parametrize("contact", [1, 2, 3])
+def test_a_start_may_touch_but_not_penetrate(contact: int) -> None:
+    sign, angle = (1.0, -1.0, 1.0)[contact - 1], "phi_s" if contact == 1 else "phi_m"
+    limit = sign * (TOY.phi_s_max if contact == 1 else TOY.phi_m_max)
+    touching = {"phi_m": 0.0, "phi_s": 0.0} | {angle: limit}
+    assert simulate(TOY, State(**touching), 1e-3).q[0, 2 if contact == 1 else 1] == limit
+    inside = touching | {angle: float(np.nextafter(limit, 2.0 * limit))}
+    with pytest.raises(ValueError, match=f"the start penetrates contact {contact}: its angle is"):
+        simulate(TOY, State(**inside), 1e-3)
