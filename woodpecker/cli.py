@@ -103,13 +103,12 @@ def simulate(
 
     Example: woodpecker simulate --eps-n1 0.3 --phi-s -0.6 --t-end 0.5
     """
-    start, finish = phi_s, t_end
+    folder, start, finish = _folder(out), phi_s, t_end
     if start is None or finish is None:
         orbit = _cycle(toy, GUESS if start is None else start)
         start = orbit.phi_s if start is None else start
         finish = 2.0 * orbit.period if finish is None else finish
     trajectory = run_simulation(toy, start, finish, samples=samples)
-    folder = _folder(out)
     figures = _plots()
     for name, axes in (
         ("time_history", figures.plot_time_history(trajectory)),
@@ -157,7 +156,7 @@ def draw_map(
 
     if not window[0] < window[1]:
         raise ValueError(f"window must ascend, got {window[0]} {window[1]}")
-    starts = np.linspace(*window, points)
+    folder, starts = _folder(out), np.linspace(*window, points)
     parts: list[ReturnMap] = []
     with _progress() as progress:
         task = progress.add_task("return map", total=points)
@@ -172,7 +171,6 @@ def draw_map(
         words=tuple(text for part in parts for text in part.words),
         status=tuple(reason for part in parts for reason in part.status),
     )
-    folder = _folder(out)
     _save(_plots().plot_return_map(toy, returns, order=order).figure, folder / "return_map.png")
     columns = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
     _write_csv(
@@ -217,6 +215,7 @@ def diagram(
         span=span, window=window, step=min(0.005, step), max_step=step
     )  # before anything is computed: it checks the values
     known_parameter(parameter)
+    folder = _folder(out)
     orbit = _cycle(toy, phi_s, order)
     with _progress() as progress:
         task = progress.add_task(parameter, total=None)
@@ -225,7 +224,6 @@ def diagram(
             progress.update(task, description=f"{parameter} = {value:.4f}")
 
         found = continuation(toy, orbit, parameter, span, settings=settings, progress=show)
-    folder = _folder(out)
     _save(_plots().plot_diagram(found).figure, folder / "diagram.png")
     graph = found.graph()
     write_graph(graph, folder / "graph.graphml")
@@ -258,6 +256,7 @@ def _save(figure: Any, path: Path) -> None:
 
 
 def _folder(out: Path) -> Path:
+    """The folder for the results, made before anything long is computed."""
     out.mkdir(parents=True, exist_ok=True)
     return out
 
