@@ -134,13 +134,13 @@ def _first_root_trigonometric(
     if lowest >= 0.0:
         if drift >= 0.0:
             return math.inf
-        swings = max(1.0, math.floor(-lowest / (drift * period)))
-        while lowest >= 0.0:
+        swings = 0.0
+        while lowest >= 0.0:  # each pass goes as far as the drift needs; rounding asks for a few
+            swings += max(1.0, math.floor(-lowest / (drift * period)))
             low = theta / omega + swings * period
             if low - fall > horizon or EPSILON * low > CLOCK * period:
                 return math.inf
             lowest = value(f0, f1, f2, f3, kappa, omega, low)[0]
-            swings += 1.0
     return _root_or_later(f0, f1, f2, f3, kappa, omega, max(0.0, low - fall), low, horizon)
 
 

@@ -176,8 +176,9 @@ def test_random_problems_agree_with_lemke(n: int) -> None:
             )
         else:
             assert answer.outcome == expected_outcome(problem) == AMBIGUOUS
-    assert outcomes.count(SOLVED) > 0.95 * MANY
-    assert outcomes.count(AMBIGUOUS) > 0.005 * MANY  # Painleve: mu goes up to 1.5
+    assert outcomes.count(SOLVED) > 0.9 * MANY
+    if COMPILED:  # otherwise the sample is small
+        assert outcomes.count(AMBIGUOUS) > 0.005 * MANY  # Painleve: mu goes up to 1.5
 
 
 @pytest.mark.slow
@@ -192,7 +193,8 @@ def test_degenerate_problems_have_the_outcome_of_brute_force(n: int, freedoms: i
         assert answer.outcome == expected_outcome(problem)
         if answer.outcome in (SOLVED, INDETERMINATE):
             assert residual(problem, answer.impulse) < SOLVES
-    assert (INDETERMINATE in outcomes) == (freedoms < 2 * n + 1 and n == 2)
+    if COMPILED:  # otherwise the sample is small
+        assert (INDETERMINATE in outcomes) == (freedoms < 5 and n == 2)
 
 
 def test_one_contact_agrees_with_the_general_solver() -> None:
@@ -423,7 +425,7 @@ def test_one_contact_without_friction_reflects(i: int, eps: float) -> None:
 def test_an_impact_never_adds_energy(contacts: tuple[int, ...], friction: float) -> None:
     """One contact: always (Poisson with one eps_N). Two: seen on all the toy's states tried.
 
-    With two different eps_N the laws do not promise it; 200 000 random states of the toy, eps_N
+    With two different eps_N the laws do not promise it; 400 000 random states of the toy, eps_N
     up to 1 and mu up to 1, showed no gain.
     """
     rng = np.random.default_rng(23)
@@ -437,21 +439,32 @@ def test_an_impact_never_adds_energy(contacts: tuple[int, ...], friction: float)
         assert after <= before * (1.0 + SOLVES)
 
 
-def test_two_contacts_with_much_friction_are_ambiguous() -> None:
-    """mu = 1: the wedge of beak and sleeve has several answers, and brute force sees them too."""
+def expected_impact(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> int:
+    """Outcome of both phases by brute force."""
+    w = directions(toy, contacts)
+    delassus, mu = w.T @ np.linalg.solve(mechanics.mass_matrix(toy), w), np.full(len(contacts), 3.0)
+    problem = Problem(delassus=delassus, free=w.T @ u, mu=mu, floor=0.0 * mu)
+    outcome, pressed = expected_outcome(problem), solve(problem).impulse
+    if outcome not in (SOLVED, INDETERMINATE):
+        return outcome
+    between = problem.free + delassus @ pressed
+    between[np.abs(between) < SOLVES * np.abs(problem.free).max()] = 0.0
+    floor = pressed[::2] * [(toy.eps_n1, toy.eps_n2, toy.eps_n3)[i] for i in contacts]
+    released = expected_outcome(Problem(delassus=delassus, free=between, mu=mu, floor=floor))
+    return outcome if released in (SOLVED, INDETERMINATE) else released
+
+
+@pytest.mark.slow
+def test_impacts_with_much_friction_are_ambiguous() -> None:
+    """mu = 3: compression or expansion has several answers, and brute force sees them too."""
     rng, outcomes = np.random.default_rng(24), []
-    toy = Toy(mu_1=1.0, mu_2=1.0, mu_3=1.0, eps_n1=0.0)
-    for _ in range(60):
-        contacts = ((0, 1), (0, 2))[rng.integers(2)]
-        u, w = approach(rng, contacts), directions(toy, contacts)
-        delassus = w.T @ np.linalg.solve(mechanics.mass_matrix(toy), w)
-        problem = Problem(delassus=delassus, free=w.T @ u, mu=np.ones(2), floor=np.zeros(2))
-        expected = expected_outcome(problem)
-        if expected == INDETERMINATE:
-            expected = SOLVED  # without expansion the impulses do not matter afterwards
+    toy = Toy(mu_1=3.0, mu_2=3.0, mu_3=3.0, eps_n1=0.8, eps_n2=0.5, eps_n3=0.5)
+    for k in range(150):
+        contacts = list(SCENES.values())[k % 5]
+        u = approach(rng, contacts)
         outcomes.append(strike(toy, contacts, u).outcome)
-        assert outcomes[-1] == expected
-    assert set(outcomes) == {SOLVED, AMBIGUOUS}
+        assert outcomes[-1] == expected_impact(toy, contacts, u)
+    assert {SOLVED, AMBIGUOUS} <= set(outcomes)
 
 
 # --- Derivatives of an impact ---------------------------------------------------------------------

@@ -240,7 +240,7 @@ def test_first_root_to_the_last_digits(sign: float) -> None:
 # --- Zeros at the start ---------------------------------------------------------------------------
 
 # f is at zero where a guard has just fired, and the first non-zero derivative is positive.
-TINY = [10.0**-n for n in range(1, 17)]
+TINY = [10.0**-n for n in range(1, 19)]
 KAPPAS = {
     "slow": -1.0, "free flight": -2.0984e5, "slow and hyperbolic": 1.0,
     "upper sleeve contact": 532.49, "polynomial": 0.0,
@@ -258,7 +258,7 @@ def test_a_guard_that_only_rises_has_no_root(jet: Jet, kappa: float) -> None:
 @kappas
 @pytest.mark.parametrize("size", [1.0, 3.7e5, 1.3e-9])
 def test_roots_close_to_zero(kappa: float, size: float) -> None:
-    """Down to 1e-16 of the swing: f = t0 - t, t (2 t0 - t) / 2, t^2 (3 t0 - t) / 6 to first order.
+    """Down to 1e-18 of the swing: f = t0 - t, t (2 t0 - t) / 2, t^2 (3 t0 - t) / 6 to first order.
 
     The next order, kappa t^2 / 20 at most, is below 1e-3 for omega t0 <= 0.1.
     """
@@ -278,7 +278,7 @@ def test_roots_close_to_zero(kappa: float, size: float) -> None:
 def test_a_short_dip_right_after_the_start(kappa: float) -> None:
     """f = (t - t0)^2 / 2 - t0^2 / 4 is below zero from (1 - 1/sqrt(2)) t0 on."""
     unit = 1.0 / math.sqrt(abs(kappa)) if kappa != 0.0 else 1.0
-    for t0 in [unit * t for t in TINY[1:-2]]:
+    for t0 in [unit * t for t in TINY[1:-4]]:
         found = root((0.25 * t0**2, -t0, 1.0, 0.0), kappa)
         # 1e-3 for kappa t^2 / 12; below omega t0 = 1e-14 rounding of the phase hides the dip.
         assert found == close((1.0 - math.sqrt(0.5)) * t0, rel=2e-3)
@@ -396,7 +396,7 @@ from woodpecker.guards import first_root
 jet = 0.01655172413793099, -8.585061843513723e-16, 2.49020607285044e-12, 1.5989450675713026e-10
 print(first_root(*jet, -209853.41532325107, 458.0976045814375, inf))
 """
-    found = float(in_another_process(code, timeout=60.0))
+    found = float(in_another_process(code, timeout=30.0))
     assert found > 1e14  # 1.71e14, or inf; the drift has no correct digit but the sign
 
 
