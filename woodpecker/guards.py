@@ -136,7 +136,10 @@ def _first_root_trigonometric(
             return math.inf
         swings = 0.0
         while lowest >= 0.0:  # each pass goes as far as the drift needs; rounding asks for a few
-            swings += max(1.0, math.floor(-lowest / (drift * period)))
+            needed = -lowest / (drift * period)
+            if not EPSILON * needed < CLOCK:
+                return math.inf
+            swings += max(1.0, math.floor(needed))
             low = theta / omega + swings * period
             if low - fall > horizon or EPSILON * low > CLOCK * period:
                 return math.inf
