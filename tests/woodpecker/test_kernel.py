@@ -382,17 +382,29 @@ def test_a_long_fall_that_ends_all_the_same() -> None:
     assert first_return(TOY.replace(pole=100.0), phi_s).drop == 100.0
 
 
+ENDLESS = {
+    # mu_2 below the jam limit: ever smaller bounces at ever longer intervals.
+    "cannot jam": (-0.6066835875630996, {
+        "mu_1": 8.727679980159648, "mu_2": 0.13893676869572535, "mu_3": 3.6526707800930005,
+        "eps_n1": 0.47542495358772874}),
+    # Beak and upper contact strike in turn, down to speeds of 1e-60, before they come to rest.
+    "chatter of two contacts": (-1.9863133331721285, {
+        "mu_1": 0.2507968942755552, "mu_2": 0.35361142576806354, "mu_3": 2.0310317686869195,
+        "eps_n1": 0.0, "eps_n3": 0.013489317883091267}),
+}  # fmt: skip
+
+
 @pytest.mark.slow
-def test_a_toy_that_cannot_jam_is_given_up() -> None:
-    """mu_2 below the jam limit: ever smaller bounces at ever longer intervals, no end."""
-    code = """
+@pytest.mark.parametrize(("phi_s", "changes"), ENDLESS.values(), ids=ENDLESS)
+def test_motions_of_many_events_end(phi_s: float, changes: dict[str, float]) -> None:
+    """Asked in another process, because it might not; compilation takes 20 s of the minute."""
+    code = f"""
 from woodpecker.returns import first_return
 from woodpecker.toy import Toy
-toy = Toy(mu_1=8.727679980159648, mu_2=0.13893676869572535, mu_3=3.6526707800930005)
-print(first_return(toy.replace(eps_n1=0.47542495358772874), -0.6066835875630996).status.name)
+print(first_return(Toy(**{changes}), {phi_s}).status.name)
 """
     reason = in_another_process(code, timeout=60.0, NUMBA_DISABLE_JIT="0").strip()
-    assert reason in ("EVENT_LIMIT", "FREE_FALL")
+    assert reason in ("EVENT_LIMIT", "FREE_FALL", "RETURNED")
 
 
 def test_a_contact_that_carries_nothing() -> None:
