@@ -7,7 +7,7 @@ branches. Both packages share these classes and their export (:mod:`pwmap.graph`
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -81,7 +81,7 @@ class Branch:
     ends
         Ids of the special points at the first and the last sample.
     exact
-        Exact expressions as text, by name, e.g. ``{"x": "r/(a + 1)"}``; empty for the toy.
+        Exact sympy expressions by name, e.g. ``{"x": r/(a + 1)}``; empty for the toy.
     """
 
     id: str
@@ -92,7 +92,7 @@ class Branch:
     x: FloatArray
     multiplier: FloatArray
     ends: tuple[str, str]
-    exact: dict[str, str] = field(default_factory=dict)
+    exact: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.id or ":" in self.id:
@@ -136,7 +136,7 @@ class SpecialPoint:
     note
         What the code leaves open, e.g. ``"persistence"`` or ``"fold"`` for a BC.
     exact
-        Exact expressions as text, by name; empty for the toy.
+        Exact sympy expressions by name; empty for the toy.
     """
 
     id: str
@@ -146,7 +146,7 @@ class SpecialPoint:
     branches: tuple[str, ...] = ()
     order: int = 1
     note: str = ""
-    exact: dict[str, str] = field(default_factory=dict)
+    exact: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.id or ":" in self.id:
@@ -164,12 +164,15 @@ class Diagram:
         Names for axes, tables and graph attributes, e.g. ``"eps_n1"`` and ``"phi_s"``.
     branches, points
         In the order in which they were found; ends of branches refer to ids of points.
+    given
+        Conditions on other, symbolic parameters under which the diagram holds.
     """
 
     parameter_name: str
     x_name: str
     branches: tuple[Branch, ...]
     points: tuple[SpecialPoint, ...]
+    given: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         known = {point.id for point in self.points}
@@ -196,6 +199,22 @@ class Diagram:
                 return point
         raise KeyError(f"no special point {point_id!r} in this diagram")
 
+    def sides(self, point_id: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Ids of the branches that meet at a point, at smaller and at larger parameters.
+
+        A branch along one value of the parameter is in neither; one that starts and ends at the
+        point comes once for each end. KeyError if there is no such point.
+        """
+        at = self.point(point_id).parameter
+        left: list[str] = []
+        right: list[str] = []
+        for branch in self.branches:
+            beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
+            for end, p in zip(branch.ends, beside.tolist(), strict=True):
+                if end == point_id and p != at:
+                    (left if p < at else right).append(branch.id)
+        return tuple(left), tuple(right)
+
     def graph(self) -> nx.MultiGraph:
         """How the branches hang together.
 
@@ -206,6 +225,8 @@ class Diagram:
             attributes are floats, all others text, so that every export format keeps them.
         """
         graph = nx.MultiGraph(parameter=self.parameter_name, x=self.x_name)
+        if self.given:
+            graph.graph["given"] = ", ".join(self.given)
         for point in self.points:
             graph.add_node(
                 point.id,
@@ -214,7 +235,7 @@ class Diagram:
                 x=float(point.x),
                 order=float(point.order),
                 note=point.note,
-                **{f"{name}_exact": text for name, text in point.exact.items()},
+                **{f"{name}_exact": str(value) for name, value in point.exact.items()},
             )
         for branch in self.branches:
             first, last = branch.ends
@@ -231,7 +252,7 @@ class Diagram:
                 x_min=float(branch.x.min()),
                 x_max=float(branch.x.max()),
                 samples=float(len(branch)),
-                **{f"{name}_exact": text for name, text in branch.exact.items()},
+                **{f"{name}_exact": str(value) for name, value in branch.exact.items()},
             )
         return graph
 

@@ -1,0 +1,194 @@
+"""Iterates of a piecewise-linear map as cylinders, and what lies on the diagonal in each.
+
+The *cylinder* of a word is the set of points that visit the pieces the word names. Each letter is
+an interval and each A_w is monotone, so a cylinder is an interval, and the cylinders of length n
+partition the line: they are the pieces of the n-th iterate. Their ends are kept as cuts (a
+preimage of a break along the word's own prefix), never as numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from enum import Enum
+from itertools import pairwise
+from typing import NamedTuple
+
+from pwmap.itineraries import Judge, Offset, Order, Word
+
+
+class Cut(NamedTuple):
+    """The point x with A_u(x) = b_k, where u is the word's prefix of length ``steps``."""
+
+    k: int
+    steps: int
+
+
+class Cylinder(NamedTuple):
+    """All points with one word; an end that is None is infinite."""
+
+    word: Word
+    lower: Cut | None = None
+    upper: Cut | None = None
+    lower_closed: bool = False
+    upper_closed: bool = False
+
+    @property
+    def is_point(self) -> bool:
+        """Whether it is a single point."""
+        return self.lower is not None and self.lower == self.upper and self.lower_closed
+
+
+WHOLE_LINE = (Cylinder(()),)
+
+
+def refined(cylinders: Sequence[Cylinder], layout: int, judge: Judge) -> tuple[Cylinder, ...]:
+    """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``."""
+    return tuple(piece for cylinder in cylinders for piece in _split(cylinder, layout, judge))
+
+
+def _split(cylinder: Cylinder, layout: int, judge: Judge) -> Iterator[Cylinder]:
+    word = cylinder.word
+    direction = judge.slope(word)
+    slots = judge.orbits.table.layouts[layout].slots
+    if cylinder.is_point or direction == 0:
+        slot = judge.slot(layout, *_constant_value(cylinder, judge))
+        yield cylinder._replace(word=(*word, slots[slot]))
+        return
+    breaks = judge.orbits.table.layouts[layout].breaks
+    first, last = (0, len(slots) - 1)[::direction]
+
+    def atoms() -> Iterator[tuple[int, Cut | None, Cut | None, bool]]:
+        """Slots that the image crosses, with their preimages, from left to right."""
+        start, stop = first, last
+        if cylinder.lower is not None:
+            start = judge.slot(layout, cylinder.lower.k, word[cylinder.lower.steps :])
+            if cylinder.lower_closed:
+                yield slots[start], cylinder.lower, cylinder.lower, True
+            start += direction * (start % 2)
+        if cylinder.upper is not None:
+            stop = judge.slot(layout, cylinder.upper.k, word[cylinder.upper.steps :])
+        inner_stop = stop - direction * (stop % 2)
+        left = cylinder.lower
+        for slot in range(start, inner_stop, 2 * direction):
+            right = Cut(breaks[(slot + direction) // 2], len(word))
+            yield slots[slot], left, right, False
+            yield slots[slot + direction], right, right, True
+            left = right
+        yield slots[inner_stop], left, cylinder.upper, False
+        if cylinder.upper_closed:
+            yield slots[stop], cylinder.upper, cylinder.upper, True
+
+    pending: Cylinder | None = None
+    for letter, left, right, closed in atoms():
+        if pending is not None and pending.word[-1] == letter:
+            pending = pending._replace(upper=right, upper_closed=closed)
+            continue
+        if pending is not None:
+            yield pending
+        pending = Cylinder((*word, letter), left, right, closed, closed)
+    assert pending is not None
+    yield pending
+
+
+def _constant_value(cylinder: Cylinder, judge: Judge) -> tuple[int, Word]:
+    """A critical orbit that equals the one value of the iterate on a cylinder.
+
+    On a point it is the orbit of its end. After a letter of slope zero the orbit of any break.
+    """
+    if cylinder.lower is not None and cylinder.is_point:
+        return cylinder.lower.k, cylinder.word[cylinder.lower.steps :]
+    flat = max(i for i, letter in enumerate(cylinder.word) if judge.slope((letter,)) == 0)
+    return 0, cylinder.word[flat:]
+
+
+# --- The diagonal ---------------------------------------------------------------------------------
+
+
+def above_diagonal(judge: Judge, word: Word, cut: Cut) -> int:
+    """Sign of A_word(x) - x at a cut x of the word.
+
+    Follow both sides along the prefix u that leads from x to its break: A_u is affine with a
+    slope that is not zero, and A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k for the word w = uv.
+    """
+    prefix, rest = word[: cut.steps], word[cut.steps :]
+    return judge.slope(prefix) * judge.ask(Order(cut.k, rest + prefix, cut.k))
+
+
+class Place(Enum):
+    """Where the fixed point of a word's affine map lies."""
+
+    INSIDE = "inside its cylinder"
+    LOWER = "at the lower end, which belongs to its cylinder"
+    UPPER = "at the upper end, which belongs to its cylinder"
+    POINT = "its cylinder is this point alone"
+    BAND = "every point of the cylinder is fixed"
+    VIRTUAL = "outside its cylinder"
+    NONE = "there is none: the slope is 1"
+
+
+class Crossing(NamedTuple):
+    """A cut at which the iterate jumps over the diagonal, and the words on both sides."""
+
+    cut: Cut
+    left: Word
+    right: Word
+
+
+def place_of_fixed_point(cylinder: Cylinder, judge: Judge) -> Place:
+    """Where the fixed point of a cylinder's affine map lies."""
+    word = cylinder.word
+    steepness = judge.multiplier(word, 1)
+    if steepness == 0:
+        if judge.ask(Offset(word)) != 0:
+            return Place.NONE
+        return Place.POINT if cylinder.is_point else Place.BAND
+    sides = [
+        0 if cut is None else -steepness * above_diagonal(judge, word, cut)
+        for cut in (cylinder.lower, cylinder.upper)
+    ]  # sign of (fixed point - end)
+    if cylinder.is_point:
+        return Place.POINT if sides[0] == 0 else Place.VIRTUAL
+    if cylinder.lower is not None and sides[0] <= 0:
+        return Place.LOWER if sides[0] == 0 and cylinder.lower_closed else Place.VIRTUAL
+    if cylinder.upper is not None and sides[1] >= 0:
+        return Place.UPPER if sides[1] == 0 and cylinder.upper_closed else Place.VIRTUAL
+    return Place.INSIDE
+
+
+def crossings(cylinders: Sequence[Cylinder], judge: Judge) -> Iterator[Crossing]:
+    """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal."""
+    for left, right in pairwise(c for c in cylinders if not c.is_point):
+        cut = right.lower
+        assert cut is not None
+        sides = [above_diagonal(judge, c.word, cut) for c in (left, right)]
+        if sides[0] * sides[1] < 0:
+            yield Crossing(cut, left.word, right.word)
+
+
+def minimal_period(word: Word, unit: int = 1) -> int:
+    """How many units long the shortest word is of which this one is a power."""
+    n = len(word)
+    lengths = (d for d in range(unit, n + 1, unit) if n % d == 0)
+    return next(d for d in lengths if word[:d] * (n // d) == word) // unit
+
+
+def is_stable(cylinders: Sequence[Cylinder], i: int, place: Place, judge: Judge) -> bool:
+    """Whether a fixed point attracts from both sides.
+
+    At a cut it does if the iterate is continuous there, with slopes m and n on its sides such
+    that m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
+    """
+    cylinder = cylinders[i]
+    if place is Place.INSIDE:
+        word = cylinder.word
+        return judge.multiplier(word, 1) < 0 < judge.multiplier(word, -1)
+    if place not in (Place.LOWER, Place.UPPER, Place.POINT):
+        return False
+    cut = cylinder.upper if place is Place.UPPER else cylinder.lower
+    assert cut is not None
+    left = cylinder if place is Place.UPPER else cylinders[i - 1]
+    right = cylinder if place is Place.LOWER else cylinders[i + 1]
+    if any(above_diagonal(judge, side.word, cut) for side in (left, right)):
+        return False
+    slopes = (left.word, right.word, left.word + right.word)
+    return all(judge.multiplier(word, 1) < 0 for word in slopes)

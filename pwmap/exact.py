@@ -1,0 +1,180 @@
+"""Exact numbers and polynomials: what is accepted, what is refused, how it is written.
+
+Inside the package a coefficient is an element of the rationals ``QQ`` (no parameters) or of a
+polynomial ring over them. sympy expressions are taken and given at the edge only.
+"""
+
+from __future__ import annotations
+
+import numbers
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import sympy
+from sympy import QQ
+from sympy.polys.orderings import lex
+from sympy.polys.polyerrors import CoercionFailed, GeneratorsError
+from sympy.polys.rings import PolyElement, PolyRing
+
+Number = Any  # an element of QQ or of a PolyRing over QQ: both have + - * and ==
+Fraction_ = tuple[Number, Number]  # numerator and denominator
+
+
+_WORDS = {
+    *("Piecewise", "And", "Or", "Not", "Eq", "Ne", "Gt", "Ge", "Lt", "Le"),
+    *("Rational", "Integer", "Interval", "True", "False", "oo", "sqrt", "Abs", "floor", "Mod"),
+}  # names in text that keep their meaning; all others are symbols
+
+
+def expression(value: object, symbols: Iterable[sympy.Symbol] = ()) -> sympy.Basic:
+    """Turn text or a number into a sympy expression; floats are refused.
+
+    Names in the text that are among ``symbols`` stand for these.
+
+    Raises
+    ------
+    TypeError
+        If a float occurs; the message names the rational it probably means.
+    ValueError
+        If the text is no expression.
+    """
+    if isinstance(value, numbers.Rational) and not isinstance(value, sympy.Basic):
+        return sympy.Rational(int(value.numerator), int(value.denominator))
+    if isinstance(value, numbers.Real) and not isinstance(value, sympy.Basic):
+        raise TypeError(_refusal(value))
+    known = {symbol.name: symbol for symbol in symbols}
+    if isinstance(value, str):
+        names = set(re.findall(r"[^\W\d]\w*", value)) - _WORDS
+        known = {name: sympy.Symbol(name) for name in names} | known
+    try:
+        result = sympy.sympify(value, locals=known)
+    except (sympy.SympifyError, SyntaxError, TypeError, AttributeError):
+        raise ValueError(f"cannot read {value!r} as an expression") from None
+    for number in result.atoms(sympy.Float):
+        raise TypeError(_refusal(number))
+    return result
+
+
+def rational(value: object) -> Number:
+    """An element of ``QQ`` from an int, a Fraction, a sympy Rational or text such as ``"5/4"``.
+
+    Raises
+    ------
+    TypeError
+        If it is a float.
+    ValueError
+        If it is no rational number.
+    """
+    number = expression(value)
+    if not isinstance(number, sympy.Rational):
+        raise ValueError(f"expected a rational number, got {value}")
+    return QQ(int(number.p), int(number.q))
+
+
+def _refusal(value: object) -> str:
+    try:
+        meant = Fraction(str(value))
+    except ValueError:
+        return f"{value} is not a rational number"
+    text = f"{meant.numerator}" + (f"/{meant.denominator}" if meant.denominator != 1 else "")
+    return f"{value} is a float, but the analysis is exact: write the rational {text} instead"
+
+
+def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> PolyRing | None:
+    """The ring ``QQ[symbols]``, or None for no symbols: then numbers are elements of ``QQ``."""
+    return PolyRing(tuple(symbols), QQ, lex) if symbols else None
+
+
+def element(ring: PolyRing | None, expr: sympy.Expr, what: str) -> Number:
+    """Convert an expression to a polynomial of the ring.
+
+    Raises
+    ------
+    ValueError
+        If it holds other symbols or is no polynomial over the rationals; ``what`` names it.
+    """
+    names = [str(symbol) for symbol in ring.symbols] if ring is not None else []
+    unknown = sorted(str(s) for s in expr.free_symbols if str(s) not in names)
+    if unknown:
+        raise ValueError(f"{what} {expr} holds the unknown symbol {unknown[0]}")
+    try:
+        if ring is None:
+            return QQ.from_sympy(expr)
+        return ring.from_expr(sympy.expand(expr))
+    except (CoercionFailed, GeneratorsError, ValueError, TypeError):
+        raise ValueError(
+            f"{what} must be a polynomial in the parameters over the rationals, got {expr}"
+        ) from None
+
+
+def sign(number: Number) -> int:
+    """Sign of an element of ``QQ``."""
+    return (number > 0) - (number < 0)
+
+
+def evaluate(number: Number, values: Mapping[str, Number], ring: PolyRing | None) -> Number:
+    """Put rational values for some generators; the result is an element of ``ring``.
+
+    ``ring`` holds the generators that remain, in their old order, or is None if none of those
+    that remain occurs.
+    """
+    if not isinstance(number, PolyElement):
+        return number if ring is None else ring.ground_new(number)
+    generators = number.ring.symbols
+    fixed = [values.get(str(symbol)) for symbol in generators]
+    kept = [i for i, value in enumerate(fixed) if value is None]
+    terms: dict[tuple[int, ...], Number] = {}
+    for exponents, coefficient in number.terms():
+        for value, exponent in zip(fixed, exponents, strict=True):
+            if value is not None and exponent:
+                coefficient = coefficient * value**exponent
+        key = tuple(exponents[i] for i in kept)
+        terms[key] = terms.get(key, QQ.zero) + coefficient
+    if ring is None:
+        return terms.get((0,) * len(kept), QQ.zero)
+    return ring.from_dict({key: value for key, value in terms.items() if value})
+
+
+def to_ring(number: Number, ring: PolyRing | None) -> Number:
+    """Move a number to a ring that has all its generators."""
+    if ring is None:
+        return number
+    return number.set_ring(ring) if isinstance(number, PolyElement) else ring.ground_new(number)
+
+
+def is_constant(number: Number) -> bool:
+    """Whether no parameter occurs."""
+    return not isinstance(number, PolyElement) or number.is_ground
+
+
+def constant(number: Number) -> Number:
+    """The value in ``QQ`` of a number in which no parameter occurs."""
+    if not isinstance(number, PolyElement):
+        return number
+    return number.coeff(1)
+
+
+def cancelled(fraction: Fraction_) -> Fraction_:
+    """Numerator and denominator without common factor; the denominator of a constant is 1."""
+    numerator, denominator = fraction
+    if isinstance(numerator, PolyElement):
+        top, bottom = numerator.cancel(denominator)
+        return top, bottom
+    return numerator / denominator, QQ.one
+
+
+def to_sympy(number: Number) -> sympy.Expr:
+    """The number as a sympy expression."""
+    return number.as_expr() if isinstance(number, PolyElement) else QQ.to_sympy(QQ.convert(number))
+
+
+def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
+    """A quotient as a sympy expression in lowest terms, factored where it has parameters."""
+    top, bottom = cancelled(fraction)
+    if is_constant(top) and is_constant(bottom):
+        return to_sympy(constant(top) / constant(bottom))
+    quotient = to_sympy(top) / to_sympy(bottom)
+    plain = len(top.ring.gens) == 1 and top.degree() <= 1 and bottom.degree() <= 1
+    return quotient if plain else sympy.factor(quotient)

@@ -1,0 +1,204 @@
+"""Words, the affine maps they stand for, and the only questions that ever need a sign.
+
+Let the pieces of a map be A_i(x) = m_i x + c_i and its breaks b_k. A word w = i_1 ... i_n names
+the affine map A_w = A_{i_n} o ... o A_{i_1}. Every break of an iterate is a preimage of some b_k
+along the prefix of a word, and following it onward gives A_v(b_k): so each comparison that
+composition, fixed points and jump crossings need is the sign of a *critical orbit*
+
+    A_v(b_k) - b_l,
+
+of a slope m_i, or of a multiplier minus 1 or plus 1. The words are the symbols: what holds for
+one value of the parameters is a table of such signs, and it holds wherever these polynomials
+keep their signs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from pwmap.exact import Fraction_, Number
+
+Word = tuple[int, ...]
+
+
+class Layout(NamedTuple):
+    """How one map cuts the line.
+
+    With n breaks there are 2 n + 1 slots from left to right: the open interval left of the first
+    break, that break, the next open interval, and so on. Break i is slot 2 i + 1.
+    """
+
+    breaks: tuple[int, ...]  # indices into Table.breaks, from left to right
+    slots: tuple[int, ...]  # the letter that owns each slot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """Coefficients of one or more maps: slope and intercept by letter, breaks by index."""
+
+    slopes: tuple[Number, ...]
+    intercepts: tuple[Number, ...]
+    breaks: tuple[Number, ...]
+    layouts: tuple[Layout, ...]
+    one: Number  # of the ring the coefficients live in
+
+    def mapped(self, change: Callable[[Number], Number]) -> Table:
+        """The same maps with every coefficient changed, for instance evaluated."""
+        return Table(
+            tuple(map(change, self.slopes)),
+            tuple(map(change, self.intercepts)),
+            tuple(map(change, self.breaks)),
+            self.layouts,
+            change(self.one),
+        )
+
+
+class Order(NamedTuple):
+    """Where the critical orbit of break k is after a word: A_word(b_k) - b_l."""
+
+    k: int
+    word: Word
+    l: int  # noqa: E741  the notation of the module
+
+
+class Slope(NamedTuple):
+    """The slope of one letter."""
+
+    letter: int
+
+
+class Multiplier(NamedTuple):
+    """The slope of a word minus a unit, +1 or -1; the letters are sorted, they commute."""
+
+    word: Word
+    unit: int
+
+
+class Offset(NamedTuple):
+    """The intercept of a word, asked where its slope is 1."""
+
+    word: Word
+    name: str = "offset"
+
+
+Question = Order | Slope | Multiplier | Offset
+
+
+class Orbits:
+    """Affine forms of words and orbits of breaks, each computed once.
+
+    Parameters
+    ----------
+    table
+        The coefficients, all in one ring.
+    """
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+        zero = table.one - table.one
+        self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
+        self._orbits: dict[tuple[int, Word], Number] = {}
+
+    def affine(self, word: Word) -> tuple[Number, Number]:
+        """Slope and intercept of A_word."""
+        found = self._affine.get(word)
+        if found is None:
+            slope, intercept = self.affine(word[:-1])
+            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
+            found = self._affine[word] = (m * slope, m * intercept + c)
+        return found
+
+    def orbit(self, k: int, word: Word) -> Number:
+        """A_word(b_k)."""
+        if not word:
+            return self.table.breaks[k]
+        found = self._orbits.get((k, word))
+        if found is None:
+            before = self.orbit(k, word[:-1])
+            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
+            found = self._orbits[k, word] = m * before + c
+        return found
+
+    def preimage(self, k: int, word: Word) -> Fraction_:
+        """The x with A_word(x) = b_k, as numerator and denominator."""
+        slope, intercept = self.affine(word)
+        return self.table.breaks[k] - intercept, slope
+
+    def fixed_point(self, word: Word) -> Fraction_:
+        """The x with A_word(x) = x, as numerator and denominator."""
+        slope, intercept = self.affine(word)
+        return intercept, self.table.one - slope
+
+    def polynomial(self, question: Question) -> Number:
+        """The number whose sign answers a question."""
+        match question:
+            case Order(k, word, l):
+                return self.orbit(k, word) - self.table.breaks[l]
+            case Slope(letter):
+                return self.table.slopes[letter]
+            case Multiplier(word, unit):
+                return self.affine(word)[0] - unit * self.table.one
+            case Offset(word):
+                return self.affine(word)[1]
+
+
+class Judge:
+    """Answers questions, and remembers all it was asked.
+
+    Parameters
+    ----------
+    orbits
+        Where the polynomials come from.
+    sign
+        The sign of such a polynomial: -1, 0 or +1.
+    """
+
+    def __init__(self, orbits: Orbits, sign: Callable[[Number], int]) -> None:
+        self.orbits = orbits
+        self.answers: dict[Question, int] = {}
+        self._sign = sign
+        self._slots: dict[tuple[int, int, Word], int] = {}
+
+    def ask(self, question: Question) -> int:
+        """The sign of the polynomial of a question."""
+        answer = self.answers.get(question)
+        if answer is None:
+            answer = self.answers[question] = self._sign(self.orbits.polynomial(question))
+        return answer
+
+    def slope(self, word: Word) -> int:
+        """Sign of the slope of a word."""
+        product = 1
+        for letter in word:
+            product *= self.ask(Slope(letter))
+            if not product:
+                return 0
+        return product
+
+    def multiplier(self, word: Word, unit: int) -> int:
+        """Sign of the slope of a word minus a unit, +1 or -1."""
+        return self.ask(Multiplier(tuple(sorted(word)), unit))
+
+    def slot(self, layout: int, k: int, word: Word) -> int:
+        """The slot of a map in which A_word(b_k) lies."""
+        key = layout, k, word
+        found = self._slots.get(key)
+        if found is None:
+            found = self._slots[key] = self._search(layout, k, word)
+        return found
+
+    def _search(self, layout: int, k: int, word: Word) -> int:
+        breaks = self.orbits.table.layouts[layout].breaks
+        low, high = 0, len(breaks)
+        while low < high:
+            middle = (low + high) // 2
+            side = self.ask(Order(k, word, breaks[middle]))
+            if side == 0:
+                return 2 * middle + 1
+            if side < 0:
+                high = middle
+            else:
+                low = middle + 1
+        return 2 * low

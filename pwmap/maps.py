@@ -1,0 +1,721 @@
+"""Piecewise-linear maps of the line, with or without jumps, exact and symbolic."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+
+import sympy
+from sympy import QQ
+
+from pwmap import cylinders as cyl
+from pwmap.assumptions import Constraint, Region
+from pwmap.cylinders import Crossing, Cut, Cylinder, Place, minimal_period
+from pwmap.exact import (
+    Fraction_,
+    cancelled,
+    element,
+    evaluate,
+    expression,
+    fraction_to_sympy,
+    is_constant,
+    polynomial_ring,
+    rational,
+    sign,
+    to_ring,
+    to_sympy,
+)
+from pwmap.itineraries import Judge, Layout, Orbits, Table, Word
+from pwmap.reading import Model, read
+
+Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """One affine piece of a map: ``slope x + intercept`` on an interval or at a point.
+
+    The exact values are computed when they are asked for.
+    """
+
+    cylinder: Cylinder
+    owner: PiecewiseLinearMap = field(repr=False)
+
+    @property
+    def word(self) -> str:
+        """The pieces of the original map that its points visit, in order."""
+        return self.owner.spelled(self.cylinder.word)
+
+    @property
+    def slope(self) -> sympy.Expr:
+        """Slope of the piece."""
+        return to_sympy(self.owner.orbits.affine(self.cylinder.word)[0])
+
+    @property
+    def intercept(self) -> sympy.Expr:
+        """Value of the piece's formula at x = 0."""
+        return to_sympy(self.owner.orbits.affine(self.cylinder.word)[1])
+
+    @property
+    def expression(self) -> sympy.Expr:
+        """The formula ``slope x + intercept``."""
+        return self.slope * self.owner.x + self.intercept
+
+    @property
+    def lower(self) -> sympy.Expr:
+        """Left end, or ``-oo``."""
+        cut = self.cylinder.lower
+        return -sympy.oo if cut is None else self.owner.cut_to_sympy(self.cylinder.word, cut)
+
+    @property
+    def upper(self) -> sympy.Expr:
+        """Right end, or ``oo``."""
+        cut = self.cylinder.upper
+        return sympy.oo if cut is None else self.owner.cut_to_sympy(self.cylinder.word, cut)
+
+    @property
+    def lower_closed(self) -> bool:
+        """Whether the left end belongs to the piece."""
+        return self.cylinder.lower_closed
+
+    @property
+    def upper_closed(self) -> bool:
+        """Whether the right end belongs to the piece."""
+        return self.cylinder.upper_closed
+
+    @property
+    def interval(self) -> sympy.Set:
+        """The piece's domain as a sympy set."""
+        if self.cylinder.is_point:
+            return sympy.FiniteSet(self.lower)
+        return sympy.Interval(self.lower, self.upper, not self.lower_closed, not self.upper_closed)
+
+    def condition(self) -> str:
+        """The domain as text, such as ``0 < x <= r/a``."""
+        x = str(self.owner.x)
+        if self.cylinder.is_point:
+            return f"{x} = {self.lower}"
+        left = "" if self.cylinder.lower is None else f"{self.lower} {_less(self.lower_closed)} "
+        right = "" if self.cylinder.upper is None else f" {_less(self.upper_closed)} {self.upper}"
+        return left + x + right
+
+    def __str__(self) -> str:
+        """Word, formula and domain."""
+        return f"{self.word}: {self.expression} for {self.condition()}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedPoint:
+    """A fixed point of an iterate.
+
+    Attributes
+    ----------
+    x, multiplier
+        Exact values. At the end of a piece the multiplier is the slope of the piece that owns
+        the point; it is ``nan`` where that piece is the point alone.
+    word
+        The pieces visited, starting at x.
+    order, period
+        The iterate it was found in, and the minimal period of the point.
+    admissible
+        False for a virtual fixed point: that of a formula, outside the formula's piece.
+    stable
+        Whether all orbits from nearby converge to it, on both sides.
+    at_border
+        Whether it lies at an end of a piece.
+    """
+
+    x: sympy.Expr
+    multiplier: sympy.Expr
+    word: str
+    order: int
+    period: int
+    admissible: bool
+    stable: bool
+    at_border: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedInterval:
+    """A piece of an iterate that is the identity: every point of it is fixed."""
+
+    interval: sympy.Set
+    word: str
+    order: int
+    period: int  # minimal period of its points, but for one of half that if the slope was -1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Jump:
+    """A discontinuity: the one-sided limits, and the value at the point itself."""
+
+    x: sympy.Expr
+    left: sympy.Expr
+    value: sympy.Expr
+    right: sympy.Expr
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JumpCrossing:
+    """A discontinuity whose one-sided limits lie strictly on opposite sides of the diagonal."""
+
+    x: sympy.Expr
+    left: sympy.Expr
+    right: sympy.Expr
+    left_word: str
+    right_word: str
+    order: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cycle:
+    """A cycle given by its word.
+
+    Attributes
+    ----------
+    word
+        The pieces visited.
+    points
+        The points, in the order of the word.
+    multiplier
+        Product of the slopes.
+    conditions
+        What must hold for the cycle to exist: each point in its piece.
+    """
+
+    word: str
+    points: tuple[sympy.Expr, ...]
+    multiplier: sympy.Expr
+    conditions: tuple[sympy.Basic, ...]
+    _signs: tuple[tuple[Fraction_, bool], ...] = field(repr=False)  # positive, or also zero
+    _region: Region = field(repr=False)
+
+    @property
+    def admissible(self) -> bool:
+        """Whether all conditions hold.
+
+        Raises
+        ------
+        UndecidedError
+            If that does not follow from what is assumed of the parameters.
+        """
+        decide = self._region.sign
+        return all(
+            decide(top) * decide(bottom) >= (0 if closed else 1)
+            for (top, bottom), closed in self._signs
+        )
+
+
+class PiecewiseLinearMap:
+    """A piecewise-linear map of the line with finitely many pieces.
+
+    Coefficients are polynomials in parameters over the rationals. Each break belongs to the piece
+    that says so; a single point can be a piece of its own. Nothing is ever decided by a float.
+
+    Parameters
+    ----------
+    pieces
+        Pairs (formula, condition), sympy expressions or text, such as ``("r - a*x", "x > 0")``.
+        Every point must satisfy exactly one condition.
+    x
+        The variable.
+    given
+        What is assumed of the parameters: inequalities such as ``a > 1``.
+    letters
+        One letter for each piece from left to right; by default L R, L M R, or A B C ...
+
+    Raises
+    ------
+    ValueError, TypeError
+        For gaps, overlaps, pieces that are not affine, floats, unknown symbols, or breaks whose
+        order the assumptions leave open.
+    """
+
+    def __init__(
+        self,
+        pieces: Sequence[tuple[object, object]],
+        x: object = "x",
+        given: Iterable[object] = (),
+        letters: Sequence[str] | None = None,
+    ) -> None:
+        self._set(read(pieces, x, given, letters, first_wins=False), (0,))
+
+    @classmethod
+    def from_sympy(
+        cls,
+        piecewise: object,
+        x: object = "x",
+        given: Iterable[object] = (),
+        letters: Sequence[str] | None = None,
+    ) -> PiecewiseLinearMap:
+        """Build a map from a ``sympy.Piecewise`` or its text; the first condition that holds counts.
+
+        Parameters and errors are those of the class.
+        """
+        formula = expression(piecewise, [x] if isinstance(x, sympy.Symbol) else [])
+        pairs = formula.args if isinstance(formula, sympy.Piecewise) else [(formula, True)]
+        self = cls.__new__(cls)
+        self._set(read([tuple(p) for p in pairs], x, given, letters, first_wins=True), (0,))
+        return self
+
+    def _set(
+        self,
+        model: Model,
+        chain: Chain,
+        judge: Judge | None = None,
+        known: dict[Chain, tuple[Cylinder, ...]] | None = None,
+        orbits: Orbits | None = None,
+    ) -> None:
+        self._model = model
+        self._chain = chain
+        self.judge = judge or Judge(
+            Orbits(model.table), sign if model.ring is None else model.region.sign
+        )
+        self._known = {(): cyl.WHOLE_LINE} if known is None else known
+        self.orbits = orbits or self.judge.orbits  # affine forms in the ring of the parameters
+
+    @classmethod
+    def decided(cls, map_: PiecewiseLinearMap, judge: Judge, orbits: Orbits) -> PiecewiseLinearMap:
+        """A map whose decisions somebody else makes, for instance for one cell of a parameter."""
+        self = cls.__new__(cls)
+        self._set(map_._model, map_._chain, judge, None, orbits)
+        return self
+
+    def _with_chain(self, chain: Chain) -> PiecewiseLinearMap:
+        other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
+        other._set(self._model, chain, self.judge, self._known, self.orbits)
+        return other
+
+    # --- What it is -----------------------------------------------------------------------------
+
+    @property
+    def x(self) -> sympy.Symbol:
+        """The variable."""
+        return self._model.x
+
+    @property
+    def parameters(self) -> tuple[sympy.Symbol, ...]:
+        """The parameters that have no value yet."""
+        return tuple(self._model.ring.symbols) if self._model.ring is not None else ()
+
+    @property
+    def given(self) -> tuple[sympy.Basic, ...]:
+        """What is assumed of the parameters."""
+        return self._model.region.relations()
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """The names of the original pieces."""
+        return self._model.letters
+
+    @property
+    def order(self) -> int:
+        """How many maps are composed: j for the j-th iterate."""
+        return len(self._chain)
+
+    @property
+    def model(self) -> Model:
+        """Coefficients and assumptions."""
+        return self._model
+
+    @property
+    def chain(self) -> Chain:
+        """Which maps are applied one after the other."""
+        return self._chain
+
+    @cached_property
+    def cylinders(self) -> tuple[Cylinder, ...]:
+        """The pieces in combinatorial form, from left to right."""
+        for n in range(1, len(self._chain) + 1):
+            chain = self._chain[:n]
+            if chain not in self._known:
+                self._known[chain] = cyl.refined(self._known[chain[:-1]], chain[-1], self.judge)
+        return self._known[self._chain]
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The affine pieces from left to right; they partition the line."""
+        return tuple(Piece(cylinder, self) for cylinder in self.cylinders)
+
+    def spelled(self, word: Word) -> str:
+        """A word in letters."""
+        return "".join(self.letters[letter] for letter in word)
+
+    def cut_to_sympy(self, word: Word, cut: Cut) -> sympy.Expr:
+        """The exact value of an end of a piece."""
+        return fraction_to_sympy(self.orbits.preimage(cut.k, word[: cut.steps]))
+
+    # --- New maps -------------------------------------------------------------------------------
+
+    def at(self, values: Mapping[object, object]) -> PiecewiseLinearMap:
+        """Give some or all parameters rational values.
+
+        Parameters
+        ----------
+        values
+            By symbol or by name, for instance ``{a: Rational(5, 4), "r": 1}``.
+
+        Raises
+        ------
+        ValueError
+            If a name is no parameter of the map, or a value contradicts the assumptions.
+        TypeError
+            If a value is a float.
+        """
+        model = self._model
+        numbers = {str(name): rational(value) for name, value in values.items()}
+        names = [str(symbol) for symbol in self.parameters]
+        for name in numbers:
+            if name not in names:
+                raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
+        broken = model.region.contains(numbers)
+        if broken is not None:
+            given = ", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items())
+            raise ValueError(f"{given} contradicts the assumption {broken}")
+        ring = polynomial_ring([s for s in self.parameters if str(s) not in numbers])
+        constraints = [
+            Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
+            for c in model.region.constraints
+        ]
+        region = Region(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
+        _ = region.sample  # complains if the values leave nothing
+        table = model.table.mapped(lambda number: evaluate(number, numbers, ring))
+        other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
+        other._set(Model(model.x, ring, region, table, model.letters), self._chain)
+        return other
+
+    def iterate(self, j: int) -> PiecewiseLinearMap:
+        """The j-th iterate, j >= 1, with the words of its pieces.
+
+        Raises
+        ------
+        UndecidedError
+            When its pieces are asked for, if they differ within what is assumed of the parameters.
+        """
+        if not isinstance(j, int) or j < 1:
+            raise ValueError(f"the order of an iterate must be an integer j >= 1, got {j}")
+        return self._with_chain(self._chain * j)
+
+    def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
+        """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``."""
+        if inner._model is self._model:
+            return self._with_chain(inner._chain + self._chain)
+        model, shift = _joined(inner._model, self._model)
+        other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
+        other._set(model, inner._chain + tuple(i + shift for i in self._chain))
+        return other
+
+    def __matmul__(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
+        """``self @ inner`` is the composition self(inner(x))."""
+        return self.compose(inner)
+
+    # --- Values ---------------------------------------------------------------------------------
+
+    def __call__(self, x: object) -> sympy.Expr:
+        """The exact value at a point, a rational or an expression in the parameters.
+
+        Raises
+        ------
+        TypeError
+            If the point is a float.
+        UndecidedError
+            If the assumptions do not say in which piece it lies.
+        """
+        return fraction_to_sympy(self._follow(x, 0)[1])
+
+    def word_of(self, x: object) -> str:
+        """The pieces of the original map that a point visits."""
+        return self.spelled(self._follow(x, 0)[0])
+
+    def limit(self, x: object, side: str) -> sympy.Expr:
+        """The one-sided limit at a point, from the side ``"-"`` (left) or ``"+"`` (right)."""
+        if side not in ("-", "+"):
+            raise ValueError(f"the side must be '-' or '+', got {side!r}")
+        return fraction_to_sympy(self._follow(x, 1 if side == "+" else -1)[1])
+
+    def _follow(self, x: object, direction: int) -> tuple[Word, Fraction_]:
+        """Word and value of a point (direction 0) or of points just beside it (-1, +1)."""
+        table, decide = self._model.table, self._model.region.sign
+        top, bottom = self._fraction(x)
+        word: list[int] = []
+        for layout_index in self._chain:
+            layout = table.layouts[layout_index]
+            slot = self._slot(layout, (top, bottom))
+            if slot % 2:
+                slot += direction
+            letter = layout.slots[slot]
+            word.append(letter)
+            slope = table.slopes[letter]
+            top = slope * top + table.intercepts[letter] * bottom
+            if direction:
+                direction *= decide(slope)
+        return tuple(word), (top, bottom)
+
+    def _slot(self, layout: Layout, point: Fraction_) -> int:
+        top, bottom = point
+        decide = self._model.region.sign
+        side = decide(bottom)
+        for i, k in enumerate(layout.breaks):
+            order = side * decide(top - self._model.table.breaks[k] * bottom)
+            if order <= 0:
+                return 2 * i + (order == 0)
+        return 2 * len(layout.breaks)
+
+    def _fraction(self, x: object) -> Fraction_:
+        top, bottom = sympy.fraction(sympy.together(expression(x, self.parameters)))
+        ring, what = self._model.ring, "a point"
+        return cancelled((element(ring, top, what), element(ring, bottom, what)))
+
+    def jumps(self) -> tuple[Jump, ...]:
+        """All discontinuities, from left to right."""
+        return tuple(self._jumps())
+
+    def _jumps(self) -> Iterator[Jump]:
+        orbit = self.orbits.orbit
+        for before, left, right, after in _neighbours(self.cylinders):
+            cut = right.lower
+            assert cut is not None
+            owner = left if left.upper_closed else right
+            limits = [orbit(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
+            if limits[0] != limits[1] or limits[1] != limits[2]:
+                values = [to_sympy(limit) for limit in limits]
+                x = self.cut_to_sympy(right.word, cut)
+                yield Jump(x=x, left=values[0], value=values[1], right=values[2])
+
+    # --- The diagonal ---------------------------------------------------------------------------
+
+    def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
+        """All isolated fixed points, from left to right.
+
+        Parameters
+        ----------
+        virtual
+            Whether to add the virtual ones, in the order of their formulas' pieces.
+
+        Raises
+        ------
+        UndecidedError
+            If the assumptions on the parameters leave open whether one exists.
+        """
+        found = []
+        for i, cylinder in enumerate(self.cylinders):
+            place = cyl.place_of_fixed_point(cylinder, self.judge)
+            if place in (Place.NONE, Place.BAND) or (place is Place.VIRTUAL and not virtual):
+                continue
+            found.append(self._fixed_point(i, place))
+        return tuple(found)
+
+    def _fixed_point(self, i: int, place: Place) -> FixedPoint:
+        cylinder = self.cylinders[i]
+        word = cylinder.word
+        if place is Place.POINT:
+            assert cylinder.lower is not None
+            x = self.cut_to_sympy(word, cylinder.lower)
+        else:
+            x = fraction_to_sympy(self.orbits.fixed_point(word))
+        multiplier = to_sympy(self.orbits.affine(word)[0])
+        return FixedPoint(
+            x=x,
+            multiplier=sympy.nan if place is Place.POINT else multiplier,
+            word=self.spelled(word),
+            order=self.order,
+            period=self._period(word),
+            admissible=place is not Place.VIRTUAL,
+            stable=cyl.is_stable(self.cylinders, i, place, self.judge),
+            at_border=place in (Place.LOWER, Place.UPPER, Place.POINT),
+        )
+
+    def _period(self, word: Word) -> int:
+        """Minimal period under the original map of a point with a word, or the order."""
+        return minimal_period(word) if len(set(self._chain)) == 1 else self.order
+
+    def fixed_intervals(self) -> tuple[FixedInterval, ...]:
+        """All pieces on which the map is the identity."""
+        return tuple(
+            FixedInterval(
+                interval=piece.interval,
+                word=piece.word,
+                order=self.order,
+                period=self._band_period(piece.cylinder.word),
+            )
+            for piece in self.pieces
+            if cyl.place_of_fixed_point(piece.cylinder, self.judge) is Place.BAND
+        )
+
+    def _band_period(self, word: Word) -> int:
+        """A word whose own slope is -1 has one fixed point; the points beside it have twice that."""
+        period = self._period(word)
+        return period if self.judge.slope(word[:period]) > 0 else 2 * period
+
+    def jump_crossings(self) -> tuple[JumpCrossing, ...]:
+        """All discontinuities that cross the diagonal strictly, from left to right."""
+        return tuple(self._jump_crossing(c) for c in cyl.crossings(self.cylinders, self.judge))
+
+    def _jump_crossing(self, crossing: Crossing) -> JumpCrossing:
+        cut = crossing.cut
+        orbit = self.orbits.orbit
+        return JumpCrossing(
+            x=self.cut_to_sympy(crossing.left, cut),
+            left=to_sympy(orbit(cut.k, crossing.left[cut.steps :])),
+            right=to_sympy(orbit(cut.k, crossing.right[cut.steps :])),
+            left_word=self.spelled(crossing.left),
+            right_word=self.spelled(crossing.right),
+            order=self.order,
+        )
+
+    # --- Cycles ---------------------------------------------------------------------------------
+
+    def cycles(self, period: int) -> tuple[Cycle, ...]:
+        """All isolated cycles of a minimal period, each once.
+
+        Each starts at its point with the alphabetically first word.
+        """
+        iterate = self.iterate(period)
+        words = [p.word for p in iterate.fixed_points() if p.period == period * self.order]
+        step = self.order
+        first = {min(w[i:] + w[:i] for i in range(0, len(w), step)) for w in words}
+        return tuple(self.cycle(word) for word in sorted(first))
+
+    def cycle(self, word: str) -> Cycle:
+        """The cycle that visits the pieces a word names, with its conditions of existence.
+
+        Parameters
+        ----------
+        word
+            Letters of :attr:`letters`, for instance ``"RLL"``.
+
+        Raises
+        ------
+        ValueError
+            If a letter is unknown, or the word's slope is 1: then no cycle is isolated.
+        """
+        for letter in word:
+            if letter not in self.letters:
+                raise ValueError(f"{letter!r} is no piece of this map, it has {self.letters}")
+        if not word or len(word) % self.order:
+            raise ValueError(f"the length of a word must be a multiple of {self.order}: {word!r}")
+        indices = tuple(self.letters.index(letter) for letter in word)
+        slope = self.orbits.affine(indices)[0]
+        if slope == self._model.table.one:
+            raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
+        rotations = [indices[i:] + indices[:i] for i in range(len(word))]
+        points = [self.orbits.fixed_point(rotation) for rotation in rotations]
+        exact = [fraction_to_sympy(point) for point in points]
+        conditions: list[sympy.Basic] = []
+        signs: list[tuple[Fraction_, bool]] = []
+        for i, (top, bottom) in enumerate(points):
+            layout = self._model.table.layouts[self._chain[i % self.order]]
+            for k, side, closed in _bounds(layout, indices[i]):
+                value = self._model.table.breaks[k]
+                signs.append(((side * (top - value * bottom), bottom), closed))
+                relation = (
+                    (sympy.Ge if closed else sympy.Gt)
+                    if side > 0
+                    else (sympy.Le if closed else sympy.Lt)
+                )
+                conditions.append(relation(exact[i], to_sympy(value)))
+        return Cycle(
+            word=word,
+            points=tuple(exact),
+            multiplier=to_sympy(slope),
+            conditions=tuple(dict.fromkeys(conditions)),
+            _signs=tuple(signs),
+            _region=self._model.region,
+        )
+
+    # --- As text --------------------------------------------------------------------------------
+
+    def to_sympy(self) -> sympy.Piecewise:
+        """The map as a ``sympy.Piecewise`` in its variable."""
+        return sympy.Piecewise(*((p.expression, p.interval.contains(self.x)) for p in self.pieces))
+
+    def __str__(self) -> str:
+        """One line for each piece: its word, formula and domain."""
+        rows = [(p.word, str(p.expression), p.condition()) for p in self.pieces]
+        widths = [max(len(row[i]) for row in rows) for i in range(2)]
+        return "\n".join(
+            f"{word:<{widths[0]}}  {formula:<{widths[1]}}  for {condition}"
+            for word, formula, condition in rows
+        )
+
+    def __repr__(self) -> str:
+        """Variable, order, letters, parameters and assumptions."""
+        given = f", given {self._model.region}" if self.given else ""
+        names = ", ".join(map(str, self.parameters)) or "none"
+        return (
+            f"<PiecewiseLinearMap of {self.x}, order {self.order}, "
+            f"letters {''.join(self.letters)}, parameters {names}{given}>"
+        )
+
+    def _repr_latex_(self) -> str:
+        rows = []
+        for piece in self.pieces:
+            domain = sympy.latex(piece.interval.as_relational(self.x))
+            rows.append(rf"{sympy.latex(piece.expression)} & {domain} & \text{{{piece.word}}}")
+        body = r" \\ ".join(rows)
+        head = f"P_{{{self.order}}}({sympy.latex(self.x)})"
+        return (
+            rf"$\displaystyle {head} = \left\{{\begin{{array}}{{lll}} {body} \end{{array}}\right.$"
+        )
+
+
+def _less(closed: bool) -> str:
+    return "<=" if closed else "<"
+
+
+def _bounds(layout: Layout, letter: int) -> Iterator[tuple[int, int, bool]]:
+    """Breaks that bound a letter, the side of each it lies on, and whether it owns them."""
+    owned = [slot for slot, owner in enumerate(layout.slots) if owner == letter]
+    low, high = min(owned), max(owned)
+    if low > 0:
+        yield layout.breaks[(low - 1) // 2], 1, bool(low % 2)
+    if high < len(layout.slots) - 1:
+        yield layout.breaks[high // 2], -1, bool(high % 2)
+
+
+def _neighbours(
+    cylinders: Sequence[Cylinder],
+) -> Iterator[tuple[Cylinder, Cylinder, Cylinder, Cylinder]]:
+    """For each cut: the interval before it, the pieces that meet there, the interval after it.
+
+    A piece that is a single point lies between two cuts at the same place; that cut comes once.
+    """
+    for i, (left, right) in enumerate(pairwise(cylinders)):
+        if left.is_point:
+            continue
+        after = cylinders[i + 2] if right.is_point else right
+        yield left, left, right, after
+
+
+def _joined(first: Model, second: Model) -> tuple[Model, int]:
+    """Two maps in one table, and by how much the layouts of the second were shifted."""
+    if first.x != second.x:
+        raise ValueError(f"the maps have different variables, {first.x} and {second.x}")
+    symbols = {
+        str(s): s for ring in (first.ring, second.ring) if ring is not None for s in ring.symbols
+    }
+    ring = polynomial_ring([symbols[name] for name in sorted(symbols)])
+    tables = [m.table.mapped(lambda number: to_ring(number, ring)) for m in (first, second)]
+    letters, breaks = len(first.letters), len(first.table.breaks)
+    shifted = [
+        Layout(tuple(k + breaks for k in lay.breaks), tuple(s + letters for s in lay.slots))
+        for lay in second.table.layouts
+    ]
+    constraints = [
+        Constraint(to_ring(c.polynomial, ring), c.strict)
+        for m in (first, second)
+        for c in m.region.constraints
+    ]
+    region = Region(ring, tuple(dict.fromkeys(constraints)))
+    _ = region.sample
+    table = Table(
+        tables[0].slopes + tables[1].slopes,
+        tables[0].intercepts + tables[1].intercepts,
+        tables[0].breaks + tables[1].breaks,
+        (*first.table.layouts, *shifted),
+        tables[0].one,
+    )
+    model = Model(first.x, ring, region, table, first.letters + second.letters)
+    return model, len(first.table.layouts)
