@@ -14,6 +14,7 @@ from pwmap.maps import (
     Piece,
     PiecewiseLinearMap,
 )
+from pwmap.plane import ParameterPlane, Strip, parameter_plane
 
 __all__ = [
     "Branch",
@@ -26,13 +27,16 @@ __all__ = [
     "JumpCrossing",
     "ParameterCell",
     "ParameterCells",
+    "ParameterPlane",
     "Piece",
     "PiecewiseLinearMap",
     "PointKind",
     "SpecialPoint",
+    "Strip",
     "UndecidedError",
     "bifurcation_diagram",
     "parameter_cells",
+    "parameter_plane",
     "read_graph",
     "write_graph",
 ]

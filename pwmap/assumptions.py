@@ -19,10 +19,11 @@ import sympy
 from sympy import QQ
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import BooleanTrue
-from sympy.polys.rings import PolyElement, PolyRing
+from sympy.polys.rings import PolyElement
 
 from pwmap.exact import (
     Number,
+    Ring,
     constant,
     element,
     evaluate,
@@ -81,7 +82,7 @@ class Region:
         The inequalities, in the ring.
     """
 
-    ring: PolyRing | None
+    ring: Ring
     constraints: tuple[Constraint, ...] = ()
 
     @cached_property
@@ -160,7 +161,7 @@ class Region:
         return ", ".join(str(r) for r in self.relations()) or "no assumption"
 
 
-def read_constraints(given: Iterable[object], ring: PolyRing | None) -> tuple[Constraint, ...]:
+def read_constraints(given: Iterable[object], ring: Ring) -> tuple[Constraint, ...]:
     """Inequalities from sympy relations, conjunctions or text, and from what symbols assume.
 
     Raises
@@ -187,7 +188,7 @@ def read_constraints(given: Iterable[object], ring: PolyRing | None) -> tuple[Co
     return tuple(dict.fromkeys(found))
 
 
-def _read(relation: sympy.Basic, ring: PolyRing | None) -> Iterator[Constraint]:
+def _read(relation: sympy.Basic, ring: Ring) -> Iterator[Constraint]:
     if not isinstance(relation, sympy.Gt | sympy.Ge | sympy.Lt | sympy.Le):
         raise ValueError(f"an assumption must be an inequality such as a > 1, got {relation}")
     top, bottom = sympy.fraction(sympy.together(relation.gts - relation.lts))
@@ -308,7 +309,7 @@ def _degree(polynomial: PolyElement, name: str) -> int:
     return int(polynomial.degree(_index(polynomial.ring, name)))
 
 
-def _index(ring: PolyRing, name: str) -> int:
+def _index(ring: Ring, name: str) -> int:
     return [str(symbol) for symbol in ring.symbols].index(name)
 
 
@@ -327,7 +328,7 @@ def _dense(polynomial: PolyElement, name: str) -> Dense:
     return tuple(coefficients)
 
 
-def _with_values(polynomial: PolyElement, values: Mapping[str, Number], ring: PolyRing) -> Number:
+def _with_values(polynomial: PolyElement, values: Mapping[str, Number], ring: Ring) -> Number:
     """A polynomial in the one generator of ``ring``, after values are put for the others."""
     kept = str(ring.symbols[0])
     zeros = {str(s): QQ.zero for s in polynomial.ring.symbols if str(s) != kept}

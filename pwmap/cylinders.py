@@ -38,7 +38,7 @@ class Cylinder(NamedTuple):
         return self.lower is not None and self.lower == self.upper and self.lower_closed
 
 
-WHOLE_LINE = (Cylinder(()),)
+WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 
 
 def refined(cylinders: Sequence[Cylinder], layout: int, judge: Judge) -> tuple[Cylinder, ...]:

@@ -39,8 +39,13 @@ class PointKind(StrEnum):
 
     @property
     def meaning(self) -> str:
-        """One phrase for a legend or a table."""
+        """One phrase that says what it is."""
         return _MEANINGS[self.value]
+
+    @property
+    def title(self) -> str:
+        """A name for a legend or a table."""
+        return _MEANINGS[self.value].partition(":")[0]
 
 
 _MEANINGS = {

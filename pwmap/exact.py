@@ -19,6 +19,7 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError
 from sympy.polys.rings import PolyElement, PolyRing
 
 Number = Any  # an element of QQ or of a PolyRing over QQ: both have + - * and ==
+Ring = Any  # a sympy PolyRing over QQ, or None where there is no parameter
 Fraction_ = tuple[Number, Number]  # numerator and denominator
 
 
@@ -82,12 +83,12 @@ def _refusal(value: object) -> str:
     return f"{value} is a float, but the analysis is exact: write the rational {text} instead"
 
 
-def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> PolyRing | None:
+def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
     """The ring ``QQ[symbols]``, or None for no symbols: then numbers are elements of ``QQ``."""
     return PolyRing(tuple(symbols), QQ, lex) if symbols else None
 
 
-def element(ring: PolyRing | None, expr: sympy.Expr, what: str) -> Number:
+def element(ring: Ring, expr: sympy.Expr, what: str) -> Number:
     """Convert an expression to a polynomial of the ring.
 
     Raises
@@ -111,10 +112,10 @@ def element(ring: PolyRing | None, expr: sympy.Expr, what: str) -> Number:
 
 def sign(number: Number) -> int:
     """Sign of an element of ``QQ``."""
-    return (number > 0) - (number < 0)
+    return int(number > 0) - int(number < 0)
 
 
-def evaluate(number: Number, values: Mapping[str, Number], ring: PolyRing | None) -> Number:
+def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
     """Put rational values for some generators; the result is an element of ``ring``.
 
     ``ring`` holds the generators that remain, in their old order, or is None if none of those
@@ -137,7 +138,7 @@ def evaluate(number: Number, values: Mapping[str, Number], ring: PolyRing | None
     return ring.from_dict({key: value for key, value in terms.items() if value})
 
 
-def to_ring(number: Number, ring: PolyRing | None) -> Number:
+def to_ring(number: Number, ring: Ring) -> Number:
     """Move a number to a ring that has all its generators."""
     if ring is None:
         return number

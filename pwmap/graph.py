@@ -24,10 +24,8 @@ import io
 import json
 import math
 import numbers
-import os
 import re
 import reprlib
-import uuid
 import warnings
 import xml.etree.ElementTree as ET
 from collections import Counter
@@ -41,6 +39,8 @@ from typing import Any
 import networkx as nx
 import numpy as np
 import pydot
+
+from pwmap.files import write_whole
 
 Attributes = dict[str, Any]
 
@@ -116,18 +116,7 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     form = _format(path)
     clean = _rebuilt(sanitised(graph), lambda data: _typed_names(data, form.taken))
     content = form.encode(clean)
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
-    temporary = path.with_name(f".{uuid.uuid4().hex}.tmp")
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+    write_whole(path, content)
     return path
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import sympy
 from sympy import QQ
@@ -250,9 +251,9 @@ class PiecewiseLinearMap:
         given: Iterable[object] = (),
         letters: Sequence[str] | None = None,
     ) -> PiecewiseLinearMap:
-        """Build a map from a ``sympy.Piecewise`` or its text; the first condition that holds counts.
+        """Build a map from a ``sympy.Piecewise`` or its text.
 
-        Parameters and errors are those of the class.
+        The first condition that holds counts. Parameters and errors are those of the class.
         """
         formula = expression(piecewise, [x] if isinstance(x, sympy.Symbol) else [])
         pairs = formula.args if isinstance(formula, sympy.Piecewise) else [(formula, True)]
@@ -273,7 +274,9 @@ class PiecewiseLinearMap:
         self.judge = judge or Judge(
             Orbits(model.table), sign if model.ring is None else model.region.sign
         )
-        self._known = {(): cyl.WHOLE_LINE} if known is None else known
+        self._known: dict[Chain, tuple[Cylinder, ...]] = (
+            {(): cyl.WHOLE_LINE} if known is None else known
+        )
         self.orbits = orbits or self.judge.orbits  # affine forms in the ring of the parameters
 
     @classmethod
@@ -349,7 +352,7 @@ class PiecewiseLinearMap:
 
     # --- New maps -------------------------------------------------------------------------------
 
-    def at(self, values: Mapping[object, object]) -> PiecewiseLinearMap:
+    def at(self, values: Mapping[Any, object]) -> PiecewiseLinearMap:
         """Give some or all parameters rational values.
 
         Parameters
@@ -545,7 +548,7 @@ class PiecewiseLinearMap:
         )
 
     def _band_period(self, word: Word) -> int:
-        """A word whose own slope is -1 has one fixed point; the points beside it have twice that."""
+        """Where a word's own slope is -1, points beside its fixed point have twice its period."""
         period = self._period(word)
         return period if self.judge.slope(word[:period]) > 0 else 2 * period
 

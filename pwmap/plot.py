@@ -1,17 +1,22 @@
-"""Pictures of diagrams: stable solid, unstable dashed, jumps dotted."""
+"""Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+import sympy
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+from pwmap.cells import ParameterCell
 from pwmap.diagram import Branch, BranchKind, Diagram, FloatArray, PointKind
+from pwmap.maps import PiecewiseLinearMap
+from pwmap.plane import ParameterPlane
 
 STABLE, UNSTABLE, JUMP = "#08306b", "#d95f0e", "#238b45"
 MARKERS = {
@@ -62,7 +67,7 @@ def plot_diagram(
                     edgecolors="white" if marker not in "|" else None, linewidths=0.6,
                 )  # type: ignore[arg-type]
             )  # fmt: skip
-            labels.append(kind.meaning)
+            labels.append(kind.title)
     ax.set_xlabel(axis_label(diagram.parameter_name))
     ax.set_ylabel(axis_label(diagram.x_name))
     ax.grid(alpha=0.25, linewidth=0.5)
@@ -128,3 +133,181 @@ def axis_label(name: str) -> str:
         "g": r"$g$ [m/s$^2$]",
     }
     return known.get(name, name)
+
+
+# --- Maps -----------------------------------------------------------------------------------------
+
+
+def plot_map(
+    map_: PiecewiseLinearMap,
+    ax: Axes | None = None,
+    *,
+    window: tuple[float, float] | None = None,
+    legend: bool = True,
+) -> Axes:
+    """Draw the graph of a map or an iterate with the diagonal and what lies on it.
+
+    A filled end of a piece belongs to it, an open one does not. Jumps that cross the diagonal are
+    dotted; fixed points are filled if they are stable.
+
+    Parameters
+    ----------
+    map_
+        A map without parameters.
+    ax
+        Axes to draw on; new ones by default.
+    window
+        Interval of x; by default around all breaks and fixed points.
+    legend
+        Whether to explain the markers that occur.
+
+    Raises
+    ------
+    ValueError
+        If the map still has parameters.
+    """
+    if map_.parameters:
+        raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
+    ax = ax if ax is not None else plt.figure(figsize=(4.6, 4.4), layout="constrained").gca()
+    low, high = window if window is not None else _window(map_)
+    ax.plot([low, high], [low, high], color="#969696", linewidth=0.8, zorder=1)
+    for piece in map_.pieces:
+        left, right = max(low, float(piece.lower)), min(high, float(piece.upper))
+        if left > right:
+            continue
+        slope, intercept = float(piece.slope), float(piece.intercept)
+        values = [slope * left + intercept, slope * right + intercept]
+        ax.plot([left, right], values, color="#252525", linewidth=1.5, solid_capstyle="butt")
+        for x, end, closed, value in (
+            (left, piece.lower, piece.lower_closed, values[0]),
+            (right, piece.upper, piece.upper_closed, values[1]),
+        ):
+            if x == float(end):
+                face = "#252525" if closed else "white"
+                ax.plot(x, value, "o", markersize=3.4, mfc=face, mec="#252525", mew=0.9, zorder=4)
+    handles: dict[str, Line2D] = {}
+    for crossing in map_.jump_crossings():
+        x, limits = float(crossing.x), (float(crossing.left), float(crossing.right))
+        (line,) = ax.plot([x, x], limits, color=JUMP, linestyle=(0, (1, 1.3)), linewidth=1.6)
+        ax.plot(x, x, "o", markersize=6.5, mfc="none", mec=JUMP, mew=1.3, zorder=6)
+        handles["jump crossing"] = line
+    for point in map_.fixed_points():
+        name, color = ("stable", STABLE) if point.stable else ("unstable", UNSTABLE)
+        x = float(point.x)
+        face = color if point.stable else "white"
+        (marker,) = ax.plot(
+            x, x, "o", markersize=6.5, mfc=face, mec=color, mew=1.5, zorder=6, linestyle="none"
+        )
+        handles[f"{name} fixed point"] = marker
+    ax.set_xlim(low, high)
+    ax.set_xlabel(f"${sympy.latex(map_.x)}$")
+    ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
+    ax.grid(alpha=0.25, linewidth=0.5)
+    if legend and handles:
+        ax.legend(list(handles.values()), list(handles), fontsize=7, loc="best", framealpha=0.9)
+    return ax
+
+
+def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:
+    """Around all breaks, limits at breaks and fixed points, with a margin."""
+    marks = [float(p.x) for p in map_.fixed_points()]
+    for jump in map_.jumps():
+        marks += [float(v) for v in (jump.x, jump.left, jump.value, jump.right)]
+    marks += [float(piece.lower) for piece in map_.pieces[1:]]
+    low, high = min(marks, default=-1.0), max(marks, default=1.0)
+    margin = 0.2 * (high - low) or 1.0
+    return low - margin, high + margin
+
+
+def plot_cobweb(
+    map_: PiecewiseLinearMap,
+    start: object,
+    steps: int,
+    ax: Axes | None = None,
+    *,
+    window: tuple[float, float] | None = None,
+) -> Axes:
+    """Draw a map and an orbit on it, followed exactly.
+
+    Parameters
+    ----------
+    map_
+        A map without parameters.
+    start
+        A rational.
+    steps
+        Number of steps, at least 1.
+    ax, window
+        As for :func:`plot_map`; by default the window holds the orbit.
+    """
+    if steps < 1:
+        raise ValueError(f"a cobweb needs at least one step, got {steps}")
+    if map_.parameters:
+        raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
+    orbit: list[object] = [start]
+    for _ in range(steps):
+        orbit.append(map_(orbit[-1]))
+    values = [float(sympy.sympify(x)) for x in orbit]
+    if window is None:
+        low, high = _window(map_)
+        window = min(low, *values), max(high, *values)
+    ax = plot_map(map_, ax, window=window)
+    x = np.repeat(values, 2)
+    ax.plot(x[:-1], np.append(values[0], x[2:]), color="#6a51a3", linewidth=0.9, zorder=3)
+    ax.plot(values[0], values[0], "s", markersize=4, color="#6a51a3", zorder=7)
+    return ax
+
+
+# --- Cells of two parameters ----------------------------------------------------------------------
+
+PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
+
+
+def plot_plane(plane: ParameterPlane, ax: Axes | None = None, *, samples: int = 200) -> Axes:
+    """Draw cells of two parameters, coloured by the periods of the cycles that attract there.
+
+    Parameters
+    ----------
+    plane
+        What to draw.
+    ax
+        Axes to draw on; new ones by default.
+    samples
+        Points along each edge.
+    """
+    ax = ax if ax is not None else plt.figure(figsize=(6.4, 4.6), layout="constrained").gca()
+    colors: dict[tuple[int, ...], str] = {}
+    for strip in plane.strips:
+        across = np.linspace(float(strip.lower), float(strip.upper), samples)
+        for cell in strip.cells:
+            lower, upper = (_curve(end, plane.across, across) for end in (cell.lower, cell.upper))
+            if cell.is_edge:
+                ax.plot(across, lower, color="#252525", linewidth=0.6)
+                continue
+            periods = _attracting(cell, strip.cells.orders)
+            color = colors.setdefault(
+                periods, PERIODS[len(colors) % len(PERIODS)] if periods else "#f0f0f0"
+            )
+            ax.fill_between(across, lower, upper, color=color, linewidth=0.0)
+    ax.set_xlabel(axis_label(str(plane.across)))
+    ax.set_ylabel(axis_label(str(plane.along)))
+    ax.margins(0)
+    handles = [Patch(color=colors[key], label=_periods_label(key)) for key in sorted(colors)]
+    ax.legend(handles=handles, fontsize=7, loc="upper right", title="attracting periods",
+              title_fontsize=7, framealpha=0.95)  # fmt: skip
+    return ax
+
+
+def _attracting(cell: ParameterCell, orders: Sequence[int]) -> tuple[int, ...]:
+    """Periods of all stable cycles of a cell."""
+    points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
+    return tuple(sorted({point.period for point in points}))
+
+
+def _periods_label(periods: tuple[int, ...]) -> str:
+    return " and ".join(map(str, periods)) or "none found"
+
+
+def _curve(end: sympy.Expr, symbol: sympy.Symbol, values: FloatArray) -> FloatArray:
+    """An end of a cell as a function of the parameter of the strips."""
+    return np.broadcast_to(sympy.lambdify(symbol, end, "numpy")(values), values.shape)

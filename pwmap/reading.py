@@ -11,10 +11,9 @@ from string import ascii_uppercase
 import sympy
 from sympy import QQ
 from sympy.core.relational import Relational
-from sympy.polys.rings import PolyRing
 
 from pwmap.assumptions import Region, UndecidedError, read_constraints
-from pwmap.exact import Number, element, expression, polynomial_ring
+from pwmap.exact import Number, Ring, element, expression, polynomial_ring
 from pwmap.itineraries import Layout, Table
 
 Owner = Callable[[Sequence[int], str], int]  # pieces that hold on a slot, the slot -> the owner
@@ -25,7 +24,7 @@ class Model:
     """A map as it was written: its variable, parameters, assumptions and coefficients."""
 
     x: sympy.Symbol
-    ring: PolyRing | None
+    ring: Ring
     region: Region
     table: Table
     letters: tuple[str, ...]
@@ -112,7 +111,7 @@ def _symbol(x: object) -> sympy.Symbol:
     return symbol
 
 
-def _affine(formula: sympy.Basic, x: sympy.Symbol, ring: PolyRing | None) -> tuple[Number, Number]:
+def _affine(formula: sympy.Basic, x: sympy.Symbol, ring: Ring) -> tuple[Number, Number]:
     """Slope and intercept of a formula."""
     polynomial = formula.as_poly(x) if isinstance(formula, sympy.Expr) else None
     if polynomial is None or polynomial.degree() > 1 or x in polynomial.free_symbols_in_domain:
@@ -122,7 +121,7 @@ def _affine(formula: sympy.Basic, x: sympy.Symbol, ring: PolyRing | None) -> tup
     return element(ring, slope, what), element(ring, intercept, what)
 
 
-def _side(relation: Relational, x: sympy.Symbol, ring: PolyRing | None) -> tuple[Number, int]:
+def _side(relation: Relational, x: sympy.Symbol, ring: Ring) -> tuple[Number, int]:
     """The break that a relation compares x with, and +1, or -1 if x is on its right side."""
     if x not in relation.free_symbols:
         raise ValueError(
@@ -130,7 +129,7 @@ def _side(relation: Relational, x: sympy.Symbol, ring: PolyRing | None) -> tuple
         )
     difference = sympy.expand(relation.lhs - relation.rhs)
     polynomial = difference.as_poly(x)
-    slope = polynomial.coeff_monomial(x) if polynomial is not None else None
+    slope = polynomial.coeff_monomial(x) if polynomial is not None else sympy.nan
     if polynomial is None or polynomial.degree() != 1 or not slope.is_Rational:
         raise ValueError(
             f"the condition {relation} must compare {x} with a polynomial in the parameters"

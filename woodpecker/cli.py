@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import inspect
 import logging
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,7 +16,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from pwmap import Diagram, PointKind, write_graph
+from pwmap.files import write_figure, write_table
+from pwmap.results import FILES, table_of_points, write_results
 from woodpecker.diagram import WINDOW, continuation
 from woodpecker.follow import Settings
 from woodpecker.returns import CHUNK, ReturnMap, return_map
@@ -114,19 +114,19 @@ def simulate(
         ("time_history", figures.plot_time_history(trajectory)),
         ("phase_portraits", figures.plot_phase_portraits(trajectory)),
     ):
-        _save(axes[0].figure, folder / f"{name}.png")
+        write_figure(folder / f"{name}.png", axes[0].figure)
     columns = ("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s")
     samples_table = zip(
         trajectory.t.tolist(), *trajectory.q.T.tolist(), *trajectory.u.T.tolist(), strict=True
     )
-    _write_csv(folder / "trajectory.csv", columns, samples_table)
+    write_table(folder / "trajectory.csv", columns, samples_table)
     rows = [
         (event.time, event.symbol, *event.u_before, *event.u_after) for event in trajectory.events
     ]
     speeds = ("dy", "dphi_m", "dphi_s")
     header = ["t", "event", *(f"{name}_before" for name in speeds)]
     header += [f"{name}_after" for name in speeds]
-    _write_csv(folder / "events.csv", header, rows)
+    write_table(folder / "events.csv", header, rows)
     table = Table("t [s]", "event", title=f"{trajectory.status.value}; fell {_mm(trajectory.drop)}")
     for row in rows[:40]:
         table.add_row(f"{row[0]:.9f}", row[1])
@@ -171,9 +171,10 @@ def draw_map(
         words=tuple(text for part in parts for text in part.words),
         status=tuple(reason for part in parts for reason in part.status),
     )
-    _save(_plots().plot_return_map(toy, returns, order=order).figure, folder / "return_map.png")
+    figure = _plots().plot_return_map(toy, returns, order=order).figure
+    write_figure(folder / "return_map.png", figure)
     columns = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
-    _write_csv(
+    write_table(
         folder / "return_map.csv",
         columns,
         zip(
@@ -224,13 +225,10 @@ def diagram(
             progress.update(task, description=f"{parameter} = {value:.4f}")
 
         found = continuation(toy, orbit, parameter, span, settings=settings, progress=show)
-    _save(_plots().plot_diagram(found).figure, folder / "diagram.png")
-    graph = found.graph()
-    write_graph(graph, folder / "graph.graphml")
-    write_graph(graph, folder / "graph.json")
-    _write_points(found, folder)
-    console.print(_summary(found))
-    _report(folder, "diagram.png", "points.csv", "branches.csv", "graph.graphml", "graph.json")
+    write_figure(folder / "diagram.png", _plots().plot_diagram(found).figure)
+    write_results(found, folder)
+    console.print(table_of_points(found))
+    _report(folder, "diagram.png", *FILES)
 
 
 def _cycle(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
@@ -251,61 +249,10 @@ def _plots() -> Any:
     return SimpleNamespace(plot_diagram=plot_diagram, **vars(plot))
 
 
-def _save(figure: Any, path: Path) -> None:
-    figure.savefig(path, dpi=200)
-
-
 def _folder(out: Path) -> Path:
     """The folder for the results, made before anything long is computed."""
     out.mkdir(parents=True, exist_ok=True)
     return out
-
-
-def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)
-
-
-def _write_points(found: Diagram, folder: Path) -> None:
-    _write_csv(
-        folder / "points.csv",
-        ("id", "kind", found.parameter_name, found.x_name, "order", "note", "branches"),
-        (
-            (p.id, p.kind, p.parameter, p.x, p.order, p.note, " ".join(p.branches))
-            for p in found.points
-        ),
-    )
-    _write_csv(
-        folder / "branches.csv",
-        ("id", "kind", "word", "from", "to", found.parameter_name, found.x_name, "multiplier"),
-        (
-            (b.id, b.kind, b.word, *b.ends, p, x, m)
-            for b in found.branches
-            for p, x, m in zip(
-                b.parameter.tolist(), b.x.tolist(), b.multiplier.tolist(), strict=True
-            )
-        ),
-    )
-
-
-def _summary(found: Diagram) -> Table:
-    """Table of the special points but for changes of word, which are counted."""
-    changes = sum(point.kind is PointKind.WC for point in found.points)
-    table = Table(
-        "point", found.parameter_name, found.x_name, "what", "branches",
-        title=f"{len(found.branches)} branches, {len(found.points)} special points, "
-        f"{changes} of them changes of word",
-    )  # fmt: skip
-    for point in found.points:
-        if point.kind is not PointKind.WC:
-            what = f"{point.kind.meaning}{f' ({point.note})' if point.note else ''}"
-            table.add_row(
-                point.id, f"{point.parameter:.10f}", f"{point.x:.10f}", what,
-                " ".join(point.branches),
-            )  # fmt: skip
-    return table
 
 
 def _progress() -> Progress:

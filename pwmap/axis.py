@@ -1,0 +1,386 @@
+"""One parameter of a map as an axis with exact places on it.
+
+A place is a rational, an algebraic number, or, where other parameters stay symbolic, a quotient of
+polynomials in these with its value at a sample of them.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import total_ordering
+from itertools import pairwise
+from typing import Any
+
+import sympy
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.assumptions import Constraint
+from pwmap.exact import (
+    Fraction_,
+    Number,
+    evaluate,
+    is_constant,
+    polynomial_ring,
+    sign,
+    to_sympy,
+)
+from pwmap.itineraries import Judge, Orbits, Question
+from pwmap.reading import Model
+from pwmap.roots import Dense, RealRoot, real_roots, sign_at, simplest_between, trimmed
+
+INFINITE = "infinite"
+
+
+@total_ordering
+@dataclass(frozen=True, slots=True, eq=False)
+class Threshold:
+    """A value of the parameter that depends on other, symbolic parameters.
+
+    Attributes
+    ----------
+    value
+        Its value at the sample of the other parameters.
+    expr
+        The quotient of polynomials in the others.
+    """
+
+    value: Number
+    expr: Any
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Threshold) and self.value == other.value
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+    def __lt__(self, other: Threshold) -> bool:
+        return bool(self.value < other.value)
+
+
+class ResampleError(ValueError):
+    """The sample of the symbolic parameters is not generic: there edges meet."""
+
+
+class Axis(ABC):
+    """One parameter of a map, along which the signs of polynomials are followed."""
+
+    model: Model
+    name: str
+    sample: dict[str, Number]  # values of the other, symbolic parameters
+    orbits: Orbits  # of the map, in all its parameters
+    given: tuple[sympy.Basic, ...]
+
+    @abstractmethod
+    def place(self, value: Number) -> Any:
+        """A rational value as a place on the axis."""
+
+    @abstractmethod
+    def between(self, low: Any, high: Any) -> Any:
+        """A place strictly between two others; None is an infinite end."""
+
+    @abstractmethod
+    def judge(self, place: Any) -> Judge:
+        """Who decides all signs at a place."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.orbits = Orbits(model.table)
+        self.sample = {}
+        self.given = ()
+        self._roots: dict[Question, tuple[Any, ...] | None] = {}
+
+    def roots(self, question: Question) -> tuple[Any, ...] | None:
+        """Places where the answer to a question is zero; None if it is zero everywhere."""
+        if question not in self._roots:
+            self._roots[question] = self.zeros(self.orbits.polynomial(question))
+        return self._roots[question]
+
+    @abstractmethod
+    def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
+        """Places where a polynomial in the parameters is zero; None if it is zero everywhere."""
+
+    @abstractmethod
+    def sign(self, polynomial: Number, place: Any) -> int:
+        """Sign of a polynomial in the parameters at a place."""
+
+    @abstractmethod
+    def value(self, fraction: Fraction_, place: Any) -> Any:
+        """A quotient at a place, in a canonical form, or INFINITE."""
+
+    @abstractmethod
+    def order(self, first: Fraction_, second: Fraction_, place: Any) -> int:
+        """Sign of the difference of two finite quotients at a place."""
+
+    @abstractmethod
+    def to_sympy(self, place: Any) -> sympy.Expr:
+        """A place as an expression."""
+
+    @abstractmethod
+    def number(self, fraction: Fraction_, place: Any) -> float:
+        """A finite quotient at a place as a float."""
+
+    @abstractmethod
+    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
+        """What :meth:`value` returned for a place, as an expression."""
+
+    @abstractmethod
+    def spread(self, low: Any, high: Any, n: int) -> list[Any]:
+        """Places that part an interval, up to rounding, in n + 1 equal parts."""
+
+    @property
+    def identity(self) -> Fraction_:
+        """The parameter itself, as a quotient."""
+        ring = self.model.ring
+        names = [str(symbol) for symbol in ring.symbols]
+        return ring.gens[names.index(self.name)], ring.one
+
+    def degree(self, number: Number) -> int:
+        """Degree of a polynomial in the parameter of the axis; 0 for zero."""
+        index = [str(symbol) for symbol in self.model.ring.symbols].index(self.name)
+        return max(0, int(number.degree(index))) if number else 0
+
+    @abstractmethod
+    def closing(self, places: Sequence[Any]) -> tuple[sympy.Basic, ...]:
+        """Conditions on the other parameters under which all that was found holds."""
+
+
+class RationalAxis(Axis):
+    """The only parameter of a map."""
+
+    def __init__(self, model: Model) -> None:
+        super().__init__(model)
+        self.name = str(model.ring.symbols[0])
+
+    def place(self, value: Number) -> Number:
+        return value
+
+    def between(self, low: Any, high: Any) -> Number:
+        return simplest_between(low, high)
+
+    def judge(self, place: Any) -> Judge:
+        if isinstance(place, RealRoot):
+            return Judge(self.orbits, lambda number: place.sign_of(_dense(number)))
+        table = self.model.table.mapped(lambda number: _at(number, place))
+        return Judge(Orbits(table), sign)
+
+    def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
+        dense = _dense(polynomial)
+        return real_roots(dense) if dense else None
+
+    def sign(self, polynomial: Number, place: Any) -> int:
+        return sign_at(_dense(polynomial), place)
+
+    def value(self, fraction: Fraction_, place: Any) -> Any:
+        top, bottom = (_dense(number) for number in fraction)
+        if sign_at(bottom, place) == 0:
+            return INFINITE
+        if isinstance(place, RealRoot):
+            return place.quotient(top, bottom)
+        return _at(fraction[0], place) / _at(fraction[1], place)
+
+    def order(self, first: Fraction_, second: Fraction_, place: Any) -> int:
+        (a, b), (c, d) = first, second
+        bottom = sign_at(_dense(b), place) * sign_at(_dense(d), place)
+        return sign_at(_dense(a * d - c * b), place) * bottom
+
+    def to_sympy(self, place: Any) -> sympy.Expr:
+        return real_to_sympy(place)
+
+    def number(self, fraction: Fraction_, place: Any) -> float:
+        if isinstance(place, RealRoot):
+            place = place.refined_to(QQ(1, 2**80))
+        top, bottom = (_at(number, place) for number in fraction)
+        return float(top / bottom)
+
+    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
+        if not isinstance(place, RealRoot):
+            return QQ.to_sympy(value)
+        root = place.to_sympy()
+        powers = enumerate(reversed(value))
+        return sympy.radsimp(sympy.expand(sum(QQ.to_sympy(c) * root**i for i, c in powers)))
+
+    def spread(self, low: Any, high: Any, n: int) -> list[Number]:
+        fine = QQ(1, 2**60)
+        first, last = (x.refined_to(fine) if isinstance(x, RealRoot) else x for x in (low, high))
+        return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
+
+    def closing(self, places: Sequence[Any]) -> tuple[sympy.Basic, ...]:
+        return ()
+
+
+class SymbolicAxis(Axis):
+    """One parameter of a map that has others, which stay symbolic.
+
+    Parameters
+    ----------
+    model
+        The map.
+    name
+        The parameter of the axis.
+    sample
+        Values of the other parameters at which the picture is drawn.
+    """
+
+    def __init__(self, model: Model, name: str, sample: dict[str, Number]) -> None:
+        super().__init__(model)
+        self.name, self.sample = name, sample
+        names = [str(s) for s in model.ring.symbols]
+        self._index = names.index(name)
+        self._others = polynomial_ring([s for s in model.ring.symbols if str(s) != name])
+        self._field = self._others.to_field()
+        self._conditions: dict[PolyElement, None] = {}
+        self.bounds: tuple[Any, Any] = (None, None)  # of one other parameter, after closing
+
+    def place(self, value: Number) -> Threshold:
+        return Threshold(value, self._field.ground_new(value))
+
+    def between(self, low: Any, high: Any) -> Threshold:
+        ends = (end.value if end is not None else None for end in (low, high))
+        return self.place(simplest_between(*ends))
+
+    def judge(self, place: Threshold) -> Judge:
+        values = {**self.sample, self.name: place.value}
+        return Judge(Orbits(self.model.table.mapped(lambda n: evaluate(n, values, None))), sign)
+
+    def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
+        if not polynomial:
+            return None
+        degree = polynomial.degree(self._index)
+        if degree > 1:
+            raise ValueError(
+                f"a decision has degree {degree} in {self.name}: "
+                f"{sympy.factor(to_sympy(polynomial))}; give the other parameters values (.at)"
+            )
+        slope, rest = self._coefficients(polynomial)
+        if not slope:
+            self._keep_sign(rest)
+            return ()
+        self._keep_sign(slope)
+        expr = -self._field.field_new(rest) / self._field.field_new(slope)
+        return (Threshold(self._at_sample(expr), expr),)
+
+    def sign(self, polynomial: Number, place: Threshold) -> int:
+        return sign(evaluate(polynomial, {**self.sample, self.name: place.value}, None))
+
+    def _coefficients(self, polynomial: PolyElement) -> tuple[PolyElement, PolyElement]:
+        """Slope and rest of a polynomial of degree at most one in the axis' parameter."""
+        parts = [self._others.zero, self._others.zero]
+        for exponents, coefficient in polynomial.terms():
+            others = exponents[: self._index] + exponents[self._index + 1 :]
+            parts[exponents[self._index]] += self._others.from_dict({others: coefficient})
+        return parts[1], parts[0]
+
+    def _keep_sign(self, polynomial: PolyElement) -> None:
+        """Record that a polynomial in the other parameters must keep the sign of the sample."""
+        if is_constant(polynomial):
+            return
+        if not evaluate(polynomial, self.sample, None):
+            raise ResampleError
+        self._conditions[polynomial.primitive()[1]] = None
+
+    def _at_sample(self, expr: Any) -> Number:
+        return evaluate(expr.numer, self.sample, None) / evaluate(expr.denom, self.sample, None)
+
+    def _substituted(self, polynomial: PolyElement, place: Threshold) -> Any:
+        """A polynomial at a place, as an element of the field of the other parameters."""
+        powers = [self._others.zero] * (self.degree(polynomial) + 1)
+        for exponents, coefficient in polynomial.terms():
+            others = exponents[: self._index] + exponents[self._index + 1 :]
+            powers[exponents[self._index]] += self._others.from_dict({others: coefficient})
+        value = self._field.zero
+        for power in reversed(powers):  # Horner's rule
+            value = value * place.expr + self._field.field_new(power)
+        return value
+
+    def value(self, fraction: Fraction_, place: Threshold) -> Any:
+        top, bottom = (self._substituted(number, place) for number in fraction)
+        return INFINITE if not bottom else top / bottom
+
+    def order(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
+        values = [self._at_sample(self.value(f, place)) for f in (first, second)]
+        return sign(values[0] - values[1])
+
+    def to_sympy(self, place: Threshold) -> sympy.Expr:
+        return sympy.factor(place.expr.as_expr())
+
+    def number(self, fraction: Fraction_, place: Threshold) -> float:
+        values = {**self.sample, self.name: place.value}
+        top, bottom = (evaluate(number, values, None) for number in fraction)
+        return float(top / bottom)
+
+    def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
+        return sympy.factor(value.as_expr())
+
+    def spread(self, low: Any, high: Any, n: int) -> list[Threshold]:
+        step = (high.value - low.value) / (n + 1)
+        return [self.place(low.value + step * i) for i in range(1, n + 1)]
+
+    def closing(self, places: Sequence[Threshold]) -> tuple[sympy.Basic, ...]:
+        """Where the order of the given places, from left to right, persists."""
+        thresholds = {p for roots in self._roots.values() for p in roots or ()}
+        low, high = places[0], places[-1]
+        inner = sorted({*places, *(p for p in thresholds if low < p < high)})
+        pairs = [*pairwise(inner)]
+        pairs += [(p, low) for p in thresholds if p < low] + [
+            (high, p) for p in thresholds if high < p
+        ]
+        for left, right in pairs:
+            difference = right.expr - left.expr
+            self._keep_sign(difference.numer)
+            self._keep_sign(difference.denom)
+        return self._conditions_on_others()
+
+    def _conditions_on_others(self) -> tuple[sympy.Basic, ...]:
+        """All recorded signs as inequalities; for one other parameter, its interval."""
+        others = self._others.symbols
+        own = [c for c in self.model.region.constraints if not self.degree(c.polynomial)]
+        if len(others) == 1:
+            symbol, value = others[0], self.sample[str(others[0])]
+            limits = [evaluate(c.polynomial, {self.name: QQ.zero}, self._others) for c in own]
+            roots = {x for p in (*limits, *self._conditions) for x in real_roots(_dense(p))}
+            below = max((x for x in roots if x < value), default=None)
+            above = min((x for x in roots if x > value), default=None)
+            self.bounds = below, above
+            lower = [] if below is None else [symbol > real_to_sympy(below)]
+            return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
+        signed = []
+        for polynomial in self._conditions:
+            for factor, _ in polynomial.factor_list()[1]:
+                positive = evaluate(factor, self.sample, None) > 0
+                signed.append(Constraint(factor if positive else -factor, True))
+        return tuple(dict.fromkeys(c.relation() for c in (*own, *signed)))
+
+
+def identical(first: Any, second: Any) -> bool:
+    """Whether two equal places stay equal for other values of the symbolic parameters."""
+    return not isinstance(first, Threshold) or bool(first.expr == second.expr)
+
+
+def axis_of(model: Model, name: str, sample: dict[str, Number]) -> Axis:
+    """The axis of a parameter; the others, if any, stay symbolic, with values at a sample."""
+    return SymbolicAxis(model, name, sample) if sample else RationalAxis(model)
+
+
+def real_to_sympy(x: Any) -> sympy.Expr:
+    """A rational or algebraic number as an expression."""
+    return x.to_sympy() if isinstance(x, RealRoot) else QQ.to_sympy(x)
+
+
+def _dense(number: Number) -> Dense:
+    """Coefficients of a polynomial in one parameter, highest power first."""
+    if not isinstance(number, PolyElement):
+        return trimmed((number,))
+    terms = dict(number.terms())
+    degree = max((exponent for (exponent,) in terms), default=-1)
+    return tuple(terms.get((i,), QQ.zero) for i in range(degree, -1, -1))
+
+
+def _at(number: PolyElement, value: Number) -> Number:
+    """A polynomial in one parameter at a rational value."""
+    total = QQ.zero
+    for (exponent,), coefficient in number.items():
+        total += coefficient * value**exponent
+    return total

@@ -1,0 +1,103 @@
+"""The command ``pwmap``: exact analysis of a piecewise-linear map given as text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import matplotlib as mpl
+import typer
+from rich.console import Console
+
+from pwmap.bifurcations import bifurcation_diagram
+from pwmap.files import write_figure
+from pwmap.maps import PiecewiseLinearMap
+from pwmap.results import FILES, table_of_branches, table_of_points, write_results
+
+app = typer.Typer(
+    help="Exact analysis of piecewise-linear discontinuous maps of the line.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console()
+errors = Console(stderr=True)
+
+
+@app.callback()
+def _commands() -> None:
+    """Keep ``analyse`` a command of its own."""
+
+
+@app.command()
+def analyse(
+    formula: Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")],
+    parameter: Annotated[str, typer.Option(help="The parameter to vary.")],
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Value of another parameter, such as a=5/4; repeatable."),
+    ] = None,
+    orders: Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")] = "1,2",
+    span: Annotated[
+        tuple[str, str] | None,
+        typer.Option(help="Two rationals; by default all that happens.", show_default=False),
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option(help="An assumption on parameters that stay symbolic, such as 'a > 1'."),
+    ] = None,
+    variable: Annotated[str, typer.Option(help="The variable of the map.")] = "x",
+    out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
+        "out"
+    ),
+) -> None:
+    """Find all branches and special points over a parameter, exactly; draw and export them.
+
+    Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
+    """
+    try:
+        map_ = PiecewiseLinearMap.from_sympy(formula, variable, given or ())
+        values = dict(_assignment(text) for text in set_ or ())
+        map_ = map_.at(values) if values else map_
+        found = bifurcation_diagram(map_, parameter, span, _orders(orders))
+        out.mkdir(parents=True, exist_ok=True)
+        write_figure(out / "diagram.png", _drawn(found))
+        write_results(found, out)
+    except (ValueError, TypeError, OSError) as error:
+        errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)
+        raise typer.Exit(2) from None
+    console.print(table_of_branches(found))
+    console.print(table_of_points(found))
+    names = ("diagram.png", *FILES)
+    console.print("wrote " + ", ".join(str(out / name) for name in names), soft_wrap=True)
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (name and equals and value):
+        raise ValueError(f"--set needs name=value, such as a=5/4, got {text!r}")
+    return name, value
+
+
+def _orders(text: str) -> list[int]:
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None
+
+
+def _drawn(found: Any) -> Any:
+    """The picture of a diagram, drawn without a screen."""
+    mpl.use("Agg")
+    from pwmap.plot import plot_diagram
+
+    return plot_diagram(found).figure
+
+
+def run() -> None:
+    """Entry point of the command."""
+    app()
+
+
+if __name__ == "__main__":
+    run()

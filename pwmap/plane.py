@@ -1,0 +1,113 @@
+"""Cells of two parameters: strips of one, in each of which the cells of the other persist."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+
+from pwmap.axis import ResampleError, SymbolicAxis, real_to_sympy
+from pwmap.cells import ParameterCells, checked_orders, checked_span, cut_up, shown_cells
+from pwmap.exact import Number
+from pwmap.maps import PiecewiseLinearMap
+from pwmap.roots import simplest_between
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Strip:
+    """An open interval of one parameter, with the cells of the other.
+
+    Attributes
+    ----------
+    lower, upper
+        Exact ends of the interval.
+    cells
+        The cells of the other parameter; their edges are formulas in the first.
+    """
+
+    lower: sympy.Expr
+    upper: sympy.Expr
+    cells: ParameterCells
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ParameterPlane:
+    """Cells of two parameters, strip by strip.
+
+    Attributes
+    ----------
+    across, along
+        The parameter of the strips, and the one along each strip.
+    strips
+        From left to right; the values between two strips, where two edges meet, belong to neither.
+    """
+
+    across: sympy.Symbol
+    along: sympy.Symbol
+    strips: tuple[Strip, ...]
+
+
+def parameter_plane(
+    map_: PiecewiseLinearMap,
+    across: object,
+    along: object,
+    across_span: tuple[object, object],
+    along_span: tuple[object, object],
+    orders: Iterable[int] = (1, 2),
+) -> ParameterPlane:
+    """Cut a rectangle of two parameters into cells, exactly.
+
+    Parameters
+    ----------
+    map_
+        A map with just these two parameters.
+    across, along
+        Symbols or names. All decisions must be of degree one in ``along``.
+    across_span, along_span
+        Rationals.
+    orders
+        The iterates to look at.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters, or a decision has a higher degree in ``along``.
+    """
+    names = {str(symbol): symbol for symbol in map_.parameters}
+    if set(names) != {str(across), str(along)} or len(names) != 2:
+        raise ValueError(f"expected a map of {across} and {along}, this one has {list(names)}")
+    orders = checked_orders(orders)
+    low, high = checked_span(across_span)
+    ends = checked_span(along_span)
+    strips: list[tuple[Any, Strip]] = []
+    waiting: list[tuple[Any, Any]] = [(low, high)]
+    while waiting:
+        left, right = waiting.pop()
+        sample = {str(across): simplest_between(left, right)}
+        try:
+            axis, cells = cut_up(map_, along, orders, *ends, sample)
+        except ResampleError:  # edges meet here: it is no strip, but lies between two
+            waiting += [(left, sample[str(across)]), (sample[str(across)], right)]
+            continue
+        assert isinstance(axis, SymbolicAxis)
+        start, stop = _inside(axis, left, right)
+        shown = shown_cells(map_, axis, cells, orders)
+        strip = Strip(lower=real_to_sympy(start), upper=real_to_sympy(stop), cells=shown)
+        strips.append((sample[str(across)], strip))
+        waiting += [(left, start)] if start is not left else []
+        waiting += [(stop, right)] if stop is not right else []
+    strips.sort(key=lambda item: item[0])
+    return ParameterPlane(
+        across=names[str(across)], along=names[str(along)], strips=tuple(s for _, s in strips)
+    )
+
+
+def _inside(axis: SymbolicAxis, left: Number, right: Number) -> tuple[Any, Any]:
+    """Where a picture holds, within two bounds."""
+    low, high = axis.bounds
+    return (
+        left if low is None or not left < low else low,
+        right if high is None or not high < right else high,
+    )

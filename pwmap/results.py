@@ -1,0 +1,105 @@
+"""A diagram as files for other programs and as tables for a person."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.table import Table
+
+from pwmap.diagram import Branch, Diagram, PointKind, SpecialPoint
+from pwmap.files import write_table
+from pwmap.graph import write_graph
+
+FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json")
+
+
+def write_results(diagram: Diagram, folder: Path) -> None:
+    """Write points and branches as CSV and the graph as GraphML and JSON: :data:`FILES`.
+
+    Exact values, where a diagram has them, stand as text beside the floats.
+    """
+    exact_of_points = _names(diagram.points)
+    write_table(
+        folder / FILES[0],
+        (
+            *("id", "kind", diagram.parameter_name, diagram.x_name, "order", "note", "branches"),
+            *(f"{name}_exact" for name in exact_of_points),
+        ),
+        (
+            (
+                *(p.id, p.kind, p.parameter, p.x, p.order, p.note, " ".join(p.branches)),
+                *(p.exact.get(name, "") for name in exact_of_points),
+            )
+            for p in diagram.points
+        ),
+    )
+    write_table(
+        folder / FILES[1],
+        (
+            *("id", "kind", "order", "word", "from", "to"),
+            *(diagram.parameter_name, diagram.x_name, "multiplier"),
+        ),
+        (
+            (b.id, b.kind, b.order, b.word, *b.ends, p, x, m)
+            for b in diagram.branches
+            for p, x, m in zip(
+                b.parameter.tolist(), b.x.tolist(), b.multiplier.tolist(), strict=True
+            )
+        ),
+    )
+    graph = diagram.graph()
+    for name in FILES[2:]:
+        write_graph(graph, folder / name)
+
+
+def table_of_points(diagram: Diagram) -> Table:
+    """Special points but for changes of word, which are counted; exact values where known."""
+    changes = sum(point.kind is PointKind.WC for point in diagram.points)
+    table = Table(
+        "point", diagram.parameter_name, diagram.x_name, "what", "left", "right",
+        title=f"{len(diagram.branches)} branches, {len(diagram.points)} special points, "
+        f"{changes} of them changes of word",
+        caption=f"holds for {', '.join(diagram.given)}" if diagram.given else None,
+    )  # fmt: skip
+    for point in diagram.points:
+        if point.kind is not PointKind.WC:
+            what = ", ".join(filter(None, (point.kind.title, point.note)))
+            left, right = (" ".join(side) for side in diagram.sides(point.id))
+            parameter = _shown(point, "parameter", point.parameter)
+            table.add_row(point.id, parameter, _shown(point, "x", point.x), what, left, right)
+    return table
+
+
+def table_of_branches(diagram: Diagram) -> Table:
+    """Branches with their exact formulas; only for diagrams that have them."""
+    table = Table("branch", "kind", "order", "word", diagram.x_name, "multiplier", "exists for")
+    for branch in diagram.branches:
+        jump = f"from {branch.exact.get('left')} to {branch.exact.get('right')}"
+        table.add_row(
+            branch.id,
+            str(branch.kind),
+            str(branch.order),
+            branch.word,
+            str(branch.exact.get("x", "an interval")),
+            str(branch.exact.get("multiplier", jump)),
+            f"{diagram.parameter_name} in {_interval(branch)}",
+        )
+    return table
+
+
+def _names(items: tuple[SpecialPoint, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for item in items for name in item.exact))
+
+
+def _shown(point: SpecialPoint, name: str, value: float) -> str:
+    return str(point.exact[name]) if name in point.exact else f"{value:.10f}"
+
+
+def _interval(branch: Branch) -> str:
+    """An interval as (a, b], or a set of one value."""
+    interval = branch.exact["interval"]
+    if not hasattr(interval, "left_open"):
+        return str(interval)
+    left = "(" if interval.left_open else "["
+    right = ")" if interval.right_open else "]"  # type: ignore[attr-defined]
+    return f"{left}{interval.start}, {interval.end}{right}"  # type: ignore[attr-defined]

@@ -1,0 +1,344 @@
+"""What is followed through the cells of a parameter, and where the ends of it meet.
+
+Fixed points and jump crossings are followed from cell to cell by what names them: a fixed point by
+its word, a crossing by its cut and the words on both sides. A run lasts while its name does; it
+ends where the name does, or where its multiplier is +1 or -1. Ends that lie at one place meet.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, cmp_to_key
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+from pwmap.axis import INFINITE, Axis
+from pwmap.cells import Cell
+from pwmap.cylinders import Cut, Cylinder, Place, minimal_period
+from pwmap.diagram import BranchKind
+from pwmap.exact import Fraction_, cancelled, is_constant
+from pwmap.itineraries import Judge, Orbits, Word
+
+Position = Fraction_ | None  # an x as a quotient; None is infinite
+LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """What identifies a branch from cell to cell.
+
+    Attributes
+    ----------
+    kind
+        What it is a branch of.
+    words
+        The word of a fixed point, or the words on both sides of a jump.
+    cut
+        Where the jump is, or the end of a piece that is the identity; None for other fixed points.
+    """
+
+    kind: BranchKind
+    words: tuple[Word, ...]
+    cut: Cut | None = None
+
+    @property
+    def word(self) -> Word:
+        """The word of a fixed point, or the left one of a jump."""
+        return self.words[0]
+
+    def x(self, orbits: Orbits) -> Fraction_:
+        """Its position as a quotient in lowest terms."""
+        if self.cut is None:
+            return cancelled(orbits.fixed_point(self.word))
+        return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """A name, from one place of the axis to another.
+
+    Attributes
+    ----------
+    closed
+        Whether it exists at its ends too.
+    isolated
+        Whether it is a fixed point whose cylinder is that point alone: then it has no slope.
+    band
+        For a run of fixed points along one value of the parameter, the x of its ends.
+    """
+
+    name: Name
+    places: tuple[Any, Any]
+    closed: tuple[bool, bool] = (True, True)
+    isolated: bool = False
+    band: tuple[Position, Position] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class End:
+    """One end of a run.
+
+    Attributes
+    ----------
+    which
+        0 or 1: the first or the last.
+    side
+        LEFT, ALONG or RIGHT, as seen from the end.
+    unit
+        +1 or -1 if that is the multiplier there and not elsewhere, otherwise 0.
+    """
+
+    run: Run
+    which: int
+    side: int
+    unit: int
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether it is the end of a branch of fixed points."""
+        return self.run.name.kind is BranchKind.FIXED_POINT
+
+    @property
+    def steps(self) -> int:
+        """Length of the words."""
+        return len(self.run.name.word)
+
+    @property
+    def place(self) -> Any:
+        """Where on the axis it lies."""
+        return self.run.places[self.which]
+
+    def x(self, orbits: Orbits) -> Position:
+        """Its position as a quotient."""
+        if self.run.band is not None:
+            return self.run.band[self.which]
+        return self.run.name.x(orbits)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Meeting:
+    """The ends of runs that lie at one place.
+
+    Attributes
+    ----------
+    value
+        The common x in canonical form, or (INFINITE, sign).
+    x
+        The same as a float.
+    """
+
+    place: Any
+    value: Any
+    x: float
+    ends: tuple[End, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """The cells of a parameter, from left to right, and the names that live in them.
+
+    Attributes
+    ----------
+    unit
+        How many maps make one step of order 1.
+    span
+        Places of the first and the last value of the parameter.
+    """
+
+    axis: Axis
+    cells: Sequence[Cell]
+    unit: int
+    span: tuple[Any, Any]
+
+    @property
+    def orbits(self) -> Orbits:
+        """Affine forms of words in the parameters."""
+        return self.axis.orbits
+
+    @cached_property
+    def present(self) -> list[dict[Name, bool]]:
+        """For each cell what lies on the diagonal, and whether it is an isolated point."""
+        return [dict(self._names(cell)) for cell in self.cells]
+
+    def _names(self, cell: Cell) -> Iterator[tuple[Name, bool]]:
+        judge = cell.study.judge
+        for order, iterate in cell.study.iterates.items():
+            for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True):
+                if self._is_own(cylinder, place, order, judge):
+                    for cut in _cuts(cylinder, place, judge):
+                        name = Name(BranchKind.FIXED_POINT, (cylinder.word,), cut)
+                        yield name, place is Place.POINT
+            for crossing in iterate.crossings:
+                words = crossing.left, crossing.right
+                yield Name(BranchKind.JUMP, words, crossing.cut), False
+
+    def _is_own(self, cylinder: Cylinder, place: Place, order: int, judge: Judge) -> bool:
+        """Whether there are fixed points whose minimal period is the order."""
+        if place in (Place.VIRTUAL, Place.NONE):
+            return False
+        period = minimal_period(cylinder.word, self.unit)
+        if place is Place.BAND and order == 2 * period:
+            return judge.slope(cylinder.word[: len(cylinder.word) // 2]) < 0
+        return period == order
+
+    # --- Runs -----------------------------------------------------------------------------------
+
+    def runs(self) -> list[Run]:
+        """All runs: first those over the parameter, then bands along one value of it."""
+        found = list(self._runs())
+        return found + list(self._bands(self.meetings(found)))
+
+    def _runs(self) -> Iterator[Run]:
+        """Maximal stretches of cells with one name; a multiplier of +1 or -1 parts them too."""
+        where: dict[Name, list[int]] = defaultdict(list)
+        for i, names in enumerate(self.present):
+            for name in names:
+                where[name].append(i)
+        for name, indices in where.items():
+            stretch: list[int] = []
+            for i, following in pairwise([*indices, -1]):
+                stretch.append(i)
+                goes_on = following == i + 1
+                parted = len(stretch) > 1 and self.cells[i].is_edge and self._unit(name, i)
+                if not goes_on or parted:
+                    if len(stretch) > 1 or not self._is_edge_of_band(name, i):
+                        yield self._run(name, stretch)
+                    stretch = [i] if goes_on else []
+
+    def _unit(self, name: Name, i: int) -> int:
+        return self.unit_multiplier(name, self.cells[i].lower)
+
+    def _run(self, name: Name, stretch: Sequence[int]) -> Run:
+        first, last = self.cells[stretch[0]], self.cells[stretch[-1]]
+        return Run(
+            name,
+            (first.lower, last.upper),
+            (first.is_edge or stretch[0] == 0, last.is_edge or stretch[-1] == len(self.cells) - 1),
+            all(self.present[i][name] for i in stretch),
+        )
+
+    def _is_edge_of_band(self, name: Name, i: int) -> bool:
+        """Whether a name at an edge only is an end of a band along that edge."""
+        fixed = name.kind is BranchKind.FIXED_POINT
+        return (
+            self.cells[i].is_edge and fixed and name.cut is not None and not self.present[i][name]
+        )
+
+    def _bands(self, meetings: Sequence[Meeting]) -> Iterator[Run]:
+        """Pieces that are the identity at one value of the parameter only.
+
+        They are parted at the special points inside them.
+        """
+        for i, cell in enumerate(self.cells):
+            if not cell.is_edge:
+                continue
+            beside = {n.words for j in (i - 1, i + 1) for n in self.present[j] if n.cut is not None}
+            for order, iterate in cell.study.iterates.items():
+                for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True):
+                    if (
+                        place is Place.BAND
+                        and (cylinder.word,) not in beside
+                        and self._is_own(cylinder, place, order, cell.study.judge)
+                    ):
+                        yield from self._parted(cylinder, cell.lower, meetings)
+
+    def _parted(self, cylinder: Cylinder, place: Any, meetings: Sequence[Meeting]) -> Iterator[Run]:
+        word, order = cylinder.word, self.axis.order
+        low, high = (
+            None if cut is None else self.orbits.preimage(cut.k, word[: cut.steps])
+            for cut in (cylinder.lower, cylinder.upper)
+        )
+        inner = {
+            meeting.value: x
+            for meeting in meetings
+            if meeting.place == place
+            and (x := meeting.ends[0].x(self.orbits)) is not None
+            and abs(meeting.x) < inf
+            and (low is None or order(low, x, place) < 0)
+            and (high is None or order(x, high, place) < 0)
+        }
+
+        def by_size(first: Fraction_, second: Fraction_) -> int:
+            return order(first, second, place)
+
+        stops: list[Position] = [low, *sorted(inner.values(), key=cmp_to_key(by_size)), high]
+        for j, band in enumerate(pairwise(stops)):
+            closed = (
+                cylinder.lower_closed or j > 0,
+                cylinder.upper_closed or j < len(stops) - 2,
+            )
+            yield Run(Name(BranchKind.FIXED_POINT, (word,)), (place, place), closed, band=band)
+
+    # --- Where they meet ------------------------------------------------------------------------
+
+    def meetings(self, runs: Sequence[Run]) -> list[Meeting]:
+        """Ends of runs that lie at the same place, from left to right and bottom to top."""
+        groups: dict[tuple[Any, Hashable], list[End]] = defaultdict(list)
+        for run in runs:
+            for end in self.ends(run):
+                groups[end.place, self._value(end)].append(end)
+        meetings = [
+            Meeting(place, value, self.x(ends[0]), tuple(ends))
+            for (place, value), ends in groups.items()
+        ]
+        return sorted(meetings, key=lambda meeting: (meeting.place, meeting.x))
+
+    def ends(self, run: Run) -> tuple[End, End]:
+        """Both ends of a run."""
+        along = run.places[0] == run.places[1]
+        first, last = (
+            End(run, which, ALONG if along else side, self._unit_at_end(run, which))
+            for which, side in ((0, RIGHT), (1, LEFT))
+        )
+        return first, last
+
+    def _unit_at_end(self, run: Run, which: int) -> int:
+        return 0 if run.band is not None else self.unit_multiplier(run.name, run.places[which])
+
+    def unit_multiplier(self, name: Name, place: Any) -> int:
+        """+1 or -1 where the multiplier of a fixed point passes through that value, else 0."""
+        slope, one = self.orbits.affine(name.word)[0], self.orbits.table.one
+        if name.kind is BranchKind.JUMP or name.cut is not None or is_constant(slope):
+            return 0
+        units = (u for u in (1, -1) if self.axis.order((slope, one), (u * one, one), place) == 0)
+        return next(units, 0)
+
+    def x(self, end: End) -> float:
+        """The x of an end as a float, which may be infinite."""
+        value, x = self._value(end), end.x(self.orbits)
+        if x is None or self._is_infinite(value):
+            return float(value[1]) * inf
+        return self.axis.number(x, end.place)
+
+    def _value(self, end: End) -> Any:
+        """The x of an end in canonical form; an infinite one with its sign."""
+        x, place = end.x(self.orbits), end.place
+        if x is None:
+            return INFINITE, 2 * end.which - 1
+        value = self.axis.value(x, place)
+        if value != INFINITE:
+            return value
+        one = self.orbits.table.one
+        inside = self.axis.between(*end.run.places)  # the denominator has no zero there
+        top, bottom = (
+            self.axis.order((number, one), (one - one, one), where)
+            for number, where in zip(x, (place, inside), strict=True)
+        )
+        return INFINITE, top * bottom
+
+    @staticmethod
+    def _is_infinite(value: Any) -> bool:
+        return isinstance(value, tuple) and value[:1] == (INFINITE,)
+
+
+def _cuts(cylinder: Cylinder, place: Place, judge: Judge) -> list[Cut | None]:
+    """What, besides the word, names the fixed points of a cylinder.
+
+    Nothing, unless its slope is 1: then the ends of the band, or the point itself.
+    """
+    if place is Place.BAND:
+        return [cut for cut in (cylinder.lower, cylinder.upper) if cut is not None]
+    return [cylinder.lower if judge.multiplier(cylinder.word, 1) == 0 else None]

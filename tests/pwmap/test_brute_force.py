@@ -1,0 +1,709 @@
+"""Iterates, cells and diagrams against brute force that follows single points in fractions."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import brute
+import mpmath
+import pytest
+import sympy
+from brute import Map, map_of
+
+from pwmap import (
+    BranchKind,
+    Diagram,
+    ParameterCell,
+    PiecewiseLinearMap,
+    bifurcation_diagram,
+    parameter_cells,
+)
+
+Record = tuple[Any, ...]
+
+A, R, S, X = sympy.symbols("a r s x")
+PAPER = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
+MANY = mpmath.MPContext()
+MANY.dps = 80  # digits of the numbers that stand for algebraic values of a parameter
+NEAR = MANY.mpf(10) ** -40  # differences of two such numbers that mean equality
+
+
+class Near:
+    """A number with many digits; two that agree in half of them are equal."""
+
+    def __init__(self, number: object) -> None:
+        if isinstance(number, Near):
+            self.mpf = number.mpf
+        elif isinstance(number, Fraction):
+            self.mpf = MANY.mpf(number.numerator) / number.denominator
+        else:
+            self.mpf = MANY.mpf(number)
+
+    def __add__(self, other: object) -> Near:
+        return Near(self.mpf + Near(other).mpf)
+
+    def __sub__(self, other: object) -> Near:
+        return Near(self.mpf - Near(other).mpf)
+
+    def __mul__(self, other: object) -> Near:
+        return Near(self.mpf * Near(other).mpf)
+
+    def __truediv__(self, other: object) -> Near:
+        return Near(self.mpf / Near(other).mpf)
+
+    def __rsub__(self, other: object) -> Near:
+        return Near(other) - self
+
+    def __pow__(self, n: int) -> Near:
+        return Near(self.mpf**n)
+
+    def __neg__(self) -> Near:
+        return Near(0) - self
+
+    def __abs__(self) -> Near:
+        return self if self.mpf >= 0 else -self
+
+    def __rtruediv__(self, other: object) -> Near:
+        return Near(other) / self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __eq__(self, other: object) -> bool:
+        return other is not None and bool(abs(self.mpf - Near(other).mpf) < NEAR)
+
+    def __lt__(self, other: object) -> bool:
+        return bool(self.mpf - Near(other).mpf <= -NEAR)
+
+    def __gt__(self, other: object) -> bool:
+        return bool(self.mpf - Near(other).mpf >= NEAR)
+
+    def __hash__(self) -> int:
+        return 0  # equality is not exact
+
+    def __repr__(self) -> str:
+        return f"{mpmath.nstr(self.mpf, 12)}..."
+
+
+# --- Formulas of pwmap as numbers -----------------------------------------------------------------
+
+
+@cache
+def coefficients(expr: sympy.Expr) -> tuple[list[Fraction], list[Fraction]]:
+    """Numerator and denominator of a quotient of polynomials in at most one symbol."""
+    symbol = next(iter(expr.free_symbols), X)
+    return tuple(  # type: ignore[return-value]
+        [fraction(c) for c in sympy.Poly(part, symbol).all_coeffs()]
+        for part in sympy.fraction(sympy.together(expr))
+    )
+
+
+def fraction(number: sympy.Rational) -> Fraction:
+    return Fraction(int(number.p), int(number.q))
+
+
+def evaluated(expr: sympy.Expr, at: Any = None) -> Any:
+    """An expression at a value of its one parameter; None for nan and infinity."""
+    if expr in (sympy.nan, sympy.oo, -sympy.oo):
+        return None
+    parts = []
+    for polynomial in coefficients(expr):
+        total = 0 * (Fraction(1) if at is None else at)
+        for coefficient in polynomial:
+            total = total * (Fraction(0) if at is None else at) + coefficient
+        parts.append(total)
+    return parts[0] / parts[1]
+
+
+def number(expr: sympy.Expr) -> Any:
+    """A constant: rationals as they are, algebraic numbers with many digits."""
+    return fraction(expr) if expr.is_Rational else Near(sympy.N(expr, MANY.dps)._mpf_)
+
+
+def spelled(map_: PiecewiseLinearMap, word: brute.Word) -> str:
+    return "".join(map_.letters[i] for i in word)
+
+
+# --- Comparing one iterate ------------------------------------------------------------------------
+
+
+def check_diagonal(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> None:
+    """Fixed points, bands of them and jump crossings of one iterate."""
+    iterate = map_.iterate(j)
+    found: list[Record] = [
+        (evaluated(p.x, at), p.word, evaluated(p.multiplier, at), p.period, p.stable, p.at_border)
+        for p in iterate.fixed_points()
+    ]
+    expected: list[Record] = [
+        (p.x, spelled(map_, p.word), p.multiplier, p.period, p.stable, p.at_border)
+        for p in brute.fixed_points(f, j)
+        if not in_band(p)
+    ]
+    assert found == expected
+    found = [
+        (*ends_of(band.interval, at), band.word, band.period) for band in iterate.fixed_intervals()
+    ]
+    expected = [
+        (*part[:4], spelled(map_, word), band_period(f, part, j))
+        for part, word in brute.pieces(f, j)
+        if (part.slope, part.intercept) == (1, 0)
+    ]
+    assert found == expected
+    found = [
+        (*(evaluated(v, at) for v in (c.x, c.left, c.right)), c.left_word, c.right_word)
+        for c in iterate.jump_crossings()
+    ]
+    expected = [
+        (c.x, c.left, c.right, spelled(map_, c.left_word), spelled(map_, c.right_word))
+        for c in brute.crossings(f, j)
+    ]
+    assert found == expected
+
+
+def in_band(point: brute.FixedPoint) -> bool:
+    """Whether the piece that owns a fixed point is the identity."""
+    return point.at_border and point.multiplier == 1
+
+
+def band_period(f: Map, part: brute.Part, j: int) -> int:
+    """Minimal period of the points of a band; one of them may have half of it."""
+    return max(brute.period(f, x, j) for x in brute.inner(part.lo, part.hi))
+
+
+def ends_of(interval: sympy.Interval, at: Any = None) -> Record:
+    lo, hi = (evaluated(end, at) for end in (interval.start, interval.end))
+    return (
+        lo,
+        lo is not None and not interval.left_open,
+        hi,
+        hi is not None and not interval.right_open,
+    )
+
+
+def check_pieces(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> None:
+    """Breaks, who owns them, slopes, values and words of one iterate."""
+    found: list[Record] = []
+    for p in map_.iterate(j).pieces:
+        lo, hi = evaluated(p.lower, at), evaluated(p.upper, at)
+        slope, intercept = evaluated(p.slope, at), evaluated(p.intercept, at)
+        if lo is not None and lo == hi:
+            slope, intercept = 0, slope * lo + intercept  # of a point only the value counts
+        found.append((lo, p.lower_closed, hi, p.upper_closed, slope, intercept, p.word))
+    expected = [(*part, spelled(map_, word)) for part, word in brute.pieces(f, j)]
+    assert found == expected
+
+
+# --- The maps -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Case:
+    """A map over one parameter, and the same map for brute force."""
+
+    map: PiecewiseLinearMap
+    parts: Callable[[Any], Map]
+    span: tuple[Fraction, Fraction]
+    orders: tuple[int, ...]
+
+    @property
+    def name(self) -> str:
+        return str(self.map.parameters[0])
+
+    def at(self, value: Any) -> Map:
+        """The map for brute force at a value of the parameter."""
+        parts = self.parts(value)
+        if isinstance(value, Fraction):
+            return parts
+        return tuple(
+            brute.Part(*(Near(v) if isinstance(v, Fraction) else v for v in part))  # type: ignore
+            for part in parts
+        )
+
+
+def paper(a: Fraction) -> Case:
+    """P1^L of the paper: r - 2 for x <= 0, r - a x for x > 0."""
+    return Case(
+        map=PAPER.at({"a": a}),
+        parts=lambda r: map_of([Fraction(0)], ["left"], [(Fraction(0), r - 2), (-a, r)]),
+        span=(Fraction(-1), 4 / (a - 1) + 3),
+        orders=(1, 2, 3, 4, 5),
+    )
+
+
+def three() -> Case:
+    """x/2 + 1 left of -s, 1 - s x up to 1, s x/2 - 2 right of 1, for s > 0."""
+    one, half = Fraction(1), Fraction(1, 2)
+    return Case(
+        map=PiecewiseLinearMap(
+            [
+                ("x/2 + 1", "x < -s"),
+                ("1 - s*x", "(-s <= x) & (x <= 1)"),
+                ("s*x/2 - 2", "x > 1"),
+            ],
+            given=["s > 0"],
+        ),
+        parts=lambda s: map_of(
+            [-s, one], ["right", "left"], [(half, one), (-s, one), (s / 2, Fraction(-2))]
+        ),
+        span=(Fraction(1, 10), Fraction(3)),
+        orders=(1, 2, 3, 4),
+    )
+
+
+def point() -> Case:
+    """1 - x left of 0, r at 0, x/2 - r right of it."""
+    return Case(
+        map=PiecewiseLinearMap.from_sympy(
+            "Piecewise((1 - x, x < 0), (r, Eq(x, 0)), (x/2 - r, True))"
+        ),
+        parts=lambda r: map_of(
+            [Fraction(0)],
+            ["point"],
+            [(Fraction(-1), Fraction(1)), (Fraction(0), r), (Fraction(1, 2), -r)],
+        ),
+        span=(Fraction(-4), Fraction(4)),
+        orders=(1, 2, 3, 4, 5),
+    )  # fmt: skip
+
+
+def moving() -> Case:
+    """1/2 - x left of r, a point of slope 2 at r, 2 r - 2 x right of it up to 2, 1 beyond."""
+    return Case(
+        map=PiecewiseLinearMap(
+            [
+                ("1/2 - x", "x < r"),
+                ("2*x - 1", "Eq(x, r)"),
+                ("2*r - 2*x", "(r < x) & (x < 2)"),
+                ("1", "x >= 2"),
+            ],
+            given=["r < 2"],
+        ),
+        parts=lambda r: map_of(
+            [r, Fraction(2)],
+            ["point", "right"],
+            [
+                (Fraction(-1), Fraction(1, 2)),
+                (Fraction(0), 2 * r - 1),
+                (Fraction(-2), 2 * r),
+                (Fraction(0), Fraction(1)),
+            ],
+        ),
+        span=(Fraction(-3), Fraction(19, 10)),
+        orders=(1, 2, 3, 4),
+    )
+
+
+def tent() -> Case:
+    """Continuous: x/2 + r left of 0, r - 3 x right of it."""
+    return Case(
+        map=PiecewiseLinearMap([("x/2 + r", "x < 0"), ("r - 3*x", "x >= 0")]),
+        parts=lambda r: map_of([Fraction(0)], ["right"], [(Fraction(1, 2), r), (Fraction(-3), r)]),
+        span=(Fraction(-2), Fraction(2)),
+        orders=(1, 2, 3, 4, 5),
+    )
+
+
+def roof() -> Case:
+    """Continuous with a moving break: 2 x + 1 up to r, 4 r + 1 - 2 x beyond."""
+    return Case(
+        map=PiecewiseLinearMap([("2*x + 1", "x <= r"), ("4*r + 1 - 2*x", "x > r")]),
+        parts=lambda r: map_of(
+            [r], ["left"], [(Fraction(2), Fraction(1)), (Fraction(-2), 4 * r + 1)]
+        ),
+        span=(Fraction(-3), Fraction(3)),
+        orders=(1, 2, 3, 4),
+    )
+
+
+def mirror() -> Case:
+    """r - x up to 0, a band of period two for r < 0; x/2 - 1 beyond."""
+    return Case(
+        map=PiecewiseLinearMap([("r - x", "x <= 0"), ("x/2 - 1", "x > 0")]),
+        parts=lambda r: map_of(
+            [Fraction(0)], ["left"], [(Fraction(-1), r), (Fraction(1, 2), Fraction(-1))]
+        ),
+        span=(Fraction(-3), Fraction(6)),
+        orders=(1, 2, 3, 4),
+    )
+
+
+CASES = {
+    "paper-5/4": paper(Fraction(5, 4)),
+    "paper-7/5": paper(Fraction(7, 5)),
+    "paper-2": paper(Fraction(2)),
+    "paper-19/6": paper(Fraction(19, 6)),
+    "three": three(),
+    "point": point(),
+    "moving": moving(),
+    "tent": tent(),
+    "roof": roof(),
+    "mirror": mirror(),
+}
+every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
+
+
+def between(rng: random.Random, lo: Any, hi: Any) -> Fraction:
+    """A random rational strictly between two numbers."""
+    while True:
+        low, high = (Fraction(str(end.mpf)) if isinstance(end, Near) else end for end in (lo, hi))
+        found = low + (high - low) * Fraction(rng.randint(1, 9999), 10000)
+        found = found.limit_denominator(10**6)
+        if lo < found < hi:
+            return found
+
+
+def samples(case: Case, n: int) -> list[Fraction]:
+    """Parameters that part the span in equal steps, each moved a little."""
+    rng = random.Random(20010101)
+    low, high = case.span
+    step = (high - low) / n
+    return [low + step * (i + Fraction(rng.randint(1, 999), 1000)) for i in range(n)]
+
+
+# --- Iterates -------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_iterates_of_the_paper_at_random_parameters() -> None:
+    rng = random.Random(14)
+    for _ in range(150):
+        q = rng.randint(1, 60)
+        a = Fraction(rng.randint(q + 1, 4 * q), q) if q > 1 else Fraction(rng.choice([2, 3]))
+        r = Fraction(rng.randint(-1000, 15000), 1000)
+        case = paper(a)
+        map_, f = case.map.at({"r": r}), case.at(r)
+        for j in range(1, 7):
+            check_diagonal(map_, f, j)
+            check_pieces(map_, f, j)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("a", ["5/4", "3/2", "8/5", "2", "7/3", "3", "15/4"])
+def test_iterates_of_the_paper_exactly_on_edges(a: str) -> None:
+    case = paper(Fraction(a))
+    edges = parameter_cells(case.map, "r", orders=case.orders).edges
+    assert len(edges) >= 6
+    for edge in edges:
+        r = fraction(edge)
+        for j in range(1, 7):
+            check_diagonal(case.map.at({"r": r}), case.at(r), j)
+            check_pieces(case.map.at({"r": r}), case.at(r), j)
+
+
+@every_case
+def test_iterates_at_rational_edges_and_samples(case: Case) -> None:
+    edges = parameter_cells(case.map, case.name, orders=case.orders, span=case.span).edges
+    values = [fraction(edge) for edge in edges if edge.is_Rational]
+    for value in [*values, *samples(case, 12)]:
+        for j in case.orders:
+            check_diagonal(case.map.at({case.name: value}), case.at(value), j)
+            check_pieces(case.map.at({case.name: value}), case.at(value), j)
+
+
+# --- Cells ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@every_case
+def test_formulas_of_a_cell_hold_inside_it(case: Case) -> None:
+    rng = random.Random(15)
+    cells = parameter_cells(case.map, case.name, orders=case.orders, span=case.span)
+    for cell in cells:
+        lo, hi = number(cell.lower), number(cell.upper)
+        values = [lo] if cell.is_edge else [between(rng, lo, hi) for _ in range(3)]
+        for value in values:
+            for j in case.orders:
+                check_diagonal(cell.map, case.at(value), j, value)
+                check_pieces(cell.map, case.at(value), j, value)
+
+
+def structure(f: Map, map_: PiecewiseLinearMap, j: int) -> Record:
+    """Words of one iterate's fixed points and crossings, by brute force."""
+    points = [(spelled(map_, p.word), p.stable, p.at_border) for p in brute.fixed_points(f, j)
+              if not in_band(p)]  # fmt: skip
+    jumps = [
+        (spelled(map_, c.left_word), spelled(map_, c.right_word)) for c in brute.crossings(f, j)
+    ]
+    return points, jumps
+
+
+def structure_of(cell: ParameterCell, j: int) -> Record:
+    iterate = cell.map.iterate(j)
+    return (
+        [(p.word, p.stable, p.at_border) for p in iterate.fixed_points()],
+        [(c.left_word, c.right_word) for c in iterate.jump_crossings()],
+    )
+
+
+@pytest.mark.slow
+@every_case
+def test_no_edge_is_missed(case: Case) -> None:
+    cells = parameter_cells(case.map, case.name, orders=case.orders, span=case.span)
+    ends = [(number(cell.lower), number(cell.upper)) for cell in cells]
+    assert [ends[0][0], ends[-1][1]] == [*case.span]
+    assert all(left[1] == right[0] for left, right in pairwise(ends))
+    known = {(i, j): structure_of(cell, j) for i, cell in enumerate(cells) for j in case.orders}
+    for value in samples(case, 300):
+        here = [i for i, (lo, hi) in enumerate(ends) if lo < value < hi or lo == value == hi]
+        assert len(here) == 1
+        for j in case.orders:
+            assert structure(case.at(value), case.map, j) == known[here[0], j], (value, j)
+
+
+@every_case
+def test_every_edge_is_needed(case: Case) -> None:
+    cells = parameter_cells(case.map, case.name, orders=case.orders, span=case.span)
+    shown = [
+        [
+            (
+                [p.word for p in cell.map.iterate(j).pieces],
+                structure_of(cell, j),
+                cell.map.iterate(j).fixed_intervals() != (),
+                [(p.lower_closed, p.upper_closed) for p in cell.map.iterate(j).pieces],
+            )
+            for j in case.orders
+        ]
+        for cell in cells
+    ]
+    open_cells = [i for i, cell in enumerate(cells) if cell.is_edge]
+    assert len(open_cells) == (len(cells) - 1) // 2
+    for i in open_cells:
+        assert not shown[i - 1] == shown[i] == shown[i + 1], cells.cells[i].lower
+
+
+# --- Diagrams -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """A branch in numbers."""
+
+    kind: BranchKind
+    order: int
+    word: str
+    interval: Record
+    x: sympy.Expr | None
+    sides: tuple[sympy.Expr, ...]
+
+    def holds(self, value: Any) -> bool:
+        lo, lo_closed, hi, hi_closed = self.interval
+        return (lo < value or (lo_closed and lo == value)) and (
+            value < hi or (hi_closed and hi == value)
+        )
+
+
+def curves(diagram: Diagram) -> list[Curve]:
+    """The branches of a diagram over one parameter; those along one value of it have no x."""
+    found = []
+    for branch in diagram.branches:
+        interval: Any = branch.exact["interval"]
+        if isinstance(interval, sympy.FiniteSet):
+            (only,) = interval
+            ends: Record = (number(only), True, number(only), True)
+        else:
+            ends = (
+                number(interval.start), not interval.left_open,
+                number(interval.end), not interval.right_open,
+            )  # fmt: skip
+        exact: Any = branch.exact
+        sides = (exact["left"], exact["right"]) if branch.kind is BranchKind.JUMP else ()
+        found.append(Curve(branch.kind, branch.order, branch.word, ends, exact.get("x"), sides))
+    return found
+
+
+def check_diagram(branches: Sequence[Curve], case: Case, value: Any) -> None:
+    """What a diagram shows at one value of the parameter, but for bands of fixed points."""
+    f = case.at(value)
+    here = [curve for curve in branches if curve.holds(value)]
+    for j in case.orders:
+        bands = brute.bands(f, j)
+        own = [curve for curve in here if curve.order == j]
+        points = {
+            (evaluated(c.x, value), c.word)
+            for c in own
+            if c.kind is BranchKind.FIXED_POINT and c.x is not None
+        }
+        expected = {
+            (p.x, spelled(case.map, p.word)) for p in brute.fixed_points(f, j) if p.period == j
+        }
+        assert outside(points, bands) == outside(expected, bands), (value, j)
+        inner = [
+            (evaluated(c.x, value), c.word)
+            for c in own
+            if c.kind is BranchKind.FIXED_POINT and value not in (c.interval[0], c.interval[2])
+        ]
+        assert len(set(inner)) == len(inner), (value, j)
+        jumps = {
+            (evaluated(c.x, value), *(evaluated(side, value) for side in c.sides), c.word)
+            for c in own
+            if c.kind is BranchKind.JUMP
+        }
+        assert jumps == {
+            (c.x, c.left, c.right,
+             f"{spelled(case.map, c.left_word)}|{spelled(case.map, c.right_word)}")
+            for c in brute.crossings(f, j)
+        }, (value, j)  # fmt: skip
+
+
+def covered(x: Any, bands: Sequence[tuple[Any, Any]]) -> bool:
+    return any((lo is None or not x < lo) and (hi is None or not x > hi) for lo, hi in bands)
+
+
+def outside(points: set[Record], bands: Sequence[tuple[Any, Any]]) -> set[Record]:
+    return {point for point in points if not covered(point[0], bands)}
+
+
+@pytest.mark.slow
+@every_case
+def test_diagram_shows_what_brute_force_finds(case: Case) -> None:
+    diagram = bifurcation_diagram(case.map, case.name, span=case.span, orders=case.orders)
+    branches = curves(diagram)
+    exact: list[Any] = [p.exact["parameter"] for p in diagram.points]
+    for value in [*samples(case, 60), *dict.fromkeys(number(p) for p in exact)]:
+        check_diagram(branches, case, value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("a", ["6/5", "5/4", "7/4", "11/3"])
+def test_diagram_of_the_paper_on_its_default_span(a: str) -> None:
+    case = paper(Fraction(a))
+    diagram = bifurcation_diagram(case.map, "r", orders=case.orders)
+    exact: list[Any] = [p.exact["parameter"] for p in diagram.points]
+    wide = replace(case, span=(fraction(min(exact)), fraction(max(exact))))
+    branches = curves(diagram)
+    for value in [*samples(wide, 80), *dict.fromkeys(fraction(p) for p in exact)]:
+        check_diagram(branches, wide, value)
+
+
+def test_branches_end_open_where_nothing_is_left_at_an_end_of_the_span() -> None:
+    """r/(a + 1) is a fixed point for r > 0 only; that the span starts at 0 changes nothing."""
+    for span in ((-1, 1), (0, 1)):
+        diagram = bifurcation_diagram(PAPER.at({"a": 2}), "r", span, orders=(1,))
+        (branch,) = [b for b in diagram.branches if b.word == "R"]
+        assert branch.exact["x"] == sympy.Symbol("r") / 3
+        assert branch.exact["interval"] == sympy.Interval.Lopen(0, 1)
+        jumps = [b.exact["interval"] for b in diagram.branches if b.kind is BranchKind.JUMP]
+        assert jumps == [sympy.Interval.Lopen(0, 1)]
+
+
+@every_case
+def test_points_lie_on_the_branches_that_end_there(case: Case) -> None:
+    diagram = bifurcation_diagram(case.map, case.name, span=case.span, orders=case.orders)
+    for branch in diagram.branches:
+        if "x" not in branch.exact:
+            continue
+        x, interval = branch.exact["x"], branch.exact["interval"]
+        assert isinstance(interval, sympy.Set)
+        for end, value in zip(branch.ends, (interval.inf, interval.sup), strict=True):
+            point_ = diagram.point(end)
+            assert branch.id in point_.branches
+            assert number(point_.exact["parameter"]) == number(value)
+            if point_.exact["x"] not in (sympy.oo, -sympy.oo):
+                assert number(point_.exact["x"]) == evaluated(x, number(value))
+                assert point_.x == pytest.approx(float(sympy.N(point_.exact["x"])), abs=1e-14)
+
+
+# --- Other parameters symbolic --------------------------------------------------------------------
+
+
+def substituted(
+    diagram: Diagram, values: dict[sympy.Symbol, sympy.Rational]
+) -> tuple[Record, Record]:
+    """Branches and points of a diagram with values put for its symbols, in a fixed order."""
+
+    def shown(expr: Any) -> str:
+        return str(sympy.factor(expr.subs(values)))
+
+    kinds = {p.id: p for p in diagram.points}
+    branches = []
+    for branch in diagram.branches:
+        exact: Any = branch.exact
+        ends = [
+            (str(kinds[e].kind), *(shown(v) for v in kinds[e].exact.values())) for e in branch.ends
+        ]
+        names = [name for name in ("x", "multiplier", "left", "right") if name in exact]
+        interval = exact["interval"].subs(values)
+        branches.append(
+            (
+                str(branch.kind),
+                branch.order,
+                branch.word,
+                *(shown(exact[name]) for name in names),
+                str(interval),
+                *ends,
+            )
+        )
+    points = [
+        (str(p.kind), p.order, p.note, *(shown(v) for v in p.exact.values()), len(p.branches))
+        for p in diagram.points
+    ]
+    return tuple(sorted(branches)), tuple(sorted(points))
+
+
+def admitted(given: Sequence[str], values: dict[sympy.Symbol, sympy.Rational]) -> bool:
+    return all(sympy.sympify(text).subs(values) == sympy.true for text in given)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sample", [None, "5/4", "2", "7/2", "8"])
+def test_symbolic_diagram_of_the_paper(sample: str | None) -> None:
+    rng = random.Random(16)
+    at = None if sample is None else {"a": sample}
+    span = (-1, 3)
+    diagram = bifurcation_diagram(PAPER, "r", span, orders=(1, 2, 3), sample=at)
+    assert diagram.given
+    tested = 0
+    while tested < 12:
+        value = sympy.Rational(rng.randint(1001, 12000), 1000)
+        if not admitted(diagram.given, {A: value}):
+            continue
+        tested += 1
+        own = bifurcation_diagram(PAPER.at({"a": value}), "r", span, orders=(1, 2, 3))
+        assert substituted(diagram, {A: value}) == substituted(own, {}), value
+
+
+@pytest.mark.slow
+def test_symbolic_diagram_with_two_other_parameters() -> None:
+    h = sympy.Symbol("h")
+    map_ = PiecewiseLinearMap([("r - h", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1", "h > 0"])
+    diagram = bifurcation_diagram(map_, "r", (-1, 3), orders=(1, 2, 3))
+    rng = random.Random(17)
+    tested = 0
+    for _ in range(2000):
+        values = {
+            A: sympy.Rational(rng.randint(1001, 5000), 1000),
+            h: sympy.Rational(rng.randint(1, 4000), 1000),
+        }
+        if tested < 12 and admitted(diagram.given, values):
+            tested += 1
+            own = bifurcation_diagram(map_.at(values), "r", (-1, 3), orders=(1, 2, 3))
+            assert substituted(diagram, values) == substituted(own, {}), values
+    assert tested == 12
+
+
+@pytest.mark.slow
+def test_symbolic_cells_of_the_paper() -> None:
+    """Formulas of each cell in a and r, at random values of both that lie in it."""
+    rng = random.Random(18)
+    orders = (1, 2, 3, 4)
+    cells = parameter_cells(PAPER, "r", orders=orders)
+    tested = 0
+    while tested < 10:
+        a = sympy.Rational(rng.randint(1001, 4000), 1000)
+        if not all(relation.subs(A, a) == sympy.true for relation in cells.given):
+            continue
+        tested += 1
+        own = parameter_cells(PAPER.at({"a": a}), "r", orders=orders)
+        assert [sympy.nsimplify(e.subs(A, a)) for e in cells.edges] == list(own.edges)
+        for cell, plain in zip(cells, own, strict=True):
+            for j in orders:
+                assert structure_of(cell, j) == structure_of(plain, j)
+                points = [p.x.subs(A, a) for p in cell.map.iterate(j).fixed_points()]
+                assert [sympy.factor(x) for x in points] == [
+                    sympy.factor(p.x) for p in plain.map.iterate(j).fixed_points()
+                ]
