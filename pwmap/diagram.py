@@ -43,7 +43,7 @@ class PointKind(StrEnum):
         return _MEANINGS[self.value]
 
     @property
-    def title(self) -> str:
+    def label(self) -> str:
         """A name for a legend or a table."""
         return _MEANINGS[self.value].partition(":")[0]
 

@@ -10,6 +10,7 @@ import numbers
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -166,11 +167,13 @@ def cancelled(fraction: Fraction_) -> Fraction_:
     return numerator / denominator, QQ.one
 
 
+@lru_cache(maxsize=4096)  # iterates share most of their coefficients
 def to_sympy(number: Number) -> sympy.Expr:
     """The number as a sympy expression."""
     return number.as_expr() if isinstance(number, PolyElement) else QQ.to_sympy(QQ.convert(number))
 
 
+@lru_cache(maxsize=4096)
 def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
     """A quotient as a sympy expression in lowest terms, factored where it has parameters."""
     top, bottom = cancelled(fraction)

@@ -67,7 +67,7 @@ def plot_diagram(
                     edgecolors="white" if marker not in "|" else None, linewidths=0.6,
                 )  # type: ignore[arg-type]
             )  # fmt: skip
-            labels.append(kind.title)
+            labels.append(kind.label)
     ax.set_xlabel(axis_label(diagram.parameter_name))
     ax.set_ylabel(axis_label(diagram.x_name))
     ax.grid(alpha=0.25, linewidth=0.5)

@@ -63,7 +63,7 @@ def table_of_points(diagram: Diagram) -> Table:
     )  # fmt: skip
     for point in diagram.points:
         if point.kind is not PointKind.WC:
-            what = ", ".join(filter(None, (point.kind.title, point.note)))
+            what = ", ".join(filter(None, (point.kind.label, point.note)))
             left, right = (" ".join(side) for side in diagram.sides(point.id))
             parameter = _shown(point, "parameter", point.parameter)
             table.add_row(point.id, parameter, _shown(point, "x", point.x), what, left, right)

@@ -327,9 +327,47 @@ def mirror() -> Case:
         parts=lambda r: map_of(
             [Fraction(0)], ["left"], [(Fraction(-1), r), (Fraction(1, 2), Fraction(-1))]
         ),
-        span=(Fraction(-3), Fraction(6)),
+        span=(Fraction(-3), Fraction(13, 2)),
         orders=(1, 2, 3, 4),
     )
+
+
+def random_case(seed: int) -> Case:
+    """Up to four pieces and points with small coefficients, some of which hold the parameter r."""
+    rng = random.Random(seed)
+    small = sorted({Fraction(n, d) for n in range(-3, 4) for d in (1, 2)})
+    breaks = sorted(rng.sample(small, rng.randint(1, 2)))
+    owners = [rng.choice(["left", "right", "point"]) for _ in breaks]
+    n = len(breaks) + 1 + owners.count("point")
+    drift = Fraction(rng.choice([0, 0, 1]))  # all breaks move with the parameter, or none
+    slopes = [(rng.choice(small), Fraction(0)) for _ in range(n)]
+    if rng.random() < 0.4:
+        slopes[rng.randrange(n)] = (rng.choice(small), Fraction(1))
+    intercepts = [(rng.choice(small), Fraction(rng.choice([-1, 0, 1, 2]))) for _ in range(n)]
+
+    def parts(r: Any) -> Map:
+        def at(pair: tuple[Fraction, Fraction]) -> Any:
+            return pair[0] + pair[1] * r
+
+        formulas = [(at(m), at(c)) for m, c in zip(slopes, intercepts, strict=True)]
+        return map_of([b + drift * r for b in breaks], owners, formulas)
+
+    return Case(
+        map=PiecewiseLinearMap([written(part) for part in parts(R)]),
+        parts=parts,
+        span=(Fraction(-31, 13), Fraction(37, 14)),
+        orders=(1, 2, 3),
+    )
+
+
+def written(part: brute.Part) -> tuple[sympy.Expr, sympy.Basic]:
+    """Formula and condition of a piece whose numbers are sympy expressions."""
+    bounds: list[sympy.Basic] = []
+    if part.lo is not None:
+        bounds.append(part.lo <= X if part.lo_closed else part.lo < X)
+    if part.hi is not None:
+        bounds.append(part.hi >= X if part.hi_closed else part.hi > X)
+    return part.slope * X + part.intercept, sympy.And(*bounds)
 
 
 CASES = {
@@ -343,6 +381,7 @@ CASES = {
     "tent": tent(),
     "roof": roof(),
     "mirror": mirror(),
+    **{f"random-{seed}": random_case(seed) for seed in range(12)},
 }
 every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 
@@ -448,7 +487,7 @@ def test_no_edge_is_missed(case: Case) -> None:
     assert [ends[0][0], ends[-1][1]] == [*case.span]
     assert all(left[1] == right[0] for left, right in pairwise(ends))
     known = {(i, j): structure_of(cell, j) for i, cell in enumerate(cells) for j in case.orders}
-    for value in samples(case, 300):
+    for value in samples(case, 250):
         here = [i for i, (lo, hi) in enumerate(ends) if lo < value < hi or lo == value == hi]
         assert len(here) == 1
         for j in case.orders:

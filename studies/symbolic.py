@@ -1,0 +1,160 @@
+"""Composing P1^L symbolically: pwmap against sympy's own Piecewise, and Figure 12 of the paper.
+
+    python studies/symbolic.py [--fast] [--out DIR]
+
+Both compose the same map, symbolic in a and r, and run in turn, round after round. The naive way
+substitutes one ``Piecewise`` into the other and folds the result; it keeps dead pieces. That both
+mean the same map is checked at rational points.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import sympy
+from benchmark import Seconds, Timing, clocked, environment, ratio, summary
+from sympy import Rational
+
+from pwmap import Diagram, PiecewiseLinearMap, bifurcation_diagram, parameter_plane
+from pwmap.plot import plot_cobweb, plot_diagram, plot_map, plot_plane
+
+X, A, R = sympy.symbols("x a r")
+P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))
+GIVEN = (A > 1, R > 0, R < 2)
+NUMERIC = {A: Rational(5, 4), R: Rational(1)}
+
+SYMBOLIC, NUMBERS, DIAGRAM = (
+    "P1..P6 in a and r",
+    "P1..P12 at a = 5/4, r = 1",
+    "diagram, orders 1..5",
+)
+ORDERS = range(2, 7)
+
+
+def ours(order: int) -> PiecewiseLinearMap:
+    """P_1 to P_order from the formula's pieces, with nothing known from before."""
+    start = PiecewiseLinearMap.from_sympy(P1L, X, given=GIVEN)
+    for j in range(1, order + 1):
+        _ = start.iterate(j).pieces
+    return start.iterate(order)
+
+
+def naive(order: int) -> sympy.Piecewise:
+    """P_1 to P_order by substituting and folding."""
+    composed = P1L
+    for _ in range(order - 1):
+        composed = sympy.piecewise_fold(P1L.subs(X, composed))
+    return composed
+
+
+def main(fast: bool = False, out: Path | None = None) -> dict[str, Any]:
+    """Measure, check that both ways agree, and draw.
+
+    Returns
+    -------
+    dict
+        ``ratio_order_6``: CPU time of the naive way over ours, both reading and composing;
+        ``timings``: seconds of every job; ``agree``: points at which both were compared;
+        ``branches``, ``points`` of the diagram; ``environment``.
+    """
+    timings = measured(1 if fast else 15)
+    found = diagram()
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        draw_times(timings).savefig(out / "symbolic.png", dpi=200)
+        draw_figure_12().savefig(out / "figure_12.png", dpi=200)
+    return {
+        "ratio_order_6": ratio(timings, "sympy, order 6", "pwmap, order 6", "cpu"),
+        "agree": agreement(),
+        "branches": len(found.branches),
+        "points": len(found.points),
+        "timings": timings,
+        "environment": environment(),
+    }
+
+
+def measured(rounds: int) -> dict[str, Timing]:
+    """All jobs in turn; the first round, in which sympy fills its caches, does not count."""
+    jobs = {f"pwmap, order {j}": clocked(lambda j=j: ours(j)) for j in ORDERS}
+    jobs |= {f"sympy, order {j}": clocked(lambda j=j: naive(j)) for j in ORDERS}
+    taken: dict[str, list[Seconds]] = {name: [] for name in (*jobs, SYMBOLIC, NUMBERS, DIAGRAM)}
+    for _ in range(1 + rounds):
+        sympy.core.cache.clear_cache()
+        for name, job in jobs.items():
+            taken[name].append(job())
+        symbolic = PiecewiseLinearMap.from_sympy(P1L, X, given=GIVEN)
+        numeric = symbolic.at(NUMERIC)
+        for name, start, last in ((SYMBOLIC, symbolic, 6), (NUMBERS, numeric, 12)):
+            job = clocked(lambda m=start, n=last: [m.iterate(j).pieces for j in range(1, n + 1)])
+            taken[name].append(job())
+        taken[DIAGRAM].append(clocked(diagram)())
+    return {name: summary(seconds[1:]) for name, seconds in taken.items()}
+
+
+def diagram(orders: range = range(1, 6)) -> Diagram:
+    """The exact diagram of the paper's example over r."""
+    map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1]).at({A: Rational(5, 4)})
+    return bifurcation_diagram(map_, R, (-1, 12), orders)
+
+
+def agreement() -> int:
+    """Number of rational points at which both ways give one value; AssertionError otherwise."""
+    checked = 0
+    for order in (2, 4, 6):
+        exact, folded = ours(order).at(NUMERIC), naive(order).subs(NUMERIC)
+        for n in range(-20, 21):
+            x = Rational(n, 10)
+            assert exact(x) == folded.subs(X, x), (order, x)
+            checked += 1
+    return checked
+
+
+def draw_times(timings: dict[str, Timing]) -> plt.Figure:
+    """Time over order, for both ways."""
+    figure = plt.figure(figsize=(5.6, 3.8), layout="constrained")
+    ax = figure.gca()
+    for name, color, marker in (("sympy", "#d95f0e", "s"), ("pwmap", "#08306b", "o")):
+        times = [1e3 * timings[f"{name}, order {j}"]["cpu_median"] for j in ORDERS]
+        label = {"sympy": "sympy.Piecewise, folded", "pwmap": "pwmap, formula to pieces"}[name]
+        ax.semilogy(list(ORDERS), times, marker=marker, color=color, label=label)
+    only = 1e3 * timings[SYMBOLIC]["cpu_median"]
+    ax.plot(6, only, "v", color="#08306b", label="pwmap, composing alone")
+    ax.set_xlabel("order of the last iterate")
+    ax.set_ylabel("CPU time for $P_1$ to $P_j$ [ms]")
+    ax.set_xticks(list(ORDERS))
+    ax.grid(alpha=0.25, linewidth=0.5, which="both")
+    ax.legend(fontsize=8)
+    return figure
+
+
+def draw_figure_12() -> plt.Figure:
+    """Figure 12 of the paper, beyond it in r and in the order, and the plane of a and r."""
+    figure, axes = plt.subplots(2, 3, figsize=(13.0, 7.6), layout="constrained")
+    map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1])
+    at_one, window = map_.at(NUMERIC), (-1.5, 1.5)
+    plot_map(at_one, axes[0, 0], window=window).set_title("$P_1^L$, $a = 5/4$, $r = 1$")
+    plot_map(at_one.iterate(2), axes[0, 1], window=window).set_title("$P_2^L$")
+    paper = bifurcation_diagram(map_.at({A: Rational(5, 4)}), R, (Rational(-1, 2), Rational(5, 2)))
+    plot_diagram(paper, axes[0, 2]).set_title("Figure 12: orders 1 and 2")
+    chaotic = map_.at({A: Rational(5, 4), R: Rational(4)})
+    plot_cobweb(chaotic, Rational(1, 10), 40, axes[1, 0]).set_title("an orbit at $r = 4$")
+    plot_diagram(diagram(), axes[1, 1]).set_title("orders 1 to 5, $a = 5/4$")
+    plane = parameter_plane(map_, A, R, (1, 4), (-1, 12), range(1, 8))
+    plot_plane(plane, axes[1, 2]).set_title("cells of orders 1 to 7")
+    return figure
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Symbolic composition, and Figure 12.")
+    parser.add_argument("--fast", action="store_true", help="few rounds")
+    parser.add_argument("--out", type=Path, help="directory for symbolic.json and the pictures")
+    options = parser.parse_args()
+    results = main(fast=options.fast, out=options.out)
+    text = json.dumps(results, indent=2)
+    print(text)
+    if options.out is not None:
+        (options.out / "symbolic.json").write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,69 @@
+"""The command ``pwmap analyse``, run in this process."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from pwmap import read_graph
+from pwmap.cli import app
+
+P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
+
+
+def run(*arguments: str, out: Path) -> tuple[int, str]:
+    found = CliRunner().invoke(
+        app, ["analyse", *arguments, "--out", str(out)], env={"COLUMNS": "200"}
+    )
+    return found.exit_code, found.output
+
+
+@pytest.mark.slow
+def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "folder"
+    code, text = run(P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1,2,3", out=folder)
+    assert code == 0
+    for part in ("fold-flip", "border collision, fold", "4*r/9", "RR|RL", "r in (0, 10)", "50/21"):
+        assert part in text
+    assert (folder / "diagram.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    graph = read_graph(folder / "graph.graphml")
+    assert graph.nodes["FF1"]["parameter_exact"] == "0"
+    assert {data["x_exact"] for *_, data in graph.edges(data=True)} >= {"4*r/9", "r - 2", "4*r/5"}
+    assert json.loads((folder / "graph.json").read_text())["nodes"]
+    lines = (folder / "points.csv").read_text().splitlines()
+    assert lines[0] == "id,kind,r,x,order,note,branches,parameter_exact,x_exact"
+    assert "BC4,BC,2.380952380952381,0.0,3,fold,F3 J5,50/21,0" in lines
+
+
+def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
+    code, text = run(
+        P1L, "--parameter", "r", "--given", "a > 1", "--span", "-1", "5/2", out=tmp_path
+    )
+    assert code == 0
+    assert "r/(a + 1)" in text
+    assert "holds for a > 1" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ((P1L, "--parameter", "b"), "b is no parameter of this map, it has ['a', 'r']"),
+        ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
+        ((P1L, "--parameter", "r", "--set", "a=1.25"), "write the rational 5/4 instead"),
+        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1;2"), "got '1;2'"),
+        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "0"), "got (0,)"),
+        ((P1L, "--parameter", "r", "--set", "a=5/4", "--span", "2", "1"), "got (2, 1)"),
+        (("x**2 + r", "--parameter", "r"), "the piece r + x**2 is not affine in x"),
+        (("x +", "--parameter", "r"), "cannot read 'x +' as an expression"),
+        (("Piecewise((r, x < 0))", "--parameter", "r"), "no piece covers x = 0"),
+    ],
+)
+def test_wrong_input_is_one_sentence(
+    arguments: tuple[str, ...], sentence: str, tmp_path: Path
+) -> None:
+    code, text = run(*arguments, out=tmp_path / "out")
+    assert code == 2
+    assert sentence in text
+    assert len(text.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()

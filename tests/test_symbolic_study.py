@@ -1,0 +1,33 @@
+"""The study of symbolic composition runs, and both of its ways mean the same map."""
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pytest
+
+mpl.use("Agg")
+symbolic = importlib.import_module("symbolic")
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
+    folder = tmp_path_factory.mktemp("symbolic")
+    return symbolic.main(fast=True, out=folder), folder
+
+
+@pytest.mark.slow
+def test_both_ways_agree_and_are_timed(measured: tuple[dict[str, Any], Path]) -> None:
+    results, _ = measured
+    assert results["agree"] == 3 * 41
+    assert results["ratio_order_6"] > 1.0  # how much more is no matter of a test
+    assert results["branches"] == 33
+    assert results["points"] == 29
+    assert all(t["cpu_median"] > 0.0 for t in results["timings"].values())
+
+
+@pytest.mark.slow
+def test_pictures_are_written(measured: tuple[dict[str, Any], Path]) -> None:
+    for name in ("symbolic.png", "figure_12.png"):
+        assert (measured[1] / name).stat().st_size > 20_000
