@@ -93,6 +93,19 @@ class Piece:
             return sympy.FiniteSet(self.lower)
         return sympy.Interval(self.lower, self.upper, not self.lower_closed, not self.upper_closed)
 
+    @property
+    def relation(self) -> sympy.Basic:
+        """The domain as a condition on the variable."""
+        x = self.owner.x
+        if self.cylinder.is_point:
+            return sympy.Eq(x, self.lower)
+        bounds = []
+        if self.cylinder.lower is not None:
+            bounds.append(x >= self.lower if self.lower_closed else x > self.lower)
+        if self.cylinder.upper is not None:
+            bounds.append(x <= self.upper if self.upper_closed else x < self.upper)
+        return sympy.And(*bounds)
+
     def condition(self) -> str:
         """The domain as text, such as ``0 < x <= r/a``."""
         x = str(self.owner.x)
@@ -632,7 +645,7 @@ class PiecewiseLinearMap:
 
     def to_sympy(self) -> sympy.Piecewise:
         """The map as a ``sympy.Piecewise`` in its variable."""
-        return sympy.Piecewise(*((p.expression, p.interval.contains(self.x)) for p in self.pieces))
+        return sympy.Piecewise(*((p.expression, p.relation) for p in self.pieces))
 
     def __str__(self) -> str:
         """One line for each piece: its word, formula and domain."""
@@ -655,7 +668,7 @@ class PiecewiseLinearMap:
     def _repr_latex_(self) -> str:
         rows = []
         for piece in self.pieces:
-            domain = sympy.latex(piece.interval.as_relational(self.x))
+            domain = sympy.latex(piece.relation)
             rows.append(rf"{sympy.latex(piece.expression)} & {domain} & \text{{{piece.word}}}")
         body = r" \\ ".join(rows)
         head = f"P_{{{self.order}}}({sympy.latex(self.x)})"
