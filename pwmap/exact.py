@@ -42,6 +42,8 @@ def expression(value: object, symbols: Iterable[sympy.Symbol] = ()) -> sympy.Bas
     ValueError
         If the text is no expression.
     """
+    if isinstance(value, bool):
+        return sympy.true if value else sympy.false
     if isinstance(value, numbers.Rational) and not isinstance(value, sympy.Basic):
         return sympy.Rational(int(value.numerator), int(value.denominator))
     if isinstance(value, numbers.Real) and not isinstance(value, sympy.Basic):

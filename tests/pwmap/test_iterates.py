@@ -332,8 +332,8 @@ def test_from_sympy_undoes_to_sympy(f_and_j: tuple[Map, int], points: list[Fract
         assert to_fraction(sympy.sympify(formula.subs(X, to_rational(x)))) == brute.value(f, x, j)
 
 
-def written(piece: Piece) -> str:
-    """The domain as text."""
+def written(piece: Piece) -> object:
+    """The domain as text, or the condition that always holds."""
     if piece.lower == piece.upper:
         return f"Eq(x, {piece.lower})"
     bounds = []
@@ -341,7 +341,7 @@ def written(piece: Piece) -> str:
         bounds.append(f"(x {'>=' if piece.lower_closed else '>'} {piece.lower})")
     if piece.upper != sympy.oo:
         bounds.append(f"(x {'<=' if piece.upper_closed else '<'} {piece.upper})")
-    return " & ".join(bounds) or "True"
+    return " & ".join(bounds) or sympy.true
 
 
 @pytest.mark.slow
@@ -352,6 +352,20 @@ def test_the_text_of_pieces_reads_as_the_same_map(f: Map) -> None:
     map_ = exact_map(f)
     again = PiecewiseLinearMap([(str(p.expression), written(p)) for p in map_.pieces])
     assert str(again) == str(map_)
+
+
+@pytest.mark.parametrize("always", [sympy.true, True, "True"], ids=["sympy", "bool", "text"])
+def test_a_condition_that_always_holds(always: object) -> None:
+    map_ = PiecewiseLinearMap([("2*x + 1", always)])
+    assert [str(p.expression) for p in map_.pieces] == ["2*x + 1"]
+    assert map_(3) == 7
+
+
+def test_a_map_of_one_piece_survives_sympy() -> None:
+    map_ = PiecewiseLinearMap.from_sympy("2*x + 1")
+    again = PiecewiseLinearMap.from_sympy(map_.to_sympy())
+    assert [p.interval for p in again.pieces] == [sympy.Reals]
+    assert again(3) == 7
 
 
 # --- What is refused ------------------------------------------------------------------------------
@@ -373,16 +387,16 @@ def paper(**changes: Any) -> PiecewiseLinearMap:
         ([("x", "x <= 0")], ValueError, "no piece covers 0 < x"),
         ([("x", "x <= 0"), ("1", "x >= 0")], ValueError, "1 and 2 overlap: both cover x = 0"),
         ([("x", "x < 3"), ("1", "x > 2"), ("2", "x >= 3")], ValueError, "both cover 2 < x < 3"),
-        ([("x**2", "True")], ValueError, r"x\*\*2 is not affine in x"),
-        ([("1/x", "True")], ValueError, "1/x is not affine in x"),
-        ([("sqrt(2)*x", "True")], ValueError, r"polynomial .* rationals, got sqrt\(2\)"),
-        ([("x/r", "True")], ValueError, "must be a polynomial in the parameters .* got 1/r"),
-        ([("1.25*x", "True")], TypeError, "1.25.* is a float.*write the rational 5/4"),
+        ([("x**2", sympy.true)], ValueError, r"x\*\*2 is not affine in x"),
+        ([("1/x", sympy.true)], ValueError, "1/x is not affine in x"),
+        ([("sqrt(2)*x", sympy.true)], ValueError, r"polynomial .* rationals, got sqrt\(2\)"),
+        ([("x/r", sympy.true)], ValueError, "must be a polynomial in the parameters .* got 1/r"),
+        ([("1.25*x", sympy.true)], TypeError, "1.25.* is a float.*write the rational 5/4"),
         ([("x", "x < 0.1"), ("1", "x >= 0.1")], TypeError, "write the rational 1/10"),
-        ([(0.75, "True")], TypeError, "0.75 is a float.*write the rational 3/4"),
+        ([(0.75, sympy.true)], TypeError, "0.75 is a float.*write the rational 3/4"),
         ([("x", "r < 0"), ("1", "r >= 0")], ValueError, "r < 0 does not contain x"),
         ([("x", "x**2 < 1"), ("1", "x**2 >= 1")], ValueError, r"x\*\*2 < 1 must compare x"),
-        ([("x +* 2", "True")], ValueError, r"cannot read 'x \+\* 2'"),
+        ([("x +* 2", sympy.true)], ValueError, r"cannot read 'x \+\* 2'"),
     ],
 )  # fmt: skip
 def test_faulty_pieces(pieces: list[tuple[object, object]], error: type, message: str) -> None:
@@ -511,7 +525,7 @@ def test_spans_orders_and_parameters_that_are_refused(study: Any) -> None:
 
 
 def test_composition_of_maps_in_different_variables() -> None:
-    other = PiecewiseLinearMap([("y + 1", "True")], x="y")
+    other = PiecewiseLinearMap([("y + 1", sympy.true)], x="y")
     with pytest.raises(
         ValueError, match=r"different variables, y and x|different variables, x and y"
     ):

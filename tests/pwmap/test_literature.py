@@ -17,6 +17,7 @@ import sympy
 from sympy import FiniteSet, Interval, Rational, oo, sqrt
 
 from pwmap import (
+    Branch,
     BranchKind,
     Diagram,
     ParameterCells,
@@ -64,13 +65,10 @@ def two_lines(
 ) -> dict[str, Line]:
     """Pieces L and R that meet at an edge, for the brute force."""
     at = Fraction(str(edge))
-    numbers = [Fraction(str(number)) for number in (*left, *right)]
-    domains: dict[str, Callable[[Fraction], bool]] = (
-        {"L": lambda x: x <= at, "R": lambda x: x > at}
-        if owner == "L"
-        else {"L": lambda x: x < at, "R": lambda x: x >= at}
-    )
-    return {"L": (*numbers[:2], domains["L"]), "R": (*numbers[2:], domains["R"])}
+    a, p, b, q = (Fraction(str(number)) for number in (*left, *right))
+    if owner == "L":
+        return {"L": (a, p, lambda x: x <= at), "R": (b, q, lambda x: x > at)}
+    return {"L": (a, p, lambda x: x < at), "R": (b, q, lambda x: x >= at)}
 
 
 def points_of(map_: PiecewiseLinearMap, period: int) -> dict[str, tuple[sympy.Expr, ...]]:
@@ -96,9 +94,16 @@ def existence(diagram: Diagram) -> dict[str, sympy.Set]:
         word = branch.word
         first = min(word[i:] + word[:i] for i in range(len(word)))
         if branch.kind is BranchKind.FIXED_POINT and word == first:
-            interval = branch.exact["interval"]
+            interval = interval_of(branch)
             found[word] = sympy.Union(found.get(word, sympy.EmptySet), interval)
     return found
+
+
+def interval_of(branch: Branch) -> sympy.Set:
+    """The exact values of the parameter at which a branch exists."""
+    interval = branch.exact["interval"]
+    assert isinstance(interval, sympy.Set)
+    return interval
 
 
 def point_at(diagram: Diagram, parameter: object, x: object) -> SpecialPoint:
@@ -123,7 +128,7 @@ def words_at(diagram: Diagram, parameter: object, *, stable: bool | None = None)
         branch.word
         for branch in diagram.branches
         if branch.kind is BranchKind.FIXED_POINT
-        and parameter in branch.exact["interval"]
+        and parameter in interval_of(branch)
         and (stable is None or bool(branch.stable.all()) is stable)
     }
 
@@ -174,7 +179,7 @@ def test_existence_and_stability_of_the_skew_tent_cycles(a: sympy.Rational, n: i
         if p.kind is PointKind.PD and word in {diagram.branch(b).word for b in p.branches}
     }
     assert flips == ({flip} if flip < border else set())
-    stable = {b.exact["interval"] for b in diagram.branches if b.word == word and b.stable[1]}
+    stable = {interval_of(b) for b in diagram.branches if b.word == word and b.stable[1]}
     assert stable == ({Interval(flip, border)} if flip < border else set())
     born = point_at(diagram, border, 0)
     assert code(born) == (PointKind.BC, "fold", n)
@@ -198,6 +203,7 @@ def test_thresholds_of_the_skew_tent_at_slope_one_half() -> None:
     assert set(edges) >= {-1, -2, -3, -4, -7, -8, -15, -16}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", SLOPES)
 def test_degenerate_flip_of_the_skew_tent(a: sympy.Rational) -> None:
     """At b = -1 the right piece is x -> 1 - x: all points of [0, 1] but 1/2 have period two.
@@ -212,7 +218,7 @@ def test_degenerate_flip_of_the_skew_tent(a: sympy.Rational) -> None:
     assert code(flip) == (PointKind.PD, "degenerate: points nearby have twice the period", 1)
     branches = [diagram.branch(b) for b in flip.branches]
     fixed = [b for b in branches if b.order == 1]
-    assert [b.exact["interval"] for b in fixed] == [
+    assert [interval_of(b) for b in fixed] == [
         Interval(-300, -1),
         Interval(-1, -Rational(1, 2)),
     ]
@@ -222,7 +228,7 @@ def test_degenerate_flip_of_the_skew_tent(a: sympy.Rational) -> None:
 
     vertical = [b for b in branches if b.order == 2]
     assert [b.word for b in vertical] == ["RR", "RR"]
-    assert all(b.exact["interval"] == FiniteSet(-1) for b in vertical)
+    assert all(interval_of(b) == FiniteSet(-1) for b in vertical)
     ends = {frozenset(diagram.point(e).exact["x"] for e in b.ends) for b in vertical}
     assert ends == {frozenset({0, Rational(1, 2)}), frozenset({Rational(1, 2), 1})}
     for x in (0, 1):
@@ -244,7 +250,7 @@ def test_only_the_left_fixed_point_when_the_shift_is_negative(a: sympy.Rational)
     (branch,) = diagram.branches
     assert (branch.word, branch.exact["multiplier"]) == ("L", a)
     assert branch.exact["x"] == -1 / (1 - a)
-    assert branch.exact["interval"] == Interval(-9, 0)
+    assert interval_of(branch) == Interval(-9, 0)
     assert branch.stable.all()
     assert {p.kind for p in diagram.points} == {PointKind.EP}
 
@@ -340,11 +346,10 @@ def test_border_collision_with_symbolic_slopes() -> None:
 
 
 def test_symbolic_slope_needs_decisions_of_degree_one() -> None:
-    """With a symbolic, the fixed point's flip b = -1 is found; for P_2 and P_3 the error says why.
+    """With one slope symbolic P_1 is decided, with the edges b = -1 or a = 1; P_3 is an error.
 
-    The slope b^2 of the word RR (b^3 of RRR) is compared with 1: a decision of degree 2 (3) in b.
-    Over a, for symbolic b < -1, the decisions of P_1 and P_2 are of degree one: the cycle L R flips
-    at a b = -1 and the left fixed point leaves at a = 1 [NusseYorke1995].
+    Over b the word L R R has multiplier a b^2 and R R R has b^3, over a the word L L R has a^2 b:
+    a threshold is then no quotient of polynomials in the other slope [NusseYorke1995].
     """
     pieces = [("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")]
     map_ = PiecewiseLinearMap(pieces, given=["a > 0", "a < 1"])
@@ -355,10 +360,11 @@ def test_symbolic_slope_needs_decisions_of_degree_one() -> None:
         parameter_cells(map_, "b", orders=(1, 2, 3))
 
     other = PiecewiseLinearMap(pieces, given=["b < -1", "a > 0"])
-    over_a = parameter_cells(other, "a", orders=(1, 2), span=(0, 9), sample={"b": -2})
-    assert [equal(*pair) for pair in zip(over_a.edges, (-1 / B, 1), strict=True)] == [True, True]
-    with pytest.raises(ValueError, match=r"decision has degree 2 in a: .*give the other"):
-        parameter_cells(other, "a", orders=(3,), span=(0, 9), sample={"b": -2})
+    cells = parameter_cells(other, "a", span=(0, 9))
+    assert cells.edges == (1,)
+    assert set(cells.given) == {B < -1}
+    with pytest.raises(ValueError, match=r"decision has degree \d in a: .*give the other"):
+        parameter_cells(other, "a", orders=(1, 2, 3))
 
 
 # --- 2. Contracted rotations: period adding -------------------------------------------------------
@@ -398,6 +404,7 @@ def rotation_diagram() -> Diagram:
     return bifurcation_diagram(ROTATION, "d", (HALF, 1), orders=range(1, 9))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "q", "low", "high"),
     [(1, 2, "2/3", "5/6"), (1, 3, "4/7", "9/14"), (2, 3, "6/7", "13/14"), (2, 5, "20/31", "41/62")],
@@ -441,6 +448,7 @@ def test_locking_intervals_of_contracted_rotations() -> None:
             )
 
 
+@pytest.mark.slow
 def test_locking_intervals_are_disjoint_and_add_like_farey() -> None:
     """The words of Farey neighbours, joined, are the word of their mediant, which lies between.
 
@@ -465,6 +473,7 @@ def test_locking_intervals_are_disjoint_and_add_like_farey() -> None:
     assert mediants > 5
 
 
+@pytest.mark.slow
 def test_all_cycles_of_contracted_rotations_attract() -> None:
     """Each cycle of period q has multiplier 2^-q, and no two exist at once [Keener1980]."""
     diagram = rotation_diagram()
@@ -474,10 +483,12 @@ def test_all_cycles_of_contracted_rotations_attract() -> None:
     assert {p.kind for p in diagram.points} <= {PointKind.BC, PointKind.EP, PointKind.WC}
 
 
+@pytest.mark.slow
 def test_ends_of_a_locking_interval() -> None:
     """The points 2 d - 4/3, 2 d - 2/3 of L R are 0 and 2/3 = 2 - 2 d at d = 2/3: it exists there.
 
-    At d = 5/6 they have come to 1/3 = 2 - 2 d, which the right piece owns, and 1: it is gone [Granados2017].
+    At d = 5/6 they have come to 1/3 = 2 - 2 d, which the right piece owns, and 1: it is gone
+    [Granados2017].
     """
     diagram = rotation_diagram()
     cycle = {b.word: b.exact["x"] for b in diagram.branches if b.word in ("LR", "RL")}
@@ -749,12 +760,13 @@ def test_three_cycles_of_the_symmetric_lorenz_map() -> None:
     >= 0 from the golden mean on, where it lies at 0, which the right piece owns. The mirror image
     R R L must have -(b^2 - b - 1) < 0, so it does not exist at the golden mean itself.
     """
-    diagram = bifurcation_diagram(SYMMETRIC, "b", (1, 2), orders=(1, 2, 3))
+    low = Rational(9, 8)
+    diagram = bifurcation_diagram(SYMMETRIC, "b", (low, 2), orders=(1, 2, 3))
     found = existence(diagram)
     assert found == {
-        "L": Interval(1, 2),
-        "R": Interval(1, 2),
-        "LR": Interval(1, 2),
+        "L": Interval(low, 2),
+        "R": Interval(low, 2),
+        "LR": Interval(low, 2),
         "LLR": Interval(GOLDEN, 2),
         "LRR": Interval.Lopen(GOLDEN, 2),
     }
@@ -770,6 +782,26 @@ def test_three_cycles_of_the_symmetric_lorenz_map() -> None:
     assert {p.exact["x"] for p in diagram.points if p.exact["parameter"] == GOLDEN} == set(
         golden_orbit
     )
+
+
+def test_existence_at_the_ends_of_the_span() -> None:
+    """The span's ends are values of the parameter like others: b = 1 has no fixed point.
+
+    b x + 1 | b x - 1 with b > 1: the fixed points -1/(b - 1) and 1/(b - 1) go to infinity at b = 1,
+    the cycle -1/(1 + b), 1/(1 + b) does not. At the upper end 5/6 of the interval of L R the
+    contracted rotation has lost that cycle, at the lower end 2/3 it has it [Guckenheimer1979,
+    Bugeaud1993]; see the tests above.
+    """
+    diagram = bifurcation_diagram(SYMMETRIC, "b", (1, 2), orders=(1, 2))
+    assert [len(points_of(SYMMETRIC.at({"b": 1}), j)) for j in (1, 2)] == [0, 1]
+    assert existence(diagram) == {
+        "L": Interval.Lopen(1, 2),
+        "R": Interval.Lopen(1, 2),
+        "LR": Interval(1, 2),
+    }
+    ends = Rational(2, 3), Rational(5, 6)
+    rotation = bifurcation_diagram(ROTATION, "d", ends, orders=(1, 2))
+    assert existence(rotation) == {"LR": Interval.Ropen(*ends)}
 
 
 # --- 6. Three pieces ------------------------------------------------------------------------------
@@ -803,7 +835,7 @@ def test_hysteresis_of_a_continuous_map_of_three_pieces() -> None:
         x, multiplier, interval, stable = closed[branch.word]
         assert equal(branch.exact["x"], x)
         assert branch.exact["multiplier"] == multiplier
-        assert branch.exact["interval"] == interval
+        assert interval_of(branch) == interval
         assert branch.stable.tolist() == [stable] * len(branch)
     folds = {"LM": point_at(diagram, 1, -1), "MR": point_at(diagram, -1, 1)}
     for words, fold in folds.items():
@@ -916,13 +948,13 @@ def test_points_a_and_b_of_the_paper(a: sympy.Expr) -> None:
     left, right, jump, jump_2 = (branches[w] for w in ("L", "R", "L|R", "RR|RL"))
     assert equal(right.exact["x"], R / (1 + a))
     assert equal(right.exact["multiplier"], -a)
-    assert right.exact["interval"] == Interval.Lopen(0, Rational(9, 4))
+    assert interval_of(right) == Interval.Lopen(0, Rational(9, 4))
     assert not right.stable.any()
     assert (left.exact["x"], left.exact["multiplier"]) == (R - 2, 0)
-    assert left.exact["interval"] == Interval(-1, 2)
+    assert interval_of(left) == Interval(-1, 2)
     assert left.stable.all()
     assert (jump.exact["x"], jump.exact["left"], jump.exact["right"]) == (0, R - 2, R)
-    assert jump.exact["interval"] == Interval.open(0, 2)
+    assert interval_of(jump) == Interval.open(0, 2)
     assert equal(jump_2.exact["x"], R / a)
 
     point_a, point_b = point_at(diagram, 0, 0), point_at(diagram, 2, 0)
@@ -933,7 +965,7 @@ def test_points_a_and_b_of_the_paper(a: sympy.Expr) -> None:
     assert jump.ends == (point_a.id, point_b.id)
     assert jump_2.ends[0] == right.ends[0] == point_a.id
     at_zero = [b for b in diagram.branches if b.order == 2 and b.exact.get("x") == 0]
-    assert all(b.exact["interval"].start == 2 for b in at_zero)
+    assert all(interval_of(b).start == 2 for b in at_zero)
 
 
 @pytest.mark.parametrize("a", STEEPNESS)
@@ -951,7 +983,7 @@ def test_jump_crossings_of_all_iterates_of_the_paper(a: sympy.Expr) -> None:
     assert [b.order for b in jumps] == [1, 2, 3, 4, 5, 6]
     for branch in jumps:
         assert equal(branch.exact["x"], R / (1 + a) * (1 - (-a) ** (1 - branch.order)))
-        assert (branch.exact["interval"].start, branch.exact["interval"].end) == (0, 2)
+        assert (interval_of(branch).start, interval_of(branch).end) == (0, 2)
         assert branch.ends[0] == origin.id
     assert set(origin.branches) == {b.id for b in jumps} | {"F2"}
     assert {b.word for b in diagram.branches if b.kind is BranchKind.FIXED_POINT} == {"L", "R"}
@@ -983,7 +1015,7 @@ def test_cycles_of_the_paper_beyond_point_b() -> None:
         for j in (2, 3)
     ]
     lr, lrr, none = ["LR", "RL"], ["LRR", "RLR", "RRL"], list[str]()
-    # periods 2 and 3 for r < 0, = 0, ... in turn; at the edges P_j jumps at points of the cycle
+    # periods 2 and 3 for r < 0, = 0, ... in turn; at the edges points beside the cycle leave first
     words = [none] * 8 + [none, lrr, none, lrr, none, none, lr, none, lr, none]
     attracting = [True] * 10 + [True, False, True, True, False, True, True, True]
     for found_here, expected, stable in zip(shown, words, attracting, strict=True):
