@@ -17,7 +17,7 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.assumptions import Constraint
+from pwmap.assumptions import Constraint, possible_signs
 from pwmap.exact import (
     Fraction_,
     Number,
@@ -248,12 +248,18 @@ class SymbolicAxis(Axis):
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         if not polynomial:
             return None
-        degree = polynomial.degree(self._index)
-        if degree > 1:
+        if self.degree(polynomial) <= 1:
+            return self._linear_zeros(polynomial)
+        factors = [factor for factor, _ in polynomial.factor_list()[1]]
+        worst = max(factors, key=self.degree)
+        if self.degree(worst) > 1:
             raise ValueError(
-                f"a decision has degree {degree} in {self.name}: "
-                f"{sympy.factor(to_sympy(polynomial))}; give the other parameters values (.at)"
+                f"a decision has degree {self.degree(worst)} in {self.name}: "
+                f"{sympy.factor(to_sympy(worst))}; give the other parameters values (.at)"
             )
+        return tuple({zero for factor in factors for zero in self._linear_zeros(factor)})
+
+    def _linear_zeros(self, polynomial: PolyElement) -> tuple[Threshold, ...]:
         slope, rest = self._coefficients(polynomial)
         if not slope:
             self._keep_sign(rest)
@@ -337,21 +343,22 @@ class SymbolicAxis(Axis):
         """All recorded signs as inequalities; for one other parameter, its interval."""
         others = self._others.symbols
         own = [c for c in self.model.region.constraints if not self.degree(c.polynomial)]
+        limits = [evaluate(c.polynomial, {self.name: QQ.zero}, self._others) for c in own]
         if len(others) == 1:
             symbol, value = others[0], self.sample[str(others[0])]
-            limits = [evaluate(c.polynomial, {self.name: QQ.zero}, self._others) for c in own]
             roots = {x for p in (*limits, *self._conditions) for x in real_roots(_dense(p))}
             below = max((x for x in roots if x < value), default=None)
             above = min((x for x in roots if x > value), default=None)
             self.bounds = below, above
             lower = [] if below is None else [symbol > real_to_sympy(below)]
             return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
-        signed = []
-        for polynomial in self._conditions:
+        kept = [Constraint(limit, c.strict) for limit, c in zip(limits, own, strict=True)]
+        for polynomial in sorted(self._conditions, key=len):
             for factor, _ in polynomial.factor_list()[1]:
-                positive = evaluate(factor, self.sample, None) > 0
-                signed.append(Constraint(factor if positive else -factor, True))
-        return tuple(dict.fromkeys(c.relation() for c in (*own, *signed)))
+                side = sign(evaluate(factor, self.sample, None))
+                if possible_signs(factor, tuple(kept)) != frozenset((side,)):
+                    kept.append(Constraint(side * factor, True))
+        return tuple(constraint.relation() for constraint in kept)
 
 
 def identical(first: Any, second: Any) -> bool:

@@ -19,7 +19,6 @@ from sympy import QQ
 from pwmap.cells import checked_orders, checked_span, cut_up
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
-from pwmap.itineraries import Word
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import bounds
 from pwmap.runs import ALONG, End, Meeting, Run, Sweep
@@ -44,7 +43,7 @@ def bifurcation_diagram(
         Symbol or name of the parameter.
     span
         Two rationals; by default from about one below the first value at which something happens
-        to about one above the last.
+        to about one above the last. What exists at an end of the span only is left out.
     orders
         The iterates j. A periodic point is listed with its minimal period only, a jump crossing
         with every order it occurs in.
@@ -70,7 +69,7 @@ def bifurcation_diagram(
         low, high = _whole_span(map_, parameter, orders, sample)
     else:
         low, high = checked_span(span)
-    axis, cells = cut_up(map_, parameter, orders, low, high, sample)
+    axis, cells = cut_up(map_, parameter, orders, low, high, sample, with_ends=True)
     return _assembled(map_, Sweep(axis, cells, len(map_.chain), (cells[0].lower, cells[-1].upper)))
 
 
@@ -218,9 +217,11 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
 
     With n the lowest order of the fixed points that meet, look at all branches of that order. They
     lie on both sides of the parameter (persistence) or on one (fold). A fold of one branch of
-    fixed points into a jump branch is a fold-flip (FF) if on its side a jump branch of order 2n
-    starts that follows another curve: the preimage of the jump, which crosses the diagonal just
-    when the fixed point's multiplier is below -1 or above +1.
+    fixed points into a jump branch starts a jump branch of order 2n too, and then is a fold-flip
+    (FF), just if its multiplier m there has |m| > 1: let F be the distance of the limit on the
+    fixed point's side from the diagonal and D that on the other side, of opposite sign where the
+    jump crosses. The preimage of the jump lies at -F/m from it, there P_2n jumps between F and D,
+    and F - (-F/m) = F (1 + 1/m) has the sign of F.
     """
     ends = meeting.ends
     units = {end.unit for end in ends}
@@ -240,19 +241,5 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     sides = {end.side for end in own} - {ALONG}
     if len(sides) != 1:
         return PointKind.BC, "persistence" if sides else "isolated"
-    folds = len(fixed) == 1 and len(own) > 1
-    return (PointKind.FF if folds and _flips(ends, own, sides) else PointKind.BC), "fold"
-
-
-def _flips(ends: Sequence[End], own: Sequence[End], sides: set[int]) -> bool:
-    """Whether a jump branch of twice the order starts on the same side, on a curve of its own."""
-    curves = {_curve(end) for end in own if not end.is_fixed}
-    doubled = [end for end in ends if not end.is_fixed and end.steps == 2 * own[0].steps]
-    return any(end.side in sides and _curve(end) not in curves for end in doubled)
-
-
-def _curve(end: End) -> tuple[int, Word]:
-    """What determines the position of a jump: the break and the word that leads to it."""
-    name = end.run.name
-    assert name.cut is not None
-    return name.cut.k, name.word[: name.cut.steps]
+    flips = len(fixed) == 1 < len(own) and fixed[0].is_steep
+    return (PointKind.FF if flips else PointKind.BC), "fold"

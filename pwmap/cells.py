@@ -92,14 +92,21 @@ def studied(judge: Judge, chain: tuple[int, ...], orders: Iterable[int]) -> Stud
 
 
 def decomposed(
-    axis: Axis, chain: tuple[int, ...], orders: Sequence[int], low: Any, high: Any
+    axis: Axis,
+    chain: tuple[int, ...],
+    orders: Sequence[int],
+    low: Any,
+    high: Any,
+    ends: Sequence[Any] = (),
 ) -> list[Cell]:
     """Cells and edges of an open interval of the axis, from left to right.
 
     Parameters
     ----------
     low, high
-        Places on the axis, or None for an infinite end; the ends themselves are not studied.
+        Places on the axis, or None for an infinite end.
+    ends
+        The ends to study as edges too, of ``low`` and ``high``.
     """
     open_cells: list[Cell] = []
     waiting = [(low, high)]
@@ -122,19 +129,20 @@ def decomposed(
     open_cells.sort(key=lambda cell: axis.between(cell.lower, cell.upper))
     cells: list[Cell] = []
     for cell in open_cells:
-        if cells:
-            edge = cells[-1].upper
-            cells.append(Cell(edge, edge, _studied_edge(axis, edge, chain, orders)))
+        if cells or cell.lower in ends:
+            cells.append(_edge(axis, cell.lower, chain, orders))
         cells.append(cell)
+    if cells[-1].upper in ends:
+        cells.append(_edge(axis, cells[-1].upper, chain, orders))
     return cells
 
 
-def _studied_edge(axis: Axis, edge: Any, chain: tuple[int, ...], orders: Sequence[int]) -> Study:
-    study = studied(axis.judge(edge), chain, orders)
-    found = _edge_at(axis, study.judge, edge)
-    if found is not None and not identical(found, edge):
+def _edge(axis: Axis, place: Any, chain: tuple[int, ...], orders: Sequence[int]) -> Cell:
+    study = studied(axis.judge(place), chain, orders)
+    found = _edge_at(axis, study.judge, place)
+    if found is not None and not identical(found, place):
         raise ResampleError
-    return study
+    return Cell(place, place, study)
 
 
 def _edge_at(axis: Axis, judge: Judge, place: Any) -> Any:
@@ -281,8 +289,13 @@ def cut_up(
     low: Number | None,
     high: Number | None,
     sample: Mapping[Any, object] | None,
+    *,
+    with_ends: bool = False,
 ) -> tuple[Axis, list[Cell]]:
-    """The axis of a parameter and its cells, at the first sample that is generic."""
+    """The axis of a parameter and its cells, at the first sample that is generic.
+
+    With ``with_ends`` the ends of the span are edges too, if the assumptions admit them.
+    """
     name = str(parameter)
     names = [str(s) for s in map_.parameters]
     if name not in names:
@@ -292,7 +305,8 @@ def cut_up(
         axis = axis_of(map_.model, name, values)
         try:
             ends = _limited(axis, low, high, start)
-            cells = decomposed(axis, map_.chain, orders, *ends)
+            studied_ends = [end for end in ends if with_ends and _admitted(axis, end)]
+            cells = decomposed(axis, map_.chain, orders, *ends, studied_ends)
             places = [ends[0], *(c.lower for c in cells if c.is_edge), ends[1]]
             axis.given = axis.closing([place for place in places if place is not None])
         except ResampleError:
@@ -300,6 +314,14 @@ def cut_up(
         return axis, cells
     others = ", ".join(f"{key} = {QQ.to_sympy(value)}" for key, value in axis.sample.items())
     raise ResampleError(f"at {others} edges meet by chance: choose another sample")
+
+
+def _admitted(axis: Axis, place: Any) -> bool:
+    """Whether the assumptions hold at an end of a span."""
+    return place is not None and all(
+        constraint.holds(axis.sign(constraint.polynomial, place))
+        for constraint in axis.model.region.constraints
+    )
 
 
 def _limited(axis: Axis, low: Number | None, high: Number | None, start: Number) -> tuple[Any, Any]:

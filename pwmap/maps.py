@@ -113,7 +113,7 @@ class Piece:
             return f"{x} = {self.lower}"
         left = "" if self.cylinder.lower is None else f"{self.lower} {_less(self.lower_closed)} "
         right = "" if self.cylinder.upper is None else f" {_less(self.upper_closed)} {self.upper}"
-        return left + x + right
+        return left + x + right if left or right else f"all {x}"
 
     def __str__(self) -> str:
         """Word, formula and domain."""
@@ -136,7 +136,7 @@ class FixedPoint:
     admissible
         False for a virtual fixed point: that of a formula, outside the formula's piece.
     stable
-        Whether all orbits from nearby converge to it, on both sides.
+        Whether all orbits from nearby, on both sides, stay near and converge to it.
     at_border
         Whether it lies at an end of a piece.
     """

@@ -89,12 +89,15 @@ class End:
         LEFT, ALONG or RIGHT, as seen from the end.
     unit
         +1 or -1 if that is the multiplier there and not elsewhere, otherwise 0.
+    is_steep
+        Whether the multiplier there is larger than 1 in size.
     """
 
     run: Run
     which: int
     side: int
     unit: int
+    is_steep: bool
 
     @property
     def is_fixed(self) -> bool:
@@ -204,7 +207,7 @@ class Sweep:
                 goes_on = following == i + 1
                 parted = len(stretch) > 1 and self.cells[i].is_edge and self._unit(name, i)
                 if not goes_on or parted:
-                    if len(stretch) > 1 or not self._is_edge_of_band(name, i):
+                    if len(stretch) > 1 or not (self._is_edge_of_band(name, i) or self._at_end(i)):
                         yield self._run(name, stretch)
                     stretch = [i] if goes_on else []
 
@@ -216,9 +219,13 @@ class Sweep:
         return Run(
             name,
             (first.lower, last.upper),
-            (first.is_edge or stretch[0] == 0, last.is_edge or stretch[-1] == len(self.cells) - 1),
+            (first.is_edge, last.is_edge),
             all(self.present[i][name] for i in stretch),
         )
+
+    def _at_end(self, i: int) -> bool:
+        """Whether a cell is an end of the span: what exists there only is left out."""
+        return self.cells[i].is_edge and self.cells[i].lower in self.span
 
     def _is_edge_of_band(self, name: Name, i: int) -> bool:
         """Whether a name at an edge only is an end of a band along that edge."""
@@ -233,9 +240,10 @@ class Sweep:
         They are parted at the special points inside them.
         """
         for i, cell in enumerate(self.cells):
-            if not cell.is_edge:
+            if not cell.is_edge or self._at_end(i):
                 continue
-            beside = {n.words for j in (i - 1, i + 1) for n in self.present[j] if n.cut is not None}
+            near = (*self.present[i - 1], *self.present[i + 1])
+            beside = {name.words for name in near if name.cut is not None}
             for order, iterate in cell.study.iterates.items():
                 for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True):
                     if (
@@ -290,7 +298,13 @@ class Sweep:
         """Both ends of a run."""
         along = run.places[0] == run.places[1]
         first, last = (
-            End(run, which, ALONG if along else side, self._unit_at_end(run, which))
+            End(
+                run,
+                which,
+                ALONG if along else side,
+                self._unit_at_end(run, which),
+                self._is_steep(run, run.places[which]),
+            )
             for which, side in ((0, RIGHT), (1, LEFT))
         )
         return first, last
@@ -305,6 +319,12 @@ class Sweep:
             return 0
         units = (u for u in (1, -1) if self.axis.order((slope, one), (u * one, one), place) == 0)
         return next(units, 0)
+
+    def _is_steep(self, run: Run, place: Any) -> bool:
+        if run.name.kind is BranchKind.JUMP or run.isolated:
+            return False
+        slope, one = self.orbits.affine(run.name.word)[0], self.orbits.table.one
+        return self.axis.order((slope * slope, one), (one, one), place) > 0
 
     def x(self, end: End) -> float:
         """The x of an end as a float, which may be infinite."""

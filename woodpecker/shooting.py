@@ -9,10 +9,12 @@ from enum import Enum
 import numpy as np
 
 from woodpecker import kernel
+from woodpecker.arrays import Floats
 from woodpecker.compiled import announce
 from woodpecker.edges import nearest_edge
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
 from woodpecker.modes import CONTACT, EPS, model
+from woodpecker.pieces import SampledMap, Samples
 from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
 from woodpecker.status import status
 from woodpecker.tolerances import DEFAULT, Tolerances
@@ -114,6 +116,44 @@ def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
         return here._replace(rate=(first[0] - second[0]) / (first[1] - second[1]))
 
     return with_difference
+
+
+def toy_samples(toy: Toy, parameter: str = "eps_n1") -> SampledMap:
+    """P_1 of the toy as a map that takes many points at once; see :func:`toy_map`.
+
+    Parameters other than a restitution coefficient have no derivative here: ``rate`` is nan.
+    """
+    exact = known_parameter(parameter) in RESTITUTIONS
+    seed = np.eye(3)[[RESTITUTIONS.index(parameter)]] if exact else np.zeros((1, 3))
+    known: dict[bytes, int] = {}
+    words: list[str] = []
+    announce(kernel.sweep)
+
+    tables: dict[float, Floats] = {}  # of the last parameter
+
+    def sweep(x: Floats, p: float) -> Samples:
+        n = len(x)
+        if p not in tables:
+            tables.clear()
+            tables[p] = model(toy.replace(**{parameter: p}))
+        out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
+        codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        kernel.sweep(tables[p], x, 1, seed, out, codes, lengths, texts)
+        defined = codes == kernel.RETURNED
+        out[~defined] = np.nan
+        index = np.empty(n, dtype=np.int64)
+        for i in range(n):
+            key = texts[i, : lengths[i]].tobytes() if defined[i] else codes[i].tobytes()
+            found = known.get(key)
+            if found is None:
+                found = known[key] = len(words)
+                text = word(texts[i, : lengths[i]].tolist())
+                words.append(text if defined[i] else status(int(codes[i])).value)
+            index[i] = found
+        rate = out[:, 4] if exact else np.full(n, np.nan)
+        return Samples(x, out[:, 0], out[:, 3], rate, index, defined)
+
+    return SampledMap(sweep, words)
 
 
 def _undefined(reason: str) -> Evaluation:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
+from math import gcd
 from typing import Any
 
 import brute
@@ -21,6 +22,7 @@ from pwmap import (
     Diagram,
     ParameterCell,
     PiecewiseLinearMap,
+    PointKind,
     bifurcation_diagram,
     parameter_cells,
 )
@@ -135,6 +137,7 @@ def spelled(map_: PiecewiseLinearMap, word: brute.Word) -> str:
 def check_diagonal(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> None:
     """Fixed points, bands of them and jump crossings of one iterate."""
     iterate = map_.iterate(j)
+    j *= map_.order  # a map may be an iterate itself
     found: list[Record] = [
         (evaluated(p.x, at), p.word, evaluated(p.multiplier, at), p.period, p.stable, p.at_border)
         for p in iterate.fixed_points()
@@ -194,8 +197,8 @@ def check_pieces(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> No
         if lo is not None and lo == hi:
             slope, intercept = 0, slope * lo + intercept  # of a point only the value counts
         found.append((lo, p.lower_closed, hi, p.upper_closed, slope, intercept, p.word))
-    expected = [(*part, spelled(map_, word)) for part, word in brute.pieces(f, j)]
-    assert found == expected
+    pieces = brute.pieces(f, j * map_.order)
+    assert found == [(*part, spelled(map_, word)) for part, word in pieces]
 
 
 # --- The maps -------------------------------------------------------------------------------------
@@ -209,6 +212,7 @@ class Case:
     parts: Callable[[Any], Map]
     span: tuple[Fraction, Fraction]
     orders: tuple[int, ...]
+    samples: int = 120  # of the parameter, where the search for missed edges looks
 
     @property
     def name(self) -> str:
@@ -232,6 +236,7 @@ def paper(a: Fraction) -> Case:
         parts=lambda r: map_of([Fraction(0)], ["left"], [(Fraction(0), r - 2), (-a, r)]),
         span=(Fraction(-1), 4 / (a - 1) + 3),
         orders=(1, 2, 3, 4, 5),
+        samples=300,
     )
 
 
@@ -327,7 +332,7 @@ def mirror() -> Case:
         parts=lambda r: map_of(
             [Fraction(0)], ["left"], [(Fraction(-1), r), (Fraction(1, 2), Fraction(-1))]
         ),
-        span=(Fraction(-3), Fraction(13, 2)),
+        span=(Fraction(-3), Fraction(5)),
         orders=(1, 2, 3, 4),
     )
 
@@ -381,7 +386,11 @@ CASES = {
     "tent": tent(),
     "roof": roof(),
     "mirror": mirror(),
-    **{f"random-{seed}": random_case(seed) for seed in range(12)},
+    "second-iterate": replace(
+        paper(Fraction(5, 4)), map=PAPER.at({"a": "5/4"}).iterate(2), orders=(1, 2, 3)
+    ),
+    "second-iterate-of-mirror": replace(mirror(), map=mirror().map.iterate(2), orders=(1, 2)),
+    **{f"random-{seed}": random_case(seed) for seed in range(8)},
 }
 every_case = pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 
@@ -463,6 +472,7 @@ def test_formulas_of_a_cell_hold_inside_it(case: Case) -> None:
 
 def structure(f: Map, map_: PiecewiseLinearMap, j: int) -> Record:
     """Words of one iterate's fixed points and crossings, by brute force."""
+    j *= map_.order
     points = [(spelled(map_, p.word), p.stable, p.at_border) for p in brute.fixed_points(f, j)
               if not in_band(p)]  # fmt: skip
     jumps = [
@@ -487,7 +497,7 @@ def test_no_edge_is_missed(case: Case) -> None:
     assert [ends[0][0], ends[-1][1]] == [*case.span]
     assert all(left[1] == right[0] for left, right in pairwise(ends))
     known = {(i, j): structure_of(cell, j) for i, cell in enumerate(cells) for j in case.orders}
-    for value in samples(case, 250):
+    for value in samples(case, case.samples):
         here = [i for i, (lo, hi) in enumerate(ends) if lo < value < hi or lo == value == hi]
         assert len(here) == 1
         for j in case.orders:
@@ -509,9 +519,9 @@ def test_every_edge_is_needed(case: Case) -> None:
         ]
         for cell in cells
     ]
-    open_cells = [i for i, cell in enumerate(cells) if cell.is_edge]
-    assert len(open_cells) == (len(cells) - 1) // 2
-    for i in open_cells:
+    edges = [i for i, cell in enumerate(cells) if cell.is_edge]
+    assert edges == list(range(1, len(cells) - 1, 2))
+    for i in edges:
         assert not shown[i - 1] == shown[i] == shown[i + 1], cells.cells[i].lower
 
 
@@ -556,45 +566,55 @@ def curves(diagram: Diagram) -> list[Curve]:
 
 
 def check_diagram(branches: Sequence[Curve], case: Case, value: Any) -> None:
-    """What a diagram shows at one value of the parameter, but for bands of fixed points."""
-    f = case.at(value)
+    """What a diagram shows at one value of the parameter."""
+    f, unit = case.at(value), case.map.order
     here = [curve for curve in branches if curve.holds(value)]
     for j in case.orders:
-        bands = brute.bands(f, j)
-        own = [curve for curve in here if curve.order == j]
-        points = {
-            (evaluated(c.x, value), c.word)
-            for c in own
-            if c.kind is BranchKind.FIXED_POINT and c.x is not None
-        }
-        expected = {
-            (p.x, spelled(case.map, p.word)) for p in brute.fixed_points(f, j) if p.period == j
-        }
-        assert outside(points, bands) == outside(expected, bands), (value, j)
-        inner = [
-            (evaluated(c.x, value), c.word)
-            for c in own
-            if c.kind is BranchKind.FIXED_POINT and value not in (c.interval[0], c.interval[2])
-        ]
-        assert len(set(inner)) == len(inner), (value, j)
+        own = [c for c in here if c.order == j]
+        fixed = [c for c in own if c.kind is BranchKind.FIXED_POINT]
+        check_fixed_points(fixed, case.map, f, j * unit, value)
         jumps = {
-            (evaluated(c.x, value), *(evaluated(side, value) for side in c.sides), c.word)
+            (*(evaluated(v, value) for v in (c.x, *c.sides)), c.word)
             for c in own
             if c.kind is BranchKind.JUMP
         }
-        assert jumps == {
-            (c.x, c.left, c.right,
-             f"{spelled(case.map, c.left_word)}|{spelled(case.map, c.right_word)}")
-            for c in brute.crossings(f, j)
-        }, (value, j)  # fmt: skip
+        expected = {
+            (*c[:3], "|".join(spelled(case.map, word) for word in c[3:]))
+            for c in brute.crossings(f, j * unit)
+        }
+        assert jumps == expected, (value, j)
 
 
-def covered(x: Any, bands: Sequence[tuple[Any, Any]]) -> bool:
-    return any((lo is None or not x < lo) and (hi is None or not x > hi) for lo, hi in bands)
+def check_fixed_points(
+    branches: Sequence[Curve], map_: PiecewiseLinearMap, f: Map, n: int, value: Any
+) -> None:
+    """Isolated ones, each once, and bands: both ends, or the whole of one at this value only."""
+    drawn = [(evaluated(c.x, value), c.word) for c in branches if c.x is not None]
+    along = {c.word for c in branches if c.x is None}
+    isolated = {
+        (p.x, spelled(map_, p.word))
+        for p in brute.fixed_points(f, n)
+        if is_new(p.period, map_, n) and not in_band(p)
+    }
+    bands = {
+        spelled(map_, word): {x for x in (part.lo, part.hi) if x is not None}
+        for part, word in brute.pieces(f, n)
+        if (part.slope, part.intercept) == (1, 0) and is_new(band_period(f, part, n), map_, n)
+    }
+    ends = {(x, word) for word, xs in bands.items() for x in xs if word not in along}
+    assert set(drawn) == isolated | ends, (value, n)
+    assert along <= set(bands), (value, n)
+    inner = [
+        (evaluated(c.x, value), c.word)
+        for c in branches
+        if c.x is not None and value not in (c.interval[0], c.interval[2])
+    ]
+    assert len(set(inner)) == len(inner), (value, n)
 
 
-def outside(points: set[Record], bands: Sequence[tuple[Any, Any]]) -> set[Record]:
-    return {point for point in points if not covered(point[0], bands)}
+def is_new(period: int, map_: PiecewiseLinearMap, n: int) -> bool:
+    """Whether points of a period of the original map have the minimal period of n of its steps."""
+    return period // gcd(period, map_.order) * map_.order == n
 
 
 @pytest.mark.slow
@@ -645,6 +665,34 @@ def test_points_lie_on_the_branches_that_end_there(case: Case) -> None:
             if point_.exact["x"] not in (sympy.oo, -sympy.oo):
                 assert number(point_.exact["x"]) == evaluated(x, number(value))
                 assert point_.x == pytest.approx(float(sympy.N(point_.exact["x"])), abs=1e-14)
+
+
+def test_composition_with_a_line_is_the_map_on_other_coordinates() -> None:
+    """(r - 2, r - a x) after 2 x + 1 is r - 2 up to -1/2 and r - a - 2 a x beyond."""
+    line = PiecewiseLinearMap.from_sympy("Piecewise((2*x + 1, True))")
+    both = PAPER.at({"a": "5/4"}) @ line
+    plain = PiecewiseLinearMap([("r - 2", "x <= -1/2"), ("r - 5/4*(2*x + 1)", "x > -1/2")])
+    names = ("x", "interval", "multiplier", "left", "right")
+    diagrams = [bifurcation_diagram(m, "r", (-3, 8), orders=(1, 2, 3)) for m in (both, plain)]
+    branches, points = (
+        [
+            sorted(
+                (
+                    str(b.kind),
+                    b.order,
+                    *(str(sympy.factor(b.exact[n])) for n in names if n in b.exact),
+                )
+                for b in diagram.branches
+            )
+            for diagram in diagrams
+        ],
+        [
+            sorted((str(p.kind), p.order, *map(str, p.exact.values())) for p in diagram.points)
+            for diagram in diagrams
+        ],
+    )
+    assert branches[0] == branches[1]
+    assert points[0] == points[1]
 
 
 # --- Other parameters symbolic --------------------------------------------------------------------
@@ -746,3 +794,43 @@ def test_symbolic_cells_of_the_paper() -> None:
                 assert [sympy.factor(x) for x in points] == [
                     sympy.factor(p.x) for p in plain.map.iterate(j).fixed_points()
                 ]
+
+
+@pytest.mark.parametrize("slope", [3, 4])
+def test_given_holds_where_edges_outside_the_span_meet_at_the_sample(slope: int) -> None:
+    """r - 4 a right of 0 is a fixed point for r > 4 a, which may be inside the span or beyond it.
+
+    At a = 1/2 that edge meets the other one, r = 2, and both are outside the span.
+    """
+    map_ = PiecewiseLinearMap(
+        [("r - 2", "x <= 0"), (f"r - {slope}*a", "x > 0")], given=["a > 0", "a < 1"]
+    )
+    diagram = bifurcation_diagram(map_, "r", (-1, 1), orders=(1,))
+    for value in (sympy.Rational(n, 16) for n in range(1, 16)):
+        if admitted(diagram.given, {A: value}):
+            own = bifurcation_diagram(map_.at({"a": value}), "r", (-1, 1), orders=(1,))
+            assert substituted(diagram, {A: value}) == substituted(own, {}), value
+
+
+# --- Points that are pieces of their own ----------------------------------------------------------
+
+
+def test_the_formula_of_a_point_piece_has_no_slope() -> None:
+    """At 0 only the value of r x counts: nothing happens at r = 1 or -1."""
+    map_ = PiecewiseLinearMap([("3", "x < 0"), ("r*x", "Eq(x, 0)"), ("5", "x > 0")])
+    diagram = bifurcation_diagram(map_, "r", (-3, 3), orders=(1, 2))
+    assert [(b.word, b.exact["interval"]) for b in diagram.branches] == [
+        ("M", sympy.Interval(-3, 3)),
+        ("R", sympy.Interval(-3, 3)),
+    ]
+    assert {p.kind for p in diagram.points} == {PointKind.EP}
+
+
+def test_a_point_piece_is_no_flip_whatever_the_sample_of_its_slope() -> None:
+    """0 is fixed at r = 0 only; r - 2 a x has the slope -1 at a = 1/2, but no interval there."""
+    map_ = PiecewiseLinearMap(
+        [("3", "x < 0"), ("r - 2*a*x", "Eq(x, 0)"), ("5", "x > 0")], given=["a > 0", "a < 1"]
+    )
+    diagram = bifurcation_diagram(map_, "r", (-1, 1), orders=(1,))
+    inner = [(p.kind, p.exact["parameter"], p.exact["x"]) for p in diagram.points if p.x == 0]
+    assert inner == [(PointKind.BC, 0, 0)]

@@ -4,18 +4,22 @@ import json
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
-from pwmap import read_graph
-from pwmap.cli import app
+from pwmap import cli, read_graph
+
+
+@pytest.fixture(autouse=True)
+def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "console", Console(width=200))
+
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 
 
 def run(*arguments: str, out: Path) -> tuple[int, str]:
-    found = CliRunner().invoke(
-        app, ["analyse", *arguments, "--out", str(out)], env={"COLUMNS": "200"}
-    )
+    found = CliRunner().invoke(cli.app, ["analyse", *arguments, "--out", str(out)])
     return found.exit_code, found.output
 
 

@@ -315,6 +315,30 @@ def test_cycles_are_orbits_of_fixed_points(f_and_j: tuple[Map, int]) -> None:
     assert sorted(seen) == expected
 
 
+def test_cycles_that_visit_a_point_piece_of_slope_one() -> None:
+    """Of a piece that is one point only the value counts: 0 is fixed, and isolated."""
+    map_ = PiecewiseLinearMap([("x + 1", "x < 0"), ("x", "Eq(x, 0)"), ("x + 1", "x > 0")])
+    assert [p.x for p in map_.fixed_points()] == [0]
+    assert [(cycle.word, cycle.points) for cycle in map_.cycles(1)] == [("M", (0,))]
+
+
+@pytest.mark.slow
+@thorough(60)
+@given(maps(4), st.integers(1, 2))
+def test_cycles_of_an_iterate_are_those_of_the_same_map_by_itself(f: Map, j: int) -> None:
+    second = exact_map(f).iterate(2)
+    alone = exact_map(tuple(stretch.part for stretch in brute.pieces(f, 2)))
+    for map_ in (second, alone):
+        for cycle in map_.cycles(j):
+            for x, after in zip(cycle.points, cycle.points[1:] + cycle.points[:1], strict=True):
+                assert (map_(x) if map_ is alone else exact_map(f)(x)) == after
+    starts = [
+        sorted(to_fraction(p.x) for p in map_.iterate(j).fixed_points()) for map_ in (second, alone)
+    ]
+    assert starts[0] == starts[1]
+    assert len(second.cycles(j)) == len(alone.cycles(j))
+
+
 # --- As sympy and back ----------------------------------------------------------------------------
 
 

@@ -25,7 +25,8 @@ from maps import (
 )
 
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from woodpecker.diagram import SAME_POINT, WINDOW, connected, continuation
+from woodpecker.diagram import WINDOW, connected, continuation
+from woodpecker.explore import SAME_POINT
 from woodpecker.follow import Settings
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
 from woodpecker.shooting import PeriodicOrbit, shoot, toy_map

@@ -1,0 +1,452 @@
+"""Pieces of a map at fixed parameter: maximal intervals of constant word, and what crosses in them.
+
+The window is sampled, and every interval between samples is looked at again at its middle: where
+the words of its ends differ it is bisected down to neighbouring doubles, where they agree the
+middle must lie on the cubic through the values and exact slopes of both ends. An interval that
+fails is halved, so samples gather where the map bends and where words change. All intervals of one
+generation are mapped in one call.
+
+Near a dip and near an accumulation of impacts there are infinitely many pieces. Below a stated
+width no new word is looked for: such an interval is reported as unresolved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from woodpecker.arrays import Floats, Ints
+from woodpecker.edges import NEAR, Edge, is_continuous
+from woodpecker.labelled import SEPARATOR, Evaluation, LabelledMap
+from woodpecker.tolerances import DEFAULT, Tolerances
+
+Bools = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Resolution:
+    """How closely a map is looked at.
+
+    Parameters
+    ----------
+    spacing
+        Largest distance of first samples.
+    smallest
+        Pieces narrower than this are not looked for: where one shows, the interval is unresolved.
+    bend
+        Largest distance of a value from the cubic through its neighbours.
+    """
+
+    spacing: float = 1e-3
+    smallest: float = 1e-8
+    bend: float = 1e-6
+
+    def __post_init__(self) -> None:
+        for name in ("spacing", "smallest", "bend"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+
+
+class Samples(NamedTuple):
+    """A map at many points; arrays of shape (n,). ``words`` are indices into a list of words."""
+
+    x: Floats
+    value: Floats
+    slope: Floats
+    rate: Floats
+    words: Ints
+    defined: Bools
+
+    def take(self, index: slice | Ints | Bools) -> Samples:
+        """Some of the points."""
+        return Samples._make([column[index] for column in self])
+
+    def joined(self, other: Samples) -> Samples:
+        """Both, sorted by x."""
+        order = np.argsort(np.concatenate([self.x, other.x]), kind="stable")
+        return Samples._make(
+            [np.concatenate(pair)[order] for pair in zip(self, other, strict=True)]
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SampledMap:
+    """A map that takes many points at once.
+
+    Parameters
+    ----------
+    sweep
+        Takes points (n,) and a parameter.
+    words
+        Word of each index that ``sweep`` has given out so far.
+    """
+
+    sweep: Callable[[Floats, float], Samples]
+    words: list[str] = field(default_factory=list)
+
+
+def sampled(labelled_map: LabelledMap) -> SampledMap:
+    """Any labelled map, one point after the other."""
+    known: dict[str, int] = {}
+    words: list[str] = []
+
+    def sweep(x: Floats, p: float) -> Samples:
+        laps = [labelled_map(value, p) for value in x.tolist()]
+        for lap in laps:
+            if lap.word not in known:
+                known[lap.word] = len(words)
+                words.append(lap.word)
+        value, slope, rate = np.array([lap[:3] for lap in laps], dtype=float).reshape(-1, 3).T
+        index = np.array([known[lap.word] for lap in laps], dtype=np.int64)
+        defined = np.array([lap.defined for lap in laps], dtype=bool)
+        return Samples(x, value, slope, rate, index, defined)
+
+    return SampledMap(sweep, words)
+
+
+BELOW = "below the window"
+
+
+def iterated(map_: SampledMap, order: int, floor: float = -math.inf) -> SampledMap:
+    """P_order of a map, of which what lies below a floor is not told apart.
+
+    Where the last point is below the floor the word is :data:`BELOW`; where an earlier one is, the
+    iterate is not followed and not defined. So the infinitely deep dips of a map cost nothing.
+    """
+    known: dict[tuple[int, ...], int] = {}
+    words: list[str] = []
+
+    def index(key: tuple[int, ...], text: str) -> int:
+        found = known.get(key)
+        if found is None:
+            found = known[key] = len(words)
+            words.append(text)
+        return found
+
+    def sweep(x: Floats, p: float) -> Samples:
+        n = len(x)
+        value, slope, rate = x.astype(float), np.ones(n), np.zeros(n)
+        laps, alive = np.full((n, order), -1), np.arange(n)
+        for lap in range(order):
+            here = map_.sweep(value[alive], p)
+            laps[alive, lap] = here.words
+            slope[alive], rate[alive] = (
+                here.slope * slope[alive],
+                here.slope * rate[alive] + here.rate,
+            )
+            value[alive] = here.value
+            followed = here.defined & ((here.value >= floor) | (lap == order - 1))
+            value[alive[~followed]] = np.nan
+            alive = alive[followed]
+        below = value < floor
+        codes = np.empty(n, dtype=np.int64)
+        for i, row in enumerate(laps.tolist()):
+            if below[i]:
+                codes[i] = index((-1,), BELOW)
+            elif math.isnan(value[i]):
+                last = [k for k in row if k >= 0][-1]
+                lost = map_.words[last] if len(row) == order and row[-1] >= 0 else BELOW
+                codes[i] = index((-2, last), lost)
+            else:
+                key = tuple(row)
+                codes[i] = (
+                    known[key]
+                    if key in known
+                    else index(key, SEPARATOR.join(map_.words[k] for k in key))
+                )
+        defined = ~np.isnan(value)
+        return Samples(x, value, np.where(defined, slope, np.nan), np.where(defined, rate, np.nan),
+                       codes, defined)  # fmt: skip
+
+    return SampledMap(sweep, words)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A maximal interval of one word.
+
+    Attributes
+    ----------
+    low, high
+        First and last double that was found in it.
+    samples
+        What is known of the map there, in order of x.
+    """
+
+    word: str
+    defined: bool
+    samples: Samples
+
+    @property
+    def low(self) -> float:
+        """First double that was found in it."""
+        return float(self.samples.x[0])
+
+    @property
+    def high(self) -> float:
+        """Last double that was found in it."""
+        return float(self.samples.x[-1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Partition:
+    """The pieces of a map in a window, at one parameter.
+
+    Attributes
+    ----------
+    pieces, edges
+        From left to right; an edge between each two pieces that touch.
+    unresolved
+        Intervals with more than two words that are narrower than the smallest width.
+    evaluations
+        How often the map was evaluated.
+    """
+
+    p: float
+    window: tuple[float, float]
+    pieces: tuple[Piece, ...]
+    edges: tuple[Edge, ...]
+    unresolved: tuple[tuple[float, float], ...]
+    evaluations: int
+
+    @property
+    def unresolved_length(self) -> float:
+        """Total length of the unresolved intervals."""
+        return math.fsum(high - low for low, high in self.unresolved)
+
+
+def partition(
+    map_: SampledMap,
+    p: float,
+    window: tuple[float, float],
+    resolution: Resolution | None = None,
+    *,
+    diagonal: bool = False,
+) -> Partition:
+    """Cut a window into pieces of constant word.
+
+    Parameters
+    ----------
+    map_
+        The map.
+    p
+        The parameter.
+    window
+        Interval of x; its ends must be points the map can be asked for.
+    resolution
+        How closely to look.
+    diagonal
+        Whether only what crosses the diagonal matters: then an edge with both sides above it, or
+        both below, is found to the smallest width only.
+
+    Raises
+    ------
+    ValueError
+        If the window is not an interval.
+    """
+    low, high = window
+    if not low < high:
+        raise ValueError(f"a window must ascend, got ({low}, {high})")
+    chosen = resolution if resolution is not None else Resolution()
+    search = _Search(map_, p, chosen, diagonal)
+    n = max(2, math.ceil((high - low) / chosen.spacing) + 1)
+    samples = search.run(np.linspace(low, high, n))
+    starts = np.flatnonzero(np.diff(samples.words) != 0) + 1
+    runs = np.split(np.arange(len(samples.x)), starts)
+    pieces = tuple(
+        Piece(map_.words[samples.words[run[0]]], bool(samples.defined[run[0]]), samples.take(run))
+        for run in runs
+    )
+    edges = tuple(search.edges(pieces))
+    return Partition(
+        p=p, window=(low, high), pieces=pieces, edges=edges,
+        unresolved=tuple(search.unresolved), evaluations=search.evaluations,
+    )  # fmt: skip
+
+
+class _Search:
+    """The refinement of one window."""
+
+    def __init__(self, map_: SampledMap, p: float, resolution: Resolution, diagonal: bool) -> None:
+        self.map, self.p, self.resolution, self.diagonal = map_, p, resolution, diagonal
+        self.unresolved: list[tuple[float, float]] = []
+        self.evaluations = 0
+
+    def at(self, x: Floats) -> Samples:
+        self.evaluations += len(x)
+        return self.map.sweep(x, self.p)
+
+    def run(self, grid: Floats) -> Samples:
+        """All samples that were needed, sorted."""
+        known = self.at(grid)
+        left, right = known.take(slice(None, -1)), known.take(slice(1, None))
+        while len(left.x):
+            middle = self.at(0.5 * (left.x + right.x))
+            differ = left.words != right.words
+            width = right.x - left.x
+            tiny = width <= 2.0 * NEAR * np.spacing(np.abs(left.x))
+            third = (middle.words != left.words) & (middle.words != right.words)
+            lost = differ & third & (width < self.resolution.smallest) & ~tiny
+            for a, b in zip(left.x[lost], right.x[lost], strict=True):
+                self.unresolved.append((float(a), float(b)))
+            straight = (
+                ~differ
+                & ~third
+                & (~middle.defined | (_bend(left, right, middle) <= self.resolution.bend))
+            )
+            apart = (middle.x > left.x) & (middle.x < right.x)
+            keep = apart & ~lost & ~(tiny & third)
+            known = known.joined(middle.take(keep))
+            go_on = keep & (differ | (~straight & (width > self.resolution.smallest)))
+            a, m, b = left.take(go_on), middle.take(go_on), right.take(go_on)
+            left = Samples._make([np.concatenate(pair) for pair in zip(a, m, strict=True)])
+            right = Samples._make([np.concatenate(pair) for pair in zip(m, b, strict=True)])
+            open_ = (left.words != right.words) & self._matters(left, right)
+            open_ |= right.x - left.x > self.resolution.smallest
+            left, right = left.take(open_), right.take(open_)
+        return known
+
+    def _matters(self, left: Samples, right: Samples) -> Bools:
+        """Whether a jump in an interval can cross the diagonal, or everything matters."""
+        if not self.diagonal:
+            return np.ones(len(left.x), dtype=bool)
+        crosses: Bools = (left.value - left.x) * (right.value - right.x) < 0.0
+        return crosses
+
+    def edges(self, pieces: Sequence[Piece]) -> Iterator[Edge]:
+        """Edges between the pieces, with limits read as :func:`woodpecker.edges.one_sided` does."""
+        pairs = list(pairwise(pieces))
+        if self.diagonal:
+            pairs = [pair for pair in pairs if self._matters(*_facing(*pair))[0]]
+        if not pairs:
+            return
+        x = np.array([left.high for left, _ in pairs])
+        beyond = np.array([right.low for _, right in pairs])
+        near = NEAR * np.spacing(np.abs(x))
+        read = [
+            self.at(start + side * scale * near)
+            for start, side in ((x, -1.0), (beyond, 1.0))
+            for scale in (1.0, 4.0)
+        ]
+        for k in range(len(pairs)):
+            left = self._side(read[0], read[1], k)
+            right = self._side(read[2], read[3], k)
+            yield Edge(
+                x=float(x[k]), p=self.p, left=left[0], right=right[0],
+                left_limit=left[1], right_limit=right[1],
+            )  # fmt: skip
+
+    def _side(self, first: Samples, second: Samples, k: int) -> tuple[Evaluation, float]:
+        word = self.map.words[first.words[k]]
+        if not first.defined[k]:
+            return Evaluation(math.nan, math.nan, math.nan, word, False), math.nan
+        here = Evaluation(float(first.value[k]), float(first.slope[k]), float(first.rate[k]), word)
+        if first.words[k] != second.words[k] or not second.defined[k]:
+            return here, here.value
+        return here, 2.0 * here.value - float(second.value[k])
+
+
+def _facing(left: Piece, right: Piece) -> tuple[Samples, Samples]:
+    """The samples of two pieces that face each other."""
+    return left.samples.take(slice(-1, None)), right.samples.take(slice(0, 1))
+
+
+def _bend(left: Samples, right: Samples, middle: Samples) -> Floats:
+    """Distance of the middles from the cubics through both ends."""
+    width = right.x - left.x
+    cubic = 0.5 * (left.value + right.value) + 0.125 * width * (left.slope - right.slope)
+    bend: Floats = np.nan_to_num(np.abs(middle.value - cubic), nan=math.inf)
+    return bend
+
+
+# --- What lies on the diagonal --------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Slice:
+    """All fixed points and jump crossings of a map in a window, at one parameter.
+
+    Attributes
+    ----------
+    fixed_points
+        Their x, ascending, and the words there.
+    crossings
+        Edges whose limits lie strictly on opposite sides of the diagonal.
+    bands
+        Intervals on which the map is the identity.
+    """
+
+    partition: Partition
+    fixed_points: tuple[tuple[float, str], ...]
+    crossings: tuple[Edge, ...]
+    bands: tuple[tuple[float, float], ...]
+
+
+def slice_of(
+    map_: SampledMap,
+    p: float,
+    window: tuple[float, float],
+    resolution: Resolution | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Slice:
+    """Everything that lies on the diagonal at one parameter."""
+    found = partition(map_, p, window, resolution, diagonal=True)
+    bands: list[tuple[float, float]] = []
+    fixed: list[tuple[float, str]] = []
+    for piece in found.pieces:
+        if not piece.defined or len(piece.samples.x) < 2:
+            continue
+        band = _band(piece, tolerances)
+        if band is not None:
+            bands.append(band)
+        else:
+            fixed += [(x, piece.word) for x in _roots(map_, p, piece)]
+    crossing = [e for e in found.edges if e.crosses and not is_continuous(e, tolerances)]
+    return Slice(
+        partition=found, fixed_points=tuple(fixed), crossings=tuple(crossing), bands=tuple(bands)
+    )
+
+
+def _band(piece: Piece, tolerances: Tolerances) -> tuple[float, float] | None:
+    """The piece, if the map is the identity on it."""
+    off = np.abs(piece.samples.value - piece.samples.x)
+    return (piece.low, piece.high) if (off <= tolerances.residual).all() else None
+
+
+def _roots(map_: SampledMap, p: float, piece: Piece) -> Iterator[float]:
+    """Zeros of P(x) - x on a piece: sign changes, and pairs between which the sign is the same.
+
+    Two zeros between neighbouring samples have an extremum between them, where the slope is 1.
+    """
+    x, g, rise = piece.samples.x, piece.samples.value - piece.samples.x, piece.samples.slope - 1.0
+
+    def gap(at: float) -> float:
+        return float(map_.sweep(np.array([at]), p).value[0]) - at
+
+    def climb(at: float) -> float:
+        return float(map_.sweep(np.array([at]), p).slope[0]) - 1.0
+
+    yield from x[g == 0.0].tolist()
+    for i in range(len(x) - 1):
+        a, b = float(x[i]), float(x[i + 1])
+        if g[i] * g[i + 1] < 0.0:
+            yield float(brentq(gap, a, b, xtol=1e-16, rtol=1e-15))
+        elif g[i] * g[i + 1] > 0.0 and _may_touch(g, rise, b - a, i):
+            turn = float(brentq(climb, a, b, xtol=1e-15, rtol=1e-14))
+            if gap(turn) * g[i] < 0.0:
+                yield float(brentq(gap, a, turn, xtol=1e-16, rtol=1e-15))
+                yield float(brentq(gap, turn, b, xtol=1e-16, rtol=1e-15))
+
+
+def _may_touch(g: Floats, rise: Floats, width: float, i: int) -> bool:
+    """Whether an extremum between two samples may lie on the other side of zero."""
+    turns = rise[i] * g[i] < 0.0 and rise[i] * rise[i + 1] < 0.0
+    near = min(abs(g[i]), abs(g[i + 1])) <= max(abs(rise[i]), abs(rise[i + 1])) * width
+    return bool(turns and near)
