@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
@@ -193,7 +193,7 @@ def _read(relation: sympy.Basic, ring: Ring) -> Iterator[Constraint]:
         raise ValueError(f"an assumption must be an inequality such as a > 1, got {relation}")
     top, bottom = sympy.fraction(sympy.together(relation.gts - relation.lts))
     strict = isinstance(relation, sympy.Gt | sympy.Lt)
-    what = "both sides of an assumption"
+    what = f"the assumption {relation}:"
     above, below = element(ring, top, what), element(ring, bottom, what)
     yield Constraint(above * below, strict)
     if not is_constant(below) and not strict:
@@ -342,10 +342,12 @@ def _candidates(limits: list[Constraint]) -> Iterator[Number]:
     pieces = gaps_and_roots(roots)
     for piece in sorted(pieces, key=lambda p: p[0] is not None and p[0] is p[1]):  # gaps first
         low, high = piece
-        tries = [inside(piece)]
+        tries: list[Any] = [inside(piece)]
         if low is None or low is not high:  # more values of a gap, towards both ends
             for _ in range(3):
                 tries += [_midway(low, tries[0]), _midway(tries[-1], high)]
+            first, last = min(tries), max(tries)  # and some that are hardly special to any map
+            tries += [first + (last - first) * QQ(k, 17) for k in (5, 11, 3, 14, 8, 2, 13)]
         for x in dict.fromkeys(tries):
             admitted = all(c.holds(sign_at(p, x)) for c, p in zip(limits, polynomials, strict=True))
             if admitted and isinstance(x, QQ.dtype):

@@ -71,7 +71,6 @@ class Axis(ABC):
     name: str
     sample: dict[str, Number]  # values of the other, symbolic parameters
     orbits: Orbits  # of the map, in all its parameters
-    given: tuple[sympy.Basic, ...]
 
     @abstractmethod
     def place(self, value: Number) -> Any:
@@ -89,7 +88,6 @@ class Axis(ABC):
         self.model = model
         self.orbits = Orbits(model.table)
         self.sample = {}
-        self.given = ()
         self._roots: dict[Question, tuple[Any, ...] | None] = {}
 
     def roots(self, question: Question) -> tuple[Any, ...] | None:
@@ -142,9 +140,13 @@ class Axis(ABC):
         index = [str(symbol) for symbol in self.model.ring.symbols].index(self.name)
         return max(0, int(number.degree(index))) if number else 0
 
-    @abstractmethod
-    def closing(self, places: Sequence[Any]) -> tuple[sympy.Basic, ...]:
-        """Conditions on the other parameters under which all that was found holds."""
+    def closing(self, places: Sequence[Any]) -> None:  # noqa: B027
+        """Record what the order of some places, from left to right, asks of other parameters."""
+
+    @property
+    def given(self) -> tuple[sympy.Basic, ...]:
+        """Conditions on other, symbolic parameters under which all that was decided holds."""
+        return ()
 
 
 class RationalAxis(Axis):
@@ -207,9 +209,6 @@ class RationalAxis(Axis):
         first, last = (x.refined_to(fine) if isinstance(x, RealRoot) else x for x in (low, high))
         return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
 
-    def closing(self, places: Sequence[Any]) -> tuple[sympy.Basic, ...]:
-        return ()
-
 
 class SymbolicAxis(Axis):
     """One parameter of a map that has others, which stay symbolic.
@@ -232,7 +231,6 @@ class SymbolicAxis(Axis):
         self._others = polynomial_ring([s for s in model.ring.symbols if str(s) != name])
         self._field = self._others.to_field()
         self._conditions: dict[PolyElement, None] = {}
-        self.bounds: tuple[Any, Any] = (None, None)  # of one other parameter, after closing
 
     def place(self, value: Number) -> Threshold:
         return Threshold(value, self._field.ground_new(value))
@@ -306,8 +304,11 @@ class SymbolicAxis(Axis):
         return INFINITE if not bottom else top / bottom
 
     def order(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
-        values = [self._at_sample(self.value(f, place)) for f in (first, second)]
-        return sign(values[0] - values[1])
+        difference = self.value(first, place) - self.value(second, place)
+        if not difference:
+            return 0
+        self._keep_sign_of(difference)
+        return sign(self._at_sample(difference))
 
     def to_sympy(self, place: Threshold) -> sympy.Expr:
         return sympy.factor(place.expr.as_expr())
@@ -324,35 +325,57 @@ class SymbolicAxis(Axis):
         step = (high.value - low.value) / (n + 1)
         return [self.place(low.value + step * i) for i in range(1, n + 1)]
 
-    def closing(self, places: Sequence[Threshold]) -> tuple[sympy.Basic, ...]:
-        """Where the order of the given places, from left to right, persists."""
-        thresholds = {p for roots in self._roots.values() for p in roots or ()}
+    def closing(self, places: Sequence[Threshold]) -> None:
+        """Record that all thresholds keep their order inside the places, and stay outside them."""
+        if not places:
+            return
         low, high = places[0], places[-1]
-        inner = sorted({*places, *(p for p in thresholds if low < p < high)})
-        pairs = [*pairwise(inner)]
-        pairs += [(p, low) for p in thresholds if p < low] + [
-            (high, p) for p in thresholds if high < p
-        ]
+        thresholds = {p.expr: p for roots in self._roots.values() for p in roots or ()}
+        inside: dict[Threshold, Threshold] = {}
+        for threshold in (*places, *thresholds.values()):
+            if low <= threshold <= high and not identical(
+                inside.setdefault(threshold, threshold), threshold
+            ):
+                raise ResampleError
+        pairs = list(pairwise(sorted(inside)))
+        pairs += [(p, low) for p in thresholds.values() if p < low]
+        pairs += [(high, p) for p in thresholds.values() if high < p]
         for left, right in pairs:
-            difference = right.expr - left.expr
-            self._keep_sign(difference.numer)
-            self._keep_sign(difference.denom)
+            self._keep_sign_of(right.expr - left.expr)
+
+    def _keep_sign_of(self, quotient: Any) -> None:
+        """Record that a quotient of polynomials in the others must keep its sign."""
+        self._keep_sign(quotient.numer)
+        self._keep_sign(quotient.denom)
+
+    @property
+    def given(self) -> tuple[sympy.Basic, ...]:
+        """All recorded conditions."""
         return self._conditions_on_others()
+
+    def bounds(self) -> tuple[Any, Any]:
+        """The interval of the one other parameter in which all recorded signs persist."""
+        value = self.sample[str(self._others.symbols[0])]
+        limits = [constraint.polynomial for constraint in self._own()]
+        roots = {x for p in (*limits, *self._conditions) for x in real_roots(_dense(p))}
+        below = max((x for x in roots if x < value), default=None)
+        return below, min((x for x in roots if x > value), default=None)
+
+    def _own(self) -> list[Constraint]:
+        """What the map itself assumes of the other parameters."""
+        return [
+            Constraint(evaluate(c.polynomial, {self.name: QQ.zero}, self._others), c.strict)
+            for c in self.model.region.constraints
+            if not self.degree(c.polynomial)
+        ]
 
     def _conditions_on_others(self) -> tuple[sympy.Basic, ...]:
         """All recorded signs as inequalities; for one other parameter, its interval."""
-        others = self._others.symbols
-        own = [c for c in self.model.region.constraints if not self.degree(c.polynomial)]
-        limits = [evaluate(c.polynomial, {self.name: QQ.zero}, self._others) for c in own]
-        if len(others) == 1:
-            symbol, value = others[0], self.sample[str(others[0])]
-            roots = {x for p in (*limits, *self._conditions) for x in real_roots(_dense(p))}
-            below = max((x for x in roots if x < value), default=None)
-            above = min((x for x in roots if x > value), default=None)
-            self.bounds = below, above
+        if len(self._others.symbols) == 1:
+            symbol, (below, above) = self._others.symbols[0], self.bounds()
             lower = [] if below is None else [symbol > real_to_sympy(below)]
             return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
-        kept = [Constraint(limit, c.strict) for limit, c in zip(limits, own, strict=True)]
+        kept = self._own()
         for polynomial in sorted(self._conditions, key=len):
             for factor, _ in polynomial.factor_list()[1]:
                 side = sign(evaluate(factor, self.sample, None))

@@ -16,7 +16,8 @@ import numpy as np
 import sympy
 from sympy import QQ
 
-from pwmap.cells import checked_orders, checked_span, cut_up
+from pwmap.axis import Axis
+from pwmap.cells import Cell, checked_orders, checked_span, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
@@ -69,8 +70,18 @@ def bifurcation_diagram(
         low, high = _whole_span(map_, parameter, orders, sample)
     else:
         low, high = checked_span(span)
-    axis, cells = cut_up(map_, parameter, orders, low, high, sample, with_ends=True)
-    return _assembled(map_, Sweep(axis, cells, len(map_.chain), (cells[0].lower, cells[-1].upper)))
+    unit = len(map_.chain)
+    return with_cells(
+        lambda axis, cells: _assembled(
+            map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper))
+        ),
+        map_,
+        parameter,
+        orders,
+        (low, high),
+        sample,
+        with_ends=True,
+    )
 
 
 def _whole_span(
@@ -79,7 +90,10 @@ def _whole_span(
     orders: Sequence[int],
     sample: Mapping[Any, object] | None,
 ) -> tuple[Number, Number]:
-    axis, cells = cut_up(map_, parameter, orders, None, None, sample)
+    return with_cells(_outermost, map_, parameter, orders, (None, None), sample)
+
+
+def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Number, Number]:
     edges = [cell.lower for cell in cells if cell.is_edge]
     edges = edges or [axis.between(cells[0].lower, cells[0].upper)]
     below, above = bounds(_number(edges[0]))[0], bounds(_number(edges[-1]))[1]

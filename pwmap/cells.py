@@ -12,10 +12,10 @@ others. The order of all roots is recorded too: where it persists, the whole pic
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy
 from sympy import QQ
@@ -34,6 +34,8 @@ from pwmap.cylinders import (
 from pwmap.exact import Number, rational
 from pwmap.itineraries import Judge
 from pwmap.maps import PiecewiseLinearMap
+
+Result = TypeVar("Result")
 
 # --- The study of one place, and the cells --------------------------------------------------------
 
@@ -263,13 +265,18 @@ def parameter_cells(
         one in it.
     """
     orders = checked_orders(orders)
-    low, high = (None, None) if span is None else checked_span(span)
-    axis, cells = cut_up(map_, parameter, orders, low, high, sample)
-    return shown_cells(map_, axis, cells, orders)
+    return with_cells(
+        lambda axis, cells: shown_cells(map_, orders, axis, cells),
+        map_,
+        parameter,
+        orders,
+        (None, None) if span is None else checked_span(span),
+        sample,
+    )
 
 
 def shown_cells(
-    map_: PiecewiseLinearMap, axis: Axis, cells: Sequence[Cell], orders: tuple[int, ...]
+    map_: PiecewiseLinearMap, orders: tuple[int, ...], axis: Axis, cells: Sequence[Cell]
 ) -> ParameterCells:
     """Cells as a user sees them, without edges at which nothing changes."""
     shown = []
@@ -282,17 +289,17 @@ def shown_cells(
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
 
 
-def cut_up(
+def with_cells(
+    build: Callable[[Axis, list[Cell]], Result],
     map_: PiecewiseLinearMap,
     parameter: object,
     orders: Sequence[int],
-    low: Number | None,
-    high: Number | None,
+    span: tuple[Number | None, Number | None],
     sample: Mapping[Any, object] | None,
     *,
     with_ends: bool = False,
-) -> tuple[Axis, list[Cell]]:
-    """The axis of a parameter and its cells, at the first sample that is generic.
+) -> Result:
+    """Build something from the cells of a parameter, at the first sample that is generic.
 
     With ``with_ends`` the ends of the span are edges too, if the assumptions admit them.
     """
@@ -304,14 +311,14 @@ def cut_up(
         start = values.pop(name)
         axis = axis_of(map_.model, name, values)
         try:
-            ends = _limited(axis, low, high, start)
+            ends = _limited(axis, *span, start)
             studied_ends = [end for end in ends if with_ends and _admitted(axis, end)]
             cells = decomposed(axis, map_.chain, orders, *ends, studied_ends)
             places = [ends[0], *(c.lower for c in cells if c.is_edge), ends[1]]
-            axis.given = axis.closing([place for place in places if place is not None])
+            axis.closing([place for place in places if place is not None])
+            return build(axis, cells)
         except ResampleError:
             continue
-        return axis, cells
     others = ", ".join(f"{key} = {QQ.to_sympy(value)}" for key, value in axis.sample.items())
     raise ResampleError(f"at {others} edges meet by chance: choose another sample")
 

@@ -56,6 +56,8 @@ def expression(value: object, symbols: Iterable[sympy.Symbol] = ()) -> sympy.Bas
         result = sympy.sympify(value, locals=known)
     except (sympy.SympifyError, SyntaxError, TypeError, AttributeError):
         raise ValueError(f"cannot read {value!r} as an expression") from None
+    if isinstance(result, bool):
+        return sympy.true if result else sympy.false
     for number in result.atoms(sympy.Float):
         raise TypeError(_refusal(number))
     return result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -588,8 +589,8 @@ class PiecewiseLinearMap:
 
         Each starts at its point with the alphabetically first word.
         """
-        iterate = self.iterate(period)
-        words = [p.word for p in iterate.fixed_points() if p.period == period * self.order]
+        found = self.iterate(period).fixed_points()
+        words = [p.word for p in found if p.period // math.gcd(p.period, self.order) == period]
         step = self.order
         first = {min(w[i:] + w[:i] for i in range(0, len(w), step)) for w in words}
         return tuple(self.cycle(word) for word in sorted(first))
@@ -613,33 +614,45 @@ class PiecewiseLinearMap:
         if not word or len(word) % self.order:
             raise ValueError(f"the length of a word must be a multiple of {self.order}: {word!r}")
         indices = tuple(self.letters.index(letter) for letter in word)
-        slope = self.orbits.affine(indices)[0]
-        if slope == self._model.table.one:
-            raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
-        rotations = [indices[i:] + indices[:i] for i in range(len(word))]
-        points = [self.orbits.fixed_point(rotation) for rotation in rotations]
-        exact = [fraction_to_sympy(point) for point in points]
+        points, multiplier = self._cycle_points(indices)
         conditions: list[sympy.Basic] = []
         signs: list[tuple[Fraction_, bool]] = []
-        for i, (top, bottom) in enumerate(points):
-            layout = self._model.table.layouts[self._chain[i % self.order]]
-            for k, side, closed in _bounds(layout, indices[i]):
+        for (top, bottom), layout, index in zip(
+            points, self._layouts(len(word)), indices, strict=True
+        ):
+            for k, side, closed in _bounds(layout, index):
                 value = self._model.table.breaks[k]
                 signs.append(((side * (top - value * bottom), bottom), closed))
-                relation = (
-                    (sympy.Ge if closed else sympy.Gt)
-                    if side > 0
-                    else (sympy.Le if closed else sympy.Lt)
-                )
-                conditions.append(relation(exact[i], to_sympy(value)))
+                relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
+                relation = relations[0 if closed else 1]
+                conditions.append(relation(fraction_to_sympy((top, bottom)), to_sympy(value)))
         return Cycle(
             word=word,
-            points=tuple(exact),
-            multiplier=to_sympy(slope),
-            conditions=tuple(dict.fromkeys(conditions)),
+            points=tuple(fraction_to_sympy(point) for point in points),
+            multiplier=multiplier,
+            conditions=tuple(c for c in dict.fromkeys(conditions) if c != sympy.true),
             _signs=tuple(signs),
             _region=self._model.region,
         )
+
+    def _layouts(self, n: int) -> list[Layout]:
+        """The layouts of n maps in a row, the chain repeated."""
+        return [self._model.table.layouts[self._chain[i % self.order]] for i in range(n)]
+
+    def _cycle_points(self, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
+        """Points and multiplier of a cycle; through a piece that is a point, from that point on."""
+        for i, (layout, letter) in enumerate(zip(self._layouts(len(word)), word, strict=True)):
+            if layout.slots.count(letter) == 1 and layout.slots.index(letter) % 2:
+                k = layout.breaks[layout.slots.index(letter) // 2]
+                turned = word[i:] + word[:i]
+                orbit = [self.orbits.orbit(k, turned[: n or None]) for n in range(len(word))]
+                values = [(value, self._model.table.one) for value in orbit]
+                return values[len(word) - i :] + values[: len(word) - i], sympy.nan
+        slope = self.orbits.affine(word)[0]
+        if slope == self._model.table.one:
+            raise ValueError(f"the slope of {self.spelled(word)} is 1: it has no isolated cycle")
+        rotations = [word[i:] + word[:i] for i in range(len(word))]
+        return [self.orbits.fixed_point(rotation) for rotation in rotations], to_sympy(slope)
 
     # --- As text --------------------------------------------------------------------------------
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import sympy
 
-from pwmap.axis import ResampleError, SymbolicAxis, real_to_sympy
-from pwmap.cells import ParameterCells, checked_orders, checked_span, cut_up, shown_cells
-from pwmap.exact import Number
+from pwmap.axis import Axis, ResampleError, SymbolicAxis, real_to_sympy
+from pwmap.cells import Cell, ParameterCells, checked_orders, checked_span, shown_cells, with_cells
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import simplest_between
 
@@ -87,13 +87,13 @@ def parameter_plane(
         left, right = waiting.pop()
         sample = {str(across): simplest_between(left, right)}
         try:
-            axis, cells = cut_up(map_, along, orders, *ends, sample)
+            bounds, shown = with_cells(
+                partial(_strip, map_, orders), map_, along, orders, ends, sample
+            )
         except ResampleError:  # edges meet here: it is no strip, but lies between two
             waiting += [(left, sample[str(across)]), (sample[str(across)], right)]
             continue
-        assert isinstance(axis, SymbolicAxis)
-        start, stop = _inside(axis, left, right)
-        shown = shown_cells(map_, axis, cells, orders)
+        start, stop = _within(bounds, left, right)
         strip = Strip(lower=real_to_sympy(start), upper=real_to_sympy(stop), cells=shown)
         strips.append((sample[str(across)], strip))
         waiting += [(left, start)] if start is not left else []
@@ -104,9 +104,17 @@ def parameter_plane(
     )
 
 
-def _inside(axis: SymbolicAxis, left: Number, right: Number) -> tuple[Any, Any]:
-    """Where a picture holds, within two bounds."""
-    low, high = axis.bounds
+def _strip(
+    map_: PiecewiseLinearMap, orders: tuple[int, ...], axis: Axis, cells: list[Cell]
+) -> tuple[tuple[Any, Any], ParameterCells]:
+    """Where the cells of one sample hold, and the cells."""
+    assert isinstance(axis, SymbolicAxis)
+    return axis.bounds(), shown_cells(map_, orders, axis, cells)
+
+
+def _within(bounds: tuple[Any, Any], left: Any, right: Any) -> tuple[Any, Any]:
+    """An interval cut at two ends."""
+    low, high = bounds
     return (
         left if low is None or not left < low else low,
         right if high is None or not high < right else high,

@@ -105,7 +105,7 @@ def _assembled(
 
 
 def _symbol(x: object) -> sympy.Symbol:
-    symbol = sympy.Symbol(x) if isinstance(x, str) else x
+    symbol = sympy.Symbol(x) if isinstance(x, str) and x.isidentifier() else x
     if not isinstance(symbol, sympy.Symbol):
         raise ValueError(f"the variable must be a symbol such as x, got {x}")
     return symbol

@@ -163,15 +163,26 @@ class Sweep:
 
     @cached_property
     def present(self) -> list[dict[Name, bool]]:
-        """For each cell what lies on the diagonal, and whether it is an isolated point."""
-        return [dict(self._names(cell)) for cell in self.cells]
+        """For each cell what lies on the diagonal, and whether it is an isolated point.
+
+        A fixed point that is a cylinder of its own has no slope, and is named by its cut too. But
+        at an edge, where it belongs to a branch of the cells beside, it has that branch's name.
+        """
+        found = [dict(self._names(cell)) for cell in self.cells]
+        for i, names in enumerate(found):
+            beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
+            for name in [name for name, isolated in names.items() if isolated]:
+                plain = Name(name.kind, name.words)
+                if any(plain in others for others in beside):
+                    names[plain] = names.pop(name)
+        return found
 
     def _names(self, cell: Cell) -> Iterator[tuple[Name, bool]]:
         judge = cell.study.judge
         for order, iterate in cell.study.iterates.items():
             for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True):
                 if self._is_own(cylinder, place, order, judge):
-                    for cut in _cuts(cylinder, place, judge):
+                    for cut in _cuts(cylinder, place):
                         name = Name(BranchKind.FIXED_POINT, (cylinder.word,), cut)
                         yield name, place is Place.POINT
             for crossing in iterate.crossings:
@@ -354,11 +365,11 @@ class Sweep:
         return isinstance(value, tuple) and value[:1] == (INFINITE,)
 
 
-def _cuts(cylinder: Cylinder, place: Place, judge: Judge) -> list[Cut | None]:
-    """What, besides the word, names the fixed points of a cylinder.
+def _cuts(cylinder: Cylinder, place: Place) -> list[Cut | None]:
+    """What, besides the word, names the fixed points of a cylinder: the ends of a band, or a point.
 
-    Nothing, unless its slope is 1: then the ends of the band, or the point itself.
+    Nothing for others.
     """
     if place is Place.BAND:
         return [cut for cut in (cylinder.lower, cylinder.upper) if cut is not None]
-    return [cylinder.lower if judge.multiplier(cylinder.word, 1) == 0 else None]
+    return [cylinder.lower if place is Place.POINT else None]

@@ -139,13 +139,13 @@ def follow_from(
     yield point
     for _ in range(settings.max_points):
         for reached in path.advance(point):
+            if path.closed(start, point, reached):
+                yield replace(reached, kind=PointKind.EP, note=CLOSED)
+                return
             yield reached
             point = reached
             if point.ends or (stop is not None and stop(point)):
                 return
-        if path.closed(start, point):
-            yield replace(point, kind=PointKind.EP, note=CLOSED)
-            return
     yield replace(point, kind=PointKind.EP, note="limit on the number of points")
 
 
@@ -193,14 +193,21 @@ class _Path:
                 self.step = min(2.0 * self.step, self.settings.max_step)
             yield target
 
-    def closed(self, start: Cycle, point: PathPoint) -> bool:
-        """Whether the path has come back to its start."""
-        distance = math.hypot(point.p - start.p, float(np.abs(point.cycle.x - start.x).max()))
-        return (
-            self.travelled > 4.0 * self.settings.max_step
-            and distance < 0.5 * self.step
-            and point.cycle.words == start.words
-        )
+    def closed(self, start: Cycle, a: PathPoint, b: PathPoint) -> bool:
+        """Whether the path passes its start between two neighbouring points."""
+        if self.travelled <= 4.0 * self.settings.max_step or start.words not in (
+            a.cycle.words,
+            b.cycle.words,
+        ):
+            return False
+        first, last, sought = (np.append(cycle.x, cycle.p) for cycle in (a.cycle, b.cycle, start))
+        chord = last - first
+        length = float(np.linalg.norm(chord))
+        along = float((sought - first) @ chord)
+        if length == 0.0 or not 0.0 <= along <= length * length:
+            return False
+        off = float(np.linalg.norm(sought - first - along / length**2 * chord))
+        return off <= self.settings.max_turn * length
 
     def _correct(self, point: PathPoint, step: float, bound: float = math.nan) -> PathPoint | None:
         """The point one step on, if it lies on the same piece and the branch bends gently."""

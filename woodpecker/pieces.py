@@ -42,14 +42,18 @@ class Resolution:
         Pieces narrower than this are not looked for: where one shows, the interval is unresolved.
     bend
         Largest distance of a value from the cubic through its neighbours.
+    far
+        In a search for what crosses the diagonal, the width below which an interval is not looked
+        at further if the slopes at both ends lead nowhere near it.
     """
 
     spacing: float = 1e-3
     smallest: float = 1e-8
     bend: float = 1e-6
+    far: float = 1e-4
 
     def __post_init__(self) -> None:
-        for name in ("spacing", "smallest", "bend"):
+        for name in ("spacing", "smallest", "bend", "far"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
@@ -114,11 +118,14 @@ def sampled(labelled_map: LabelledMap) -> SampledMap:
 BELOW = "below the window"
 
 
-def iterated(map_: SampledMap, order: int, floor: float = -math.inf) -> SampledMap:
-    """P_order of a map, of which what lies below a floor is not told apart.
+def iterated(
+    map_: SampledMap, order: int, window: tuple[float, float] = (-math.inf, math.inf)
+) -> SampledMap:
+    """P_order of a map for orbits that stay in a window.
 
-    Where the last point is below the floor the word is :data:`BELOW`; where an earlier one is, the
-    iterate is not followed and not defined. So the infinitely deep dips of a map cost nothing.
+    Where only the last point lies below the window the word is :data:`BELOW`, whatever happened: so
+    the infinitely deep dips of a map cost nothing. Where an earlier point lies outside, the iterate
+    is not followed and not defined.
     """
     known: dict[tuple[int, ...], int] = {}
     words: list[str] = []
@@ -142,10 +149,11 @@ def iterated(map_: SampledMap, order: int, floor: float = -math.inf) -> SampledM
                 here.slope * rate[alive] + here.rate,
             )
             value[alive] = here.value
-            followed = here.defined & ((here.value >= floor) | (lap == order - 1))
+            stays = (window[0] <= here.value) & (here.value <= window[1])
+            followed = here.defined & (stays | (lap == order - 1))
             value[alive[~followed]] = np.nan
             alive = alive[followed]
-        below = value < floor
+        below = value < window[0]
         codes = np.empty(n, dtype=np.int64)
         for i, row in enumerate(laps.tolist()):
             if below[i]:
@@ -310,6 +318,7 @@ class _Search:
             right = Samples._make([np.concatenate(pair) for pair in zip(m, b, strict=True)])
             open_ = (left.words != right.words) & self._matters(left, right)
             open_ |= right.x - left.x > self.resolution.smallest
+            open_ &= ~self._is_far(left, right)
             left, right = left.take(open_), right.take(open_)
         return known
 
@@ -319,6 +328,17 @@ class _Search:
             return np.ones(len(left.x), dtype=bool)
         crosses: Bools = (left.value - left.x) * (right.value - right.x) < 0.0
         return crosses
+
+    def _is_far(self, left: Samples, right: Samples) -> Bools:
+        """Whether an interval is narrow, and its pieces do not reach the diagonal in it."""
+        width = right.x - left.x
+        gaps = [side.value - side.x for side in (left, right)]
+        clear = [
+            np.abs(gap) > 4.0 * width * np.abs(side.slope - 1.0)
+            for gap, side in zip(gaps, (left, right), strict=True)
+        ]
+        narrow: Bools = (width <= self.resolution.far) & (gaps[0] * gaps[1] > 0.0)
+        return narrow & clear[0] & clear[1] & self.diagonal
 
     def edges(self, pieces: Sequence[Piece]) -> Iterator[Edge]:
         """Edges between the pieces, with limits read as :func:`woodpecker.edges.one_sided` does."""

@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 ONE = Fraction(1)
+IDENTITY = (ONE, 0 * ONE)  # slope and intercept
 LEFT, EXACT, RIGHT = -1, 0, 1  # where the followed points lie, seen from the point itself
 
 Word = tuple[int, ...]
@@ -162,10 +163,12 @@ def gaps(points: Sequence[Fraction]) -> list[tuple[Fraction | None, Fraction | N
 
 def inner(lo: Fraction | None, hi: Fraction | None) -> tuple[Fraction, Fraction]:
     """Two points inside an open interval."""
-    if lo is None and hi is None:
-        return 0 * ONE, ONE
-    if lo is None or hi is None:
-        return (hi - 2, hi - 1) if lo is None else (lo + 1, lo + 2)
+    if lo is None:
+        if hi is None:
+            return 0 * ONE, ONE
+        return hi - 2 * ONE, hi - ONE
+    if hi is None:
+        return lo + ONE, lo + 2 * ONE
     return lo + (hi - lo) / 3, lo + (hi - lo) * 2 / 3
 
 
@@ -204,14 +207,14 @@ def pieces(f: Map, j: int) -> list[Stretch]:
 
 def bands(f: Map, j: int) -> list[tuple[Fraction | None, Fraction | None]]:
     """Open intervals between neighbouring breaks of which every point is fixed by P_j."""
-    return [ends for ends in gaps(breaks(f, j)) if affine(f, j, *ends) == (1, 0)]
+    return [ends for ends in gaps(breaks(f, j)) if affine(f, j, *ends) == IDENTITY]
 
 
 def fixed_points(f: Map, j: int) -> list[FixedPoint]:
     """All fixed points of P_j but for inner points of bands, from left to right."""
     cuts = breaks(f, j)
     lines = {lo: affine(f, j, lo, hi) for lo, hi in gaps(cuts)}
-    found = []
+    found: list[tuple[Fraction, Fraction | None, bool]] = []
     for lo, hi in gaps(cuts):
         slope, intercept = lines[lo]
         if slope != 1:

@@ -39,6 +39,8 @@ NEAR = MANY.mpf(10) ** -40  # differences of two such numbers that mean equality
 class Near:
     """A number with many digits; two that agree in half of them are equal."""
 
+    mpf: Any
+
     def __init__(self, number: object) -> None:
         if isinstance(number, Near):
             self.mpf = number.mpf
@@ -154,7 +156,7 @@ def check_diagonal(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> 
     expected = [
         (*part[:4], spelled(map_, word), band_period(f, part, j))
         for part, word in brute.pieces(f, j)
-        if (part.slope, part.intercept) == (1, 0)
+        if (part.slope, part.intercept) == brute.IDENTITY
     ]
     assert found == expected
     found = [
@@ -599,7 +601,8 @@ def check_fixed_points(
     bands = {
         spelled(map_, word): {x for x in (part.lo, part.hi) if x is not None}
         for part, word in brute.pieces(f, n)
-        if (part.slope, part.intercept) == (1, 0) and is_new(band_period(f, part, n), map_, n)
+        if (part.slope, part.intercept) == brute.IDENTITY
+        and is_new(band_period(f, part, n), map_, n)
     }
     ends = {(x, word) for word, xs in bands.items() for x in xs if word not in along}
     assert set(drawn) == isolated | ends, (value, n)

@@ -265,7 +265,7 @@ def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Map, int
     ]
     expected = []
     for part, word in brute.pieces(f, j):
-        if (part.slope, part.intercept) == (1, 0):
+        if (part.slope, part.intercept) == brute.IDENTITY:
             lo = -sympy.oo if part.lo is None else to_rational(part.lo)
             hi = sympy.oo if part.hi is None else to_rational(part.hi)
             interval = sympy.Interval(lo, hi, not part.lo_closed, not part.hi_closed)
