@@ -9,13 +9,14 @@ from pwmap.diagram import Diagram
 from woodpecker.complete import Search, complete
 from woodpecker.explore import Explorer, Progress
 from woodpecker.follow import Settings
-from woodpecker.labelled import Cycle, LabelledMap, correct
+from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
 from woodpecker.pieces import SampledMap
 from woodpecker.returns import RESTITUTIONS
 from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map, toy_samples
 from woodpecker.toy import Toy
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
+MARGIN = 0.05  # rad; a map is followed a little beyond its window, to find where a branch leaves it
 SMALLEST = 1e-9  # where a branch starts that would start at zero restitution
 
 
@@ -142,7 +143,9 @@ def whole_diagram(
     wanted = sorted(set(orders))
     if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
         raise ValueError(f"orders must be integers j >= 1, got {tuple(orders)}")
-    explorer = Explorer(labelled_map, settings, progress, wanted)
+    low, high = settings.window
+    inside = windowed(labelled_map, (low - MARGIN, high + MARGIN))
+    explorer = Explorer(inside, settings, progress, wanted)
     complete(explorer, samples, wanted, search if search is not None else Search())
     return Diagram(
         parameter_name=parameter_name,

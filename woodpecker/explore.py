@@ -306,5 +306,5 @@ def _is_same(node: _Node, sample: _Sample, x: float, order: int) -> bool:
     if PointKind.PD in both and PointKind.LP in both and order != node.order:
         return abs(node.x - x) < SAME_FLIP  # a cycle of twice the period turns round at a flip
     collide = sample.kind in COLLISIONS and node.kind in COLLISIONS
-    closes = sample.note == node.note == CLOSED
+    closes = sample.note == node.note == CLOSED or sample.kind is node.kind is PointKind.FALL
     return abs(node.x - x) < SAME_POINT and (collide or closes)

@@ -26,9 +26,11 @@ from woodpecker.labelled import (
     iterate,
     tangent,
 )
+from woodpecker.pieces import Resolution, sampled, slice_of
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 CLOSED = "the branch closes"
+NEARLY_UPRIGHT = 1e-3  # smallest cosine that a direction in (x, p) is divided by
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -316,13 +318,73 @@ class _Path:
             yield replace(special, kind=PointKind.WC)
             landed = start_beside(self.map, edge, side, len(last.cycle.x), self.settings, lap)
             if landed is None or landed.cycle.words == last.cycle.words:
+                landed = self._found_beside(last)
+            if landed is None:
                 yield replace(special, kind=PointKind.EP, note="no branch beyond a word change")
             else:
                 self.step = max(100.0 * self.settings.tolerances.landing, self.step)
-                yield landed
+                yield self._turned_away(landed, special)
         else:
             kind, note = classify(edge, -side, last.cycle.multiplier)
             yield replace(special, kind=kind, note=note)
+
+    def _found_beside(self, last: PathPoint) -> PathPoint | None:
+        """The nearest cycle of other words at a neighbouring parameter, from all that are there."""
+        order, x = len(last.cycle.x), float(last.cycle.x[0])
+        whole = sampled(iterate(self.map, order))
+        speed = np.linalg.norm(last.tangent[:-1]) / max(abs(last.tangent[-1]), NEARLY_UPRIGHT)
+        for scale in (1.0, 10.0, 100.0):
+            delta = scale * self.settings.tolerances.landing
+            half = 10.0 * delta * (1.0 + float(speed))
+            found: list[tuple[float, PathPoint]] = []
+            for p in (last.p + delta, last.p - delta):
+                if not self.settings.span[0] <= p <= self.settings.span[1]:
+                    continue
+                look = Resolution(spacing=half / 50.0, smallest=1e-3 * delta, bend=1e-3 * half)
+                for root, _ in slice_of(whole, p, (x - half, x + half), look).fixed_points:
+                    orbit = _orbit(self.map, root, p, order)
+                    if orbit is None:
+                        continue
+                    cycle, good, _ = correct(self.map, orbit, p, None, self.settings.tolerances)
+                    if good and cycle.words != last.cycle.words:
+                        away = np.append(cycle.x - last.cycle.x, p - last.p)
+                        point = PathPoint(cycle=cycle, tangent=tangent(cycle, away))
+                        found.append((float(np.linalg.norm(away)), point))
+            if found:
+                return min(found, key=lambda item: item[0])[1]
+        return None
+
+    def _turned_away(self, landed: PathPoint, met: PathPoint) -> PathPoint:
+        """The landed point, looking away from the edge along its branch.
+
+        Next to a square root the branch can turn between the edge and the point; then the chord
+        between them says nothing, and a few short steps both ways do.
+        """
+        assert met.edge is not None
+        outside = met.edge.right if met.side > 0 else met.edge.left
+        m = landed.cycle.multiplier
+        if abs(outside.slope - m) <= 0.5 * max(1.0, abs(m)):  # the branch is straight so far
+            return landed
+        if self._leads_back(landed, met):
+            return replace(landed, tangent=-landed.tangent)
+        return landed
+
+    def _leads_back(self, start: PathPoint, met: PathPoint) -> bool:
+        """Whether a few short steps along the branch come back to an edge."""
+        reach = _distance(start, met)
+        point, step = start, 0.125 * reach
+        for _ in range(200):
+            trial = self._correct(point, step)
+            if trial is None:
+                step *= 0.25
+                if step < 1e-6 * reach:
+                    return _distance(point, met) < 0.9 * reach
+                continue
+            point, step = trial, min(2.0 * step, 0.125 * reach)
+            near = _distance(point, met)
+            if near < 0.3 * reach or near > 2.0 * reach:
+                return near < reach
+        return False
 
     def _which_lap(self, point: PathPoint) -> tuple[int, tuple[Edge, int] | None]:
         """The lap whose point lies closest to an edge, and that edge of the iterate."""
@@ -362,6 +424,10 @@ def classify(edge: Edge, inner: int, m: float) -> tuple[PointKind, str]:
     if crossing != on_piece:
         return PointKind.BC, "persistence"
     return (PointKind.FF if abs(m) > 1.0 else PointKind.BC), "fold"
+
+
+def _distance(a: PathPoint, b: PathPoint) -> float:
+    return math.hypot(a.p - b.p, float(np.abs(a.cycle.x - b.cycle.x).max()))
 
 
 def start_beside(

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from pwmap.diagram import PointKind
 from woodpecker.edges import NEAR, Edge, edge_between, is_continuous
 from woodpecker.follow import Settings
-from woodpecker.labelled import LabelledMap
+from woodpecker.labelled import BELOW, LabelledMap
 
 FIRST_STEP = 1e-3  # in the parameter
 NARROWEST = 1e-10  # half width within which a straight edge is predicted
@@ -202,7 +202,7 @@ class _Track:
                 return JumpPoint(edge=last, kind=PointKind.BC, side=side)
         for side in (-1, 1):
             beside = self.map(last.x + side * 100.0 * abs(p - last.p), p)
-            if not beside.defined:
+            if not beside.defined or beside.word == BELOW:
                 return JumpPoint(edge=last, kind=PointKind.FALL, note=beside.word)
         return JumpPoint(edge=last, kind=PointKind.EP, note="the jump ends")
 

@@ -6,6 +6,7 @@ used. Nothing here knows the toy: :mod:`woodpecker.follow` continues the cycles 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -134,6 +135,24 @@ def correct(
 def allowed(cycle: Cycle, tolerances: Tolerances) -> float:
     """Largest residual at which a cycle is accepted."""
     return tolerances.allowed(max(abs(lap.slope) for lap in cycle.laps))
+
+
+BELOW = "below the window"
+
+
+def windowed(labelled_map: LabelledMap, window: tuple[float, float]) -> LabelledMap:
+    """A labelled map of a window: not defined outside, and one word where it leads below.
+
+    Dips of a map are infinitely deep and have infinitely many words; what is there does not matter.
+    """
+
+    def within(x: float, p: float) -> Evaluation:
+        if not window[0] <= x <= window[1]:
+            return Evaluation(math.nan, math.nan, math.nan, "outside the window", False)
+        lap = labelled_map(x, p)
+        return lap._replace(word=BELOW) if lap.value < window[0] else lap
+
+    return within
 
 
 def iterate(labelled_map: LabelledMap, order: int) -> LabelledMap:

@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from woodpecker.arrays import Floats, Ints
 from woodpecker.edges import NEAR, Edge, is_continuous
-from woodpecker.labelled import SEPARATOR, Evaluation, LabelledMap
+from woodpecker.labelled import BELOW, SEPARATOR, Evaluation, LabelledMap
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 Bools = npt.NDArray[np.bool_]
@@ -113,9 +113,6 @@ def sampled(labelled_map: LabelledMap) -> SampledMap:
         return Samples(x, value, slope, rate, index, defined)
 
     return SampledMap(sweep, words)
-
-
-BELOW = "below the window"
 
 
 def iterated(
