@@ -24,6 +24,7 @@ from woodpecker.labelled import LabelledMap, correct
 from woodpecker.pieces import Resolution, SampledMap, Slice, iterated, slice_of
 
 ON_BRANCH = 0.05  # of a chord: how far a smooth branch strays from it, at most
+AT_END = 1e-9  # in the parameter: a slice can fall on the very end of a branch
 AHEAD = 4  # slices that are prepared while branches are followed
 
 
@@ -228,12 +229,12 @@ class _Known:
         """Whether a branch passes through (p, x), as far as its samples tell."""
         self._update()
         p0, x0, p1, x1 = self.chords[kind].T
-        inside = (np.minimum(p0, p1) <= p) & (p <= np.maximum(p0, p1))
+        inside = (np.minimum(p0, p1) - AT_END <= p) & (p <= np.maximum(p0, p1) + AT_END)
         if not inside.any():
             return False
         p0, x0, p1, x1 = self.chords[kind][inside].T
         run = np.where(p1 == p0, 1.0, p1 - p0)
-        on_chord = x0 + (x1 - x0) * (p - p0) / run
+        on_chord = x0 + (x1 - x0) * np.clip((p - p0) / run, 0.0, 1.0)
         allowed = ON_BRANCH * np.hypot(p1 - p0, x1 - x0) + 1e-7
         return bool((np.abs(x - on_chord) <= allowed).any())
 

@@ -19,7 +19,7 @@ import numpy as np
 from pwmap.diagram import Branch, BranchKind, PointKind, SpecialPoint
 from woodpecker.edges import Edge, edges_between, is_continuous, nearest_edge
 from woodpecker.follow import CLOSED, PathPoint, Settings, classify, follow_from, start_beside
-from woodpecker.jumps import JumpPoint, follow_jump
+from woodpecker.jumps import JUMP_ENDS, JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, LabelledMap, iterate
 
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
@@ -240,6 +240,9 @@ class Explorer:
     def _add_branch(
         self, piece: Sequence[_Sample], kind: BranchKind, order: int, start: _Node, end: _Node
     ) -> None:
+        p, x = np.array([sample.p for sample in piece]), np.array([sample.x for sample in piece])
+        if start is end and max(np.ptp(p), np.ptp(x)) < SAME_POINT:
+            return  # it was met on its very end
         inner = piece[1:-1] or piece[-1:]
         multipliers = [sample.multiplier for sample in piece]
         if piece[0].word != inner[0].word:  # the special point carries the slope before it
@@ -251,8 +254,8 @@ class Explorer:
             kind=kind,
             order=order,
             word=inner[0].word,
-            parameter=np.array([sample.p for sample in piece]),
-            x=np.array([sample.x for sample in piece]),
+            parameter=p,
+            x=x,
             multiplier=np.array(multipliers),
             ends=(start.id, end.id),
         )
@@ -262,6 +265,8 @@ class Explorer:
 
     def _node(self, sample: _Sample, kind: BranchKind, order: int) -> _Node:
         """The special point of a sample; one that was met before is found again."""
+        if sample.note == JUMP_ENDS:
+            sample = replace(sample, kind=PointKind.WC)
         assert sample.kind is not None
         x = sample.x if sample.edge is None else sample.edge.x
         node = next((node for node in self.nodes if _is_same(node, sample, x, order)), None)
@@ -270,7 +275,7 @@ class Explorer:
                 self._name(sample.kind.value), sample.kind, sample.p, x, sample.note, order
             )
             self.nodes.append(node)
-        elif order < node.order:  # the lowest order says what it is
+        elif order < node.order or (node.kind is PointKind.WC and sample.kind in COLLISIONS):
             node.kind, node.note, node.order = sample.kind, sample.note, order
         if sample.kind in COLLISIONS and sample.edge is not None:
             self._collision(node, sample, order).followed.add(kind)
@@ -305,6 +310,7 @@ def _is_same(node: _Node, sample: _Sample, x: float, order: int) -> bool:
     both = (sample.kind, node.kind)
     if PointKind.PD in both and PointKind.LP in both and order != node.order:
         return abs(node.x - x) < SAME_FLIP  # a cycle of twice the period turns round at a flip
-    collide = sample.kind in COLLISIONS and node.kind in COLLISIONS
+    jumps_end = sample.note == JUMP_ENDS and (node.note == JUMP_ENDS or node.kind in COLLISIONS)
+    collide = sample.kind in COLLISIONS and (node.kind in COLLISIONS or node.note == JUMP_ENDS)
     closes = sample.note == node.note == CLOSED or sample.kind is node.kind is PointKind.FALL
-    return abs(node.x - x) < SAME_POINT and (collide or closes)
+    return abs(node.x - x) < SAME_POINT and (collide or closes or jumps_end)

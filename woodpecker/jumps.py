@@ -21,6 +21,7 @@ from woodpecker.labelled import BELOW, LabelledMap
 FIRST_STEP = 1e-3  # in the parameter
 NARROWEST = 1e-10  # half width within which a straight edge is predicted
 RESOLVED = 1e-11  # a change of words is located this well in the parameter
+JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
 SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
 WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
@@ -204,7 +205,7 @@ class _Track:
             beside = self.map(last.x + side * 100.0 * abs(p - last.p), p)
             if not beside.defined or beside.word == BELOW:
                 return JumpPoint(edge=last, kind=PointKind.FALL, note=beside.word)
-        return JumpPoint(edge=last, kind=PointKind.EP, note="the jump ends")
+        return JumpPoint(edge=last, kind=PointKind.EP, note=JUMP_ENDS)
 
     def _change_words(self, near: Edge, p: float) -> Edge | None:
         """The jump with new words at p, if it still crosses the diagonal, and can be kept."""
@@ -256,7 +257,7 @@ class _Track:
                 found[p] = edge
             return measure(found[p])
 
-        if measure(a) * measure(b) > 0.0:
+        if a.p == b.p or measure(a) * measure(b) > 0.0:
             return b
         p = float(brentq(at, a.p, b.p, xtol=1e-15, rtol=1e-14))
         at(p)

@@ -1,0 +1,126 @@
+"""Complete diagrams of maps that pwmap solves exactly: same branches, same points, same graph."""
+
+from __future__ import annotations
+
+from collections import Counter
+from fractions import Fraction
+
+import networkx as nx
+import numpy as np
+import pytest
+import sympy
+
+from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
+from woodpecker.complete import Search, van_der_corput
+from woodpecker.diagram import whole_diagram
+from woodpecker.follow import Settings
+from woodpecker.labelled import Evaluation, LabelledMap
+from woodpecker.pieces import Resolution, sampled
+
+R = sympy.Symbol("r")
+SEARCH = Search(slices=16, quiet=8, resolution=Resolution(spacing=0.02, smallest=1e-6))
+
+MAPS = {
+    "the paper's map": (
+        [("r - 2", "x <= 0"), ("r - 5*x/4", "x > 0")], (-1, Fraction(5, 2)), (1, 2)),
+    "an island": (  # a step between two jumps reaches the diagonal for r**2 <= 1 only
+        [("x/2 - 2", "x < 0"), ("x/2 + 1 - r**2", "(x >= 0) & (x < 1)"), ("x/2 - 2", "x >= 1")],
+        (-2, 2),
+        (1,),
+    ),
+    "two lines that fold": (
+        [("x/2 + r", "x < 0"), ("-x/2 + r + 1", "x >= 0")], (-2, 2), (1,)),
+    "a fold-flip": (
+        [("x/3 - 1", "x < 0"), ("r - 3*x/2", "x >= 0")], (-1, 1), (1, 2)),
+    "three pieces": (
+        [("-2 + r", "x < -1"), ("r - x/2", "(x >= -1) & (x < 1)"), ("2 + r/2", "x >= 1")],
+        (-4, Fraction(7, 2)), (1,)),
+    "a staircase": (
+        [("x/2 + r", "x < 0"), ("x/2 + r - 1", "x >= 0")],
+        (Fraction(-1, 2), Fraction(3, 2)), (1, 2, 3)),
+}  # fmt: skip
+
+
+def labelled(map_: PiecewiseLinearMap) -> LabelledMap:
+    """A map of one parameter r in floating point, with its exact derivatives."""
+    formulas = []
+    for piece in map_.pieces:
+        value = piece.expression
+        parts = (value, sympy.diff(value, map_.x), sympy.diff(value, R))
+        formulas.append((piece, sympy.lambdify((map_.x, R), parts, "math")))
+    breaks = [float(piece.lower) for piece in map_.pieces[1:]]
+
+    def evaluated(x: float, p: float) -> Evaluation:
+        i = sum(x > b for b in breaks)
+        if x in breaks and not map_.pieces[i].upper_closed:
+            i += 1
+        value, slope, rate = formulas[i][1](x, p)
+        return Evaluation(value, slope, rate, formulas[i][0].word)
+
+    return evaluated
+
+
+def numeric(name: str) -> tuple[Diagram, Diagram]:
+    """The diagram of a map by continuation, and by proof."""
+    pieces, span, orders = MAPS[name]
+    map_ = PiecewiseLinearMap(pieces)
+    continued = labelled(map_)
+    settings = Settings(span=(float(span[0]), float(span[1])), window=(-20.0, 20.0))
+    found = whole_diagram(continued, sampled(continued), settings, orders, SEARCH)
+    return found, bifurcation_diagram(map_, R, span, orders)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MAPS)
+def test_continuation_finds_what_is_proved(name: str) -> None:
+    found, proved = numeric(name)
+    kinds = Counter(point.kind for point in proved.points)
+    assert Counter(point.kind for point in found.points) == kinds
+    for kind in kinds:
+        places = [
+            sorted(
+                ((p.parameter, p.x) for p in diagram.points if p.kind is kind),
+                key=lambda place: (round(place[0], 6), place[1]),
+            )
+            for diagram in (found, proved)
+        ]
+        # collisions are located to 1e-10, ends of jumps to jumps.RESOLVED = 1e-11
+        np.testing.assert_allclose(*places, rtol=0.0, atol=1e-10)
+    for diagram in (found, proved):
+        for branch in diagram.branches:
+            if branch.kind is BranchKind.JUMP:
+                assert np.isnan(branch.multiplier).all()
+    graphs = [diagram.graph() for diagram in (found, proved)]
+    assert nx.is_isomorphic(
+        *graphs,
+        node_match=lambda a, b: a["kind"] == b["kind"],
+        edge_match=lambda a, b: (
+            Counter((e["kind"], e["order"]) for e in a.values())
+            == Counter((e["kind"], e["order"]) for e in b.values())
+        ),
+    )
+
+
+@pytest.mark.slow
+def test_an_island_is_found_by_a_slice() -> None:
+    """Nothing connects it with a branch that reaches the ends of the span."""
+    found, _ = numeric("an island")
+    graph = found.graph()
+    ends = {p.id for p in found.points if p.kind is PointKind.EP}
+    (loop,) = [c for c in nx.connected_components(graph) if not c & ends]
+    places = sorted((found.point(node).parameter, found.point(node).x) for node in loop)
+    root = 0.5**0.5
+    expected = [(-1.0, 0.0), (-root, 1.0), (root, 1.0), (1.0, 0.0)]
+    np.testing.assert_allclose(places, expected, rtol=0.0, atol=1e-10)
+    assert {found.point(node).kind for node in loop} == {PointKind.BC}
+
+
+def test_slices_fill_the_span_evenly() -> None:
+    assert [van_der_corput(k) for k in range(1, 8)] == [0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875]
+
+
+@pytest.mark.parametrize("orders", [(), (0,), (1.5,)])
+def test_orders_are_checked(orders: tuple[int, ...]) -> None:
+    continued = labelled(PiecewiseLinearMap(MAPS["a fold-flip"][0]))
+    with pytest.raises(ValueError, match="orders must be integers j >= 1"):
+        whole_diagram(continued, sampled(continued), Settings(), orders)
