@@ -323,17 +323,18 @@ class _Search:
         """Whether a jump in an interval can cross the diagonal, or everything matters."""
         if not self.diagonal:
             return np.ones(len(left.x), dtype=bool)
-        crosses: Bools = (left.value - left.x) * (right.value - right.x) < 0.0
+        crosses: Bools = (left.value - left.x) * (right.value - right.x) <= 0.0
         return crosses
 
     def _is_far(self, left: Samples, right: Samples) -> Bools:
         """Whether an interval is narrow, and its pieces do not reach the diagonal in it."""
         width = right.x - left.x
         gaps = [side.value - side.x for side in (left, right)]
-        clear = [
-            np.abs(gap) > 4.0 * width * np.abs(side.slope - 1.0)
-            for gap, side in zip(gaps, (left, right), strict=True)
-        ]
+        with np.errstate(invalid="ignore"):
+            clear = [
+                np.abs(gap) > 4.0 * width * np.abs(side.slope - 1.0)
+                for gap, side in zip(gaps, (left, right), strict=True)
+            ]
         narrow: Bools = (width <= self.resolution.far) & (gaps[0] * gaps[1] > 0.0)
         return narrow & clear[0] & clear[1] & self.diagonal
 
@@ -378,7 +379,8 @@ def _facing(left: Piece, right: Piece) -> tuple[Samples, Samples]:
 def _bend(left: Samples, right: Samples, middle: Samples) -> Floats:
     """Distance of the middles from the cubics through both ends."""
     width = right.x - left.x
-    cubic = 0.5 * (left.value + right.value) + 0.125 * width * (left.slope - right.slope)
+    with np.errstate(invalid="ignore"):  # slopes next to a square root are infinite
+        cubic = 0.5 * (left.value + right.value) + 0.125 * width * (left.slope - right.slope)
     bend: Floats = np.nan_to_num(np.abs(middle.value - cubic), nan=math.inf)
     return bend
 
@@ -420,24 +422,69 @@ def slice_of(
     for piece in found.pieces:
         if not piece.defined or len(piece.samples.x) < 2:
             continue
-        band = _band(piece, tolerances)
-        if band is not None:
-            bands.append(band)
-        else:
-            fixed += [(x, piece.word) for x in _roots(map_, p, piece)]
-    crossing = [e for e in found.edges if e.crosses and not is_continuous(e, tolerances)]
+        rests = _identical(piece.samples, tolerances)
+        bands += [_widened(map_, p, piece, run, tolerances) for run in _runs(rests)]
+        fixed += [(x, piece.word) for x in _roots(map_, p, piece, rests)]
+    crossing = [e for e in found.edges if _crosses(e, tolerances)]
     return Slice(
-        partition=found, fixed_points=tuple(fixed), crossings=tuple(crossing), bands=tuple(bands)
+        partition=found, fixed_points=tuple(fixed), crossings=tuple(crossing), bands=_joined(bands)
     )
 
 
-def _band(piece: Piece, tolerances: Tolerances) -> tuple[float, float] | None:
-    """The piece, if the map is the identity on it."""
-    off = np.abs(piece.samples.value - piece.samples.x)
-    return (piece.low, piece.high) if (off <= tolerances.residual).all() else None
+def _crosses(edge: Edge, tolerances: Tolerances) -> bool:
+    """Whether both limits are off the diagonal by more than rounding, on opposite sides."""
+    off = min(abs(edge.left_limit - edge.x), abs(edge.right_limit - edge.x))
+    return edge.crosses and off > tolerances.residual and not is_continuous(edge, tolerances)
 
 
-def _roots(map_: SampledMap, p: float, piece: Piece) -> Iterator[float]:
+def _identical(samples: Samples, tolerances: Tolerances) -> Bools:
+    """Where the map is the identity: (n,), at neighbouring samples."""
+    rests = np.abs(samples.value - samples.x) <= tolerances.residual
+    rests &= np.abs(samples.slope - 1.0) <= tolerances.jump
+    lonely = rests.copy()
+    lonely[1:] &= ~rests[:-1]
+    lonely[:-1] &= ~rests[1:]
+    identical: Bools = rests & ~lonely
+    return identical
+
+
+def _runs(flags: Bools) -> list[tuple[int, int]]:
+    """First and last index of each run of True."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(a), int(b) - 1) for a, b in zip(steps[::2], steps[1::2], strict=True)]
+
+
+def _joined(bands: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Bands of neighbouring pieces as one."""
+    joined: list[tuple[float, float]] = []
+    for low, high in bands:
+        if joined and low <= np.nextafter(joined[-1][1], math.inf):
+            joined[-1] = joined[-1][0], high
+        else:
+            joined.append((low, high))
+    return tuple(joined)
+
+
+def _widened(
+    map_: SampledMap, p: float, piece: Piece, run: tuple[int, int], tolerances: Tolerances
+) -> tuple[float, float]:
+    """The interval of a run of samples on which the map is the identity, to the last bit."""
+    x = piece.samples.x
+    ends = []
+    for inner, outer in ((run[0], run[0] - 1), (run[1], run[1] + 1)):
+        inside = float(x[inner])
+        outside = float(x[outer]) if 0 <= outer < len(x) else inside
+        while (middle := 0.5 * (inside + outside)) not in (inside, outside):
+            here = map_.sweep(np.array([middle]), p)
+            if abs(float(here.value[0]) - middle) <= tolerances.residual:
+                inside = middle
+            else:
+                outside = middle
+        ends.append(inside)
+    return ends[0], ends[1]
+
+
+def _roots(map_: SampledMap, p: float, piece: Piece, rests: Bools) -> Iterator[float]:
     """Zeros of P(x) - x on a piece: sign changes, and pairs between which the sign is the same.
 
     Two zeros between neighbouring samples have an extremum between them, where the slope is 1.
@@ -450,7 +497,7 @@ def _roots(map_: SampledMap, p: float, piece: Piece) -> Iterator[float]:
     def climb(at: float) -> float:
         return float(map_.sweep(np.array([at]), p).slope[0]) - 1.0
 
-    yield from x[g == 0.0].tolist()
+    yield from x[(g == 0.0) & ~rests].tolist()
     for i in range(len(x) - 1):
         a, b = float(x[i]), float(x[i + 1])
         if g[i] * g[i + 1] < 0.0:
