@@ -25,6 +25,7 @@ from pwmap.exact import (
     Number,
     Ring,
     constant,
+    dense,
     element,
     evaluate,
     expression,
@@ -66,8 +67,8 @@ class Constraint(NamedTuple):
         """As a sympy relation."""
         constant_, rest = sympy.factor(to_sympy(self.polynomial)).as_coeff_Add()
         if rest.could_extract_minus_sign():
-            return sympy.Lt(-rest, constant_) if self.strict else sympy.Le(-rest, constant_)
-        return sympy.Gt(rest, -constant_) if self.strict else sympy.Ge(rest, -constant_)
+            return (sympy.Lt if self.strict else sympy.Le)(-rest, constant_, evaluate=False)
+        return (sympy.Gt if self.strict else sympy.Ge)(rest, -constant_, evaluate=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,8 +289,15 @@ def _between(low: int, high: int) -> Signs:
 
 @cache
 def _factors(polynomial: PolyElement) -> tuple[Number, list[tuple[PolyElement, int]]]:
-    unit, factors = polynomial.factor_list()
-    return unit, factors
+    shared = [min(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
+    rest = polynomial.quo(polynomial.ring.term_new(tuple(shared), QQ.one))
+    powers = [(g, e) for g, e in zip(polynomial.ring.gens, shared, strict=True) if e]
+    if rest.is_ground:
+        return constant(rest), powers
+    if all(sum(exponents) <= 1 for exponents in rest.monoms()):  # it has no factors
+        return QQ.one, [*powers, (rest, 1)]
+    unit, factors = rest.factor_list()
+    return unit, [*powers, *factors]
 
 
 def _proportion(polynomial: PolyElement, factor: PolyElement) -> int:
@@ -320,12 +328,7 @@ def _affine(polynomial: PolyElement, name: str) -> tuple[PolyElement, PolyElemen
 
 
 def _dense(polynomial: PolyElement, name: str) -> Dense:
-    """Coefficients of a polynomial in one parameter only, highest power first."""
-    index = _index(polynomial.ring, name)
-    coefficients = [QQ.zero] * (_degree(polynomial, name) + 1)
-    for exponents, coefficient in polynomial.terms():
-        coefficients[-1 - exponents[index]] = coefficient
-    return tuple(coefficients)
+    return dense(polynomial, _index(polynomial.ring, name))
 
 
 def _with_values(polynomial: PolyElement, values: Mapping[str, Number], ring: Ring) -> Number:
@@ -345,17 +348,13 @@ def _candidates(limits: list[Constraint]) -> Iterator[Number]:
         tries: list[Any] = [inside(piece)]
         if low is None or low is not high:  # more values of a gap, towards both ends
             for _ in range(3):
-                tries += [_midway(low, tries[0]), _midway(tries[-1], high)]
+                tries += [inside((low, tries[0])), inside((tries[-1], high))]
             first, last = min(tries), max(tries)  # and some that are hardly special to any map
             tries += [first + (last - first) * QQ(k, 17) for k in (5, 11, 3, 14, 8, 2, 13)]
         for x in dict.fromkeys(tries):
             admitted = all(c.holds(sign_at(p, x)) for c, p in zip(limits, polynomials, strict=True))
             if admitted and isinstance(x, QQ.dtype):
                 yield x
-
-
-def _midway(low: object, high: object) -> Number:
-    return inside((low, high))
 
 
 def _only_name(polynomial: PolyElement) -> str:

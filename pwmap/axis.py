@@ -21,6 +21,7 @@ from pwmap.assumptions import Constraint, possible_signs
 from pwmap.exact import (
     Fraction_,
     Number,
+    dense,
     evaluate,
     is_constant,
     polynomial_ring,
@@ -29,7 +30,7 @@ from pwmap.exact import (
 )
 from pwmap.itineraries import Judge, Orbits, Question
 from pwmap.reading import Model
-from pwmap.roots import Dense, RealRoot, real_roots, sign_at, simplest_between, trimmed
+from pwmap.roots import RealRoot, real_roots, sign_at, simplest_between
 
 INFINITE = "infinite"
 
@@ -164,19 +165,18 @@ class RationalAxis(Axis):
 
     def judge(self, place: Any) -> Judge:
         if isinstance(place, RealRoot):
-            return Judge(self.orbits, lambda number: place.sign_of(_dense(number)))
+            return Judge(self.orbits, lambda number: place.sign_of(dense(number)))
         table = self.model.table.mapped(lambda number: _at(number, place))
         return Judge(Orbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
-        dense = _dense(polynomial)
-        return real_roots(dense) if dense else None
+        return real_roots(dense(polynomial)) if polynomial else None
 
     def sign(self, polynomial: Number, place: Any) -> int:
-        return sign_at(_dense(polynomial), place)
+        return sign_at(dense(polynomial), place)
 
     def value(self, fraction: Fraction_, place: Any) -> Any:
-        top, bottom = (_dense(number) for number in fraction)
+        top, bottom = (dense(number) for number in fraction)
         if sign_at(bottom, place) == 0:
             return INFINITE
         if isinstance(place, RealRoot):
@@ -185,8 +185,8 @@ class RationalAxis(Axis):
 
     def order(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         (a, b), (c, d) = first, second
-        bottom = sign_at(_dense(b), place) * sign_at(_dense(d), place)
-        return sign_at(_dense(a * d - c * b), place) * bottom
+        bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
+        return sign_at(dense(a * d - c * b), place) * bottom
 
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)
@@ -271,11 +271,16 @@ class SymbolicAxis(Axis):
 
     def _coefficients(self, polynomial: PolyElement) -> tuple[PolyElement, PolyElement]:
         """Slope and rest of a polynomial of degree at most one in the axis' parameter."""
-        parts = [self._others.zero, self._others.zero]
+        rest, slope = (*self._powers(polynomial), self._others.zero)[:2]
+        return slope, rest
+
+    def _powers(self, polynomial: PolyElement) -> list[PolyElement]:
+        """Coefficients of the powers of the axis' parameter, from the zeroth on."""
+        powers = [self._others.zero] * (self.degree(polynomial) + 1)
         for exponents, coefficient in polynomial.terms():
             others = exponents[: self._index] + exponents[self._index + 1 :]
-            parts[exponents[self._index]] += self._others.from_dict({others: coefficient})
-        return parts[1], parts[0]
+            powers[exponents[self._index]] += self._others.from_dict({others: coefficient})
+        return powers
 
     def _keep_sign(self, polynomial: PolyElement) -> None:
         """Record that a polynomial in the other parameters must keep the sign of the sample."""
@@ -290,12 +295,8 @@ class SymbolicAxis(Axis):
 
     def _substituted(self, polynomial: PolyElement, place: Threshold) -> Any:
         """A polynomial at a place, as an element of the field of the other parameters."""
-        powers = [self._others.zero] * (self.degree(polynomial) + 1)
-        for exponents, coefficient in polynomial.terms():
-            others = exponents[: self._index] + exponents[self._index + 1 :]
-            powers[exponents[self._index]] += self._others.from_dict({others: coefficient})
         value = self._field.zero
-        for power in reversed(powers):  # Horner's rule
+        for power in reversed(self._powers(polynomial)):  # Horner's rule
             value = value * place.expr + self._field.field_new(power)
         return value
 
@@ -350,26 +351,6 @@ class SymbolicAxis(Axis):
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
-        """All recorded conditions."""
-        return self._conditions_on_others()
-
-    def bounds(self) -> tuple[Any, Any]:
-        """The interval of the one other parameter in which all recorded signs persist."""
-        value = self.sample[str(self._others.symbols[0])]
-        limits = [constraint.polynomial for constraint in self._own()]
-        roots = {x for p in (*limits, *self._conditions) for x in real_roots(_dense(p))}
-        below = max((x for x in roots if x < value), default=None)
-        return below, min((x for x in roots if x > value), default=None)
-
-    def _own(self) -> list[Constraint]:
-        """What the map itself assumes of the other parameters."""
-        return [
-            Constraint(evaluate(c.polynomial, {self.name: QQ.zero}, self._others), c.strict)
-            for c in self.model.region.constraints
-            if not self.degree(c.polynomial)
-        ]
-
-    def _conditions_on_others(self) -> tuple[sympy.Basic, ...]:
         """All recorded signs as inequalities; for one other parameter, its interval."""
         if len(self._others.symbols) == 1:
             symbol, (below, above) = self._others.symbols[0], self.bounds()
@@ -382,6 +363,22 @@ class SymbolicAxis(Axis):
                 if possible_signs(factor, tuple(kept)) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
         return tuple(constraint.relation() for constraint in kept)
+
+    def bounds(self) -> tuple[Any, Any]:
+        """The interval of the one other parameter in which all recorded signs persist."""
+        value = self.sample[str(self._others.symbols[0])]
+        limits = [constraint.polynomial for constraint in self._own()]
+        roots = {x for p in (*limits, *self._conditions) for x in real_roots(dense(p))}
+        below = max((x for x in roots if x < value), default=None)
+        return below, min((x for x in roots if x > value), default=None)
+
+    def _own(self) -> list[Constraint]:
+        """What the map itself assumes of the other parameters."""
+        return [
+            Constraint(evaluate(c.polynomial, {self.name: QQ.zero}, self._others), c.strict)
+            for c in self.model.region.constraints
+            if not self.degree(c.polynomial)
+        ]
 
 
 def identical(first: Any, second: Any) -> bool:
@@ -397,15 +394,6 @@ def axis_of(model: Model, name: str, sample: dict[str, Number]) -> Axis:
 def real_to_sympy(x: Any) -> sympy.Expr:
     """A rational or algebraic number as an expression."""
     return x.to_sympy() if isinstance(x, RealRoot) else QQ.to_sympy(x)
-
-
-def _dense(number: Number) -> Dense:
-    """Coefficients of a polynomial in one parameter, highest power first."""
-    if not isinstance(number, PolyElement):
-        return trimmed((number,))
-    terms = dict(number.terms())
-    degree = max((exponent for (exponent,) in terms), default=-1)
-    return tuple(terms.get((i,), QQ.zero) for i in range(degree, -1, -1))
 
 
 def _at(number: PolyElement, value: Number) -> Number:

@@ -22,7 +22,7 @@ from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import bounds
-from pwmap.runs import ALONG, End, Meeting, Run, Sweep
+from pwmap.runs import ALONG, LEFT, RIGHT, End, Meeting, Run, Sweep
 
 SAMPLES = 65  # along a branch that is curved
 
@@ -47,7 +47,8 @@ def bifurcation_diagram(
         to about one above the last. What exists at an end of the span only is left out.
     orders
         The iterates j. A periodic point is listed with its minimal period only, a jump crossing
-        with every order it occurs in.
+        with every order it occurs in. Where an iterate is the identity over an interval of the
+        parameter, those ends of the band that belong to it are listed.
     sample
         Values for symbolic parameters, at which the floats of the diagram are taken and around
         which its formulas hold; by default values that the map's assumptions admit.
@@ -179,7 +180,8 @@ def _branch(
         for side, word in zip(("left", "right"), name.words, strict=True):
             exact[side] = to_sympy(orbits.orbit(name.cut.k, word[name.cut.steps :]))
     else:
-        exact["multiplier"] = sympy.nan if run.isolated else to_sympy(orbits.affine(name.word)[0])
+        slope = to_sympy(orbits.affine(name.word)[0])
+        exact["multiplier"] = sympy.nan if _isolated(run) else slope
     parameter, x, multiplier = zip(*_samples(sweep, run), strict=True)
     return Branch(
         id=branch_id,
@@ -191,14 +193,19 @@ def _branch(
         multiplier=np.array(multiplier),
         ends=ends,
         exact=exact,
+        attracts=None if run.shows is None else run.shows.stable,
     )
+
+
+def _isolated(run: Run) -> bool:
+    return run.shows is not None and run.shows.isolated
 
 
 def _samples(sweep: Sweep, run: Run) -> list[tuple[float, float, float]]:
     """Parameter, x and multiplier along a run; few samples where that is enough."""
     axis, one = sweep.axis, sweep.orbits.table.one
     slope = sweep.orbits.affine(run.name.word)[0]
-    smooth = run.name.kind is BranchKind.FIXED_POINT and not run.isolated
+    smooth = run.name.kind is BranchKind.FIXED_POINT and not _isolated(run)
 
     def sample(place: Any, x: float) -> tuple[float, float, float]:
         multiplier = axis.number((slope, one), place) if smooth else nan
@@ -229,31 +236,40 @@ def lowest(ends: Sequence[End]) -> int:
 def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     """Kind of a special point, and a note, from the branches that meet there.
 
-    With n the lowest order of the fixed points that meet, look at all branches of that order. They
-    lie on both sides of the parameter (persistence) or on one (fold). A fold of one branch of
-    fixed points into a jump branch starts a jump branch of order 2n too, and then is a fold-flip
-    (FF), just if its multiplier m there has |m| > 1: let F be the distance of the limit on the
-    fixed point's side from the diagonal and D that on the other side, of opposite sign where the
-    jump crosses. The preimage of the jump lies at -F/m from it, there P_2n jumps between F and D,
-    and F - (-F/m) = F (1 + 1/m) has the sign of F.
+    With n the lowest order of the fixed points that meet, look at all branches of that order. If
+    one passes with the same word on both sides, its multiplier is +1 (LP) or -1 (PD), or the other
+    side of the border it lies on changes. Otherwise fixed points meet a border (BC): the branches
+    lie on both sides of the parameter (persistence) or on one (fold).
+
+    A fold of one branch of fixed points into a jump branch starts a jump branch of order 2n too,
+    and then is a fold-flip (FF), just if the multiplier m has |m| > 1: let F be the distance of the
+    limit on the fixed point's side from the diagonal and D that on the other side, of opposite sign
+    where the jump crosses. The preimage of the jump lies at -F/m from it, there P_2n jumps between
+    F and D, and F - (-F/m) = F (1 + 1/m) has the sign of F.
     """
     ends = meeting.ends
-    units = {end.unit for end in ends}
     if at_span_end:
         return PointKind.EP, "end of the span"
     if abs(meeting.x) == inf:
-        return PointKind.LP if 1 in units else PointKind.EP, "x grows without bound"
+        escapes = any(end.unit == 1 for end in ends)
+        return PointKind.LP if escapes else PointKind.EP, "x grows without bound"
     own = [end for end in ends if end.steps == lowest(ends)]
-    fixed = [end for end in own if end.is_fixed]
-    if not fixed:
+    fixed = [end for end in own if end.is_fixed and end.run.band is None]
+    bands = [end for end in ends if end.run.band is not None]
+    if not any(end.is_fixed for end in own):
         return PointKind.WC, "jumps only"
-    bands = any(end.run.band is not None for end in ends)
+    passing = {e.run.name for e in fixed if e.side == LEFT} & {
+        e.run.name for e in fixed if e.side == RIGHT
+    }
+    units = {end.unit for end in fixed if end.run.name in passing}
     if -1 in units:
-        return PointKind.PD, "degenerate: points nearby have twice the period" if bands else ""
-    if 1 in units or all(end.run.band is not None for end in fixed):
+        doubled = any(band.steps == 2 * own[0].steps for band in bands)
+        return PointKind.PD, "degenerate: points nearby have twice the period" if doubled else ""
+    if 1 in units or not fixed:
         return PointKind.LP, "degenerate: an interval of fixed points"
     sides = {end.side for end in own} - {ALONG}
     if len(sides) != 1:
-        return PointKind.BC, "persistence" if sides else "isolated"
-    flips = len(fixed) == 1 < len(own) and fixed[0].is_steep
+        note = "stability changes at the border" if passing else "persistence"
+        return PointKind.BC, note if sides else "isolated"
+    flips = len(fixed) == 1 and any(not end.is_fixed for end in own) and fixed[0].is_steep
     return (PointKind.FF if flips else PointKind.BC), "fold"

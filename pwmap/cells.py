@@ -33,7 +33,7 @@ from pwmap.cylinders import (
 )
 from pwmap.exact import Number, rational
 from pwmap.itineraries import Judge
-from pwmap.maps import PiecewiseLinearMap
+from pwmap.maps import PiecewiseLinearMap, checked_order
 
 Result = TypeVar("Result")
 
@@ -303,6 +303,8 @@ def with_cells(
 
     With ``with_ends`` the ends of the span are edges too, if the assumptions admit them.
     """
+    if not isinstance(map_, PiecewiseLinearMap):
+        raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
     name = str(parameter)
     names = [str(s) for s in map_.parameters]
     if name not in names:
@@ -385,14 +387,18 @@ def _samples(
 
 def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
     """Orders of iterates, sorted; ValueError if there is none or one is not at least 1."""
-    wanted = tuple(sorted(set(orders)))
-    if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
-        raise ValueError(f"orders must be integers j >= 1, got {wanted}")
-    return wanted
+    listed = tuple(orders) if isinstance(orders, Iterable) else (orders,)
+    if not listed:
+        raise ValueError("orders must name at least one iterate, got none")
+    return tuple(sorted({checked_order(order) for order in listed}))
 
 
 def checked_span(span: tuple[object, object]) -> tuple[Number, Number]:
     """The ends of a span as rationals; ValueError if they are no interval."""
+    if not isinstance(span, Sequence) or isinstance(span, str) or len(span) != 2:
+        raise ValueError(f"a span must be an interval (low, high), got {span!r}")
+    if any(end is None or end in (sympy.oo, -sympy.oo) for end in span):
+        raise ValueError(f"a span needs two rational ends, or none at all, got {span}")
     low, high = (rational(end) for end in span)
     if not low < high:
         raise ValueError(f"a span must be an interval (low, high), got ({span[0]}, {span[1]})")

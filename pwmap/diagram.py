@@ -87,6 +87,9 @@ class Branch:
         Ids of the special points at the first and the last sample.
     exact
         Exact sympy expressions by name, e.g. ``{"x": r/(a + 1)}``; empty for the toy.
+    attracts
+        Whether its fixed points attract, where the multiplier does not say: a point that stays at
+        the border of two pieces has another slope on the other side. None if the multiplier does.
     """
 
     id: str
@@ -98,6 +101,7 @@ class Branch:
     multiplier: FloatArray
     ends: tuple[str, str]
     exact: Mapping[str, object] = field(default_factory=dict)
+    attracts: bool | None = None
 
     def __post_init__(self) -> None:
         if not self.id or ":" in self.id:
@@ -115,7 +119,9 @@ class Branch:
 
     @property
     def stable(self) -> BoolArray:
-        """Shape (n,): whether |multiplier| < 1; False all along a jump branch."""
+        """Shape (n,): whether |multiplier| < 1, or ``attracts``; False all along a jump branch."""
+        if self.attracts is not None:
+            return np.full(len(self), self.attracts)
         return np.asarray(np.abs(self.multiplier) < 1.0)
 
     def __len__(self) -> int:

@@ -26,8 +26,11 @@ Fraction_ = tuple[Number, Number]  # numerator and denominator
 
 _WORDS = {
     *("Piecewise", "And", "Or", "Not", "Eq", "Ne", "Gt", "Ge", "Lt", "Le"),
-    *("Rational", "Integer", "Interval", "True", "False", "oo", "sqrt", "Abs", "floor", "Mod"),
+    *("Rational", "Integer", "sqrt", "True", "False"),
 }  # names in text that keep their meaning; all others are symbols
+
+
+_LAMBDA = "lambda_of_python"  # stands for the name lambda, which Python keeps for itself
 
 
 def expression(value: object, symbols: Iterable[sympy.Symbol] = ()) -> sympy.Basic:
@@ -50,6 +53,8 @@ def expression(value: object, symbols: Iterable[sympy.Symbol] = ()) -> sympy.Bas
         raise TypeError(_refusal(value))
     known = {symbol.name: symbol for symbol in symbols}
     if isinstance(value, str):
+        value = _readable(value)
+        known[_LAMBDA] = known.get("lambda", sympy.Symbol("lambda"))
         names = set(re.findall(r"[^\W\d]\w*", value)) - _WORDS
         known = {name: sympy.Symbol(name) for name in names} | known
     try:
@@ -58,9 +63,24 @@ def expression(value: object, symbols: Iterable[sympy.Symbol] = ()) -> sympy.Bas
         raise ValueError(f"cannot read {value!r} as an expression") from None
     if isinstance(result, bool):
         return sympy.true if result else sympy.false
+    if not isinstance(result, sympy.Basic):
+        raise ValueError(f"cannot read {value!r} as an expression")
     for number in result.atoms(sympy.Float):
         raise TypeError(_refusal(number))
     return result
+
+
+def _readable(text: str) -> str:
+    """Text as sympy reads it: a chain of two comparisons becomes a conjunction."""
+    if re.search(r"[=!]=", text) or re.search(r"(?<![<>])=", text):
+        raise ValueError(f"write Eq(x, 0) or Ne(x, 0) for equality and its opposite, got {text!r}")
+    text = re.sub(r"\blambda\b", _LAMBDA, text)
+    part, sign_ = r"([^<>&|]+)", r"(<=?|>=?)"
+    chain = re.fullmatch(part + sign_ + part + sign_ + part, text)
+    if chain:
+        first, left, middle, right, last = chain.groups()
+        return f"({first}{left}{middle}) & ({middle}{right}{last})"
+    return text
 
 
 def rational(value: object) -> Number:
@@ -148,6 +168,14 @@ def to_ring(number: Number, ring: Ring) -> Number:
     if ring is None:
         return number
     return number.set_ring(ring) if isinstance(number, PolyElement) else ring.ground_new(number)
+
+
+def dense(polynomial: Number, index: int = 0) -> tuple[Number, ...]:
+    """Coefficients of a polynomial in one generator only, highest power first; () for zero."""
+    if not isinstance(polynomial, PolyElement):
+        return (polynomial,) if polynomial else ()
+    terms = {exponents[index]: coefficient for exponents, coefficient in polynomial.terms()}
+    return tuple(terms.get(i, QQ.zero) for i in range(max(terms, default=-1), -1, -1))
 
 
 def is_constant(number: Number) -> bool:

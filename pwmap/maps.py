@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,6 +18,7 @@ from pwmap.assumptions import Constraint, Region
 from pwmap.cylinders import Crossing, Cut, Cylinder, Place, minimal_period
 from pwmap.exact import (
     Fraction_,
+    Number,
     cancelled,
     element,
     evaluate,
@@ -411,9 +413,7 @@ class PiecewiseLinearMap:
         UndecidedError
             When its pieces are asked for, if they differ within what is assumed of the parameters.
         """
-        if not isinstance(j, int) or j < 1:
-            raise ValueError(f"the order of an iterate must be an integer j >= 1, got {j}")
-        return self._with_chain(self._chain * j)
+        return self._with_chain(self._chain * checked_order(j))
 
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``."""
@@ -457,17 +457,17 @@ class PiecewiseLinearMap:
         table, decide = self._model.table, self._model.region.sign
         top, bottom = self._fraction(x)
         word: list[int] = []
+        slopes: list[Number] = []
         for layout_index in self._chain:
             layout = table.layouts[layout_index]
             slot = self._slot(layout, (top, bottom))
-            if slot % 2:
-                slot += direction
+            if slot % 2 and direction:  # only here it matters on which side the points are
+                slot += direction * math.prod(decide(slope) for slope in slopes)
             letter = layout.slots[slot]
             word.append(letter)
             slope = table.slopes[letter]
             top = slope * top + table.intercepts[letter] * bottom
-            if direction:
-                direction *= decide(slope)
+            slopes.append(slope)
         return tuple(word), (top, bottom)
 
     def _slot(self, layout: Layout, point: Fraction_) -> int:
@@ -611,7 +611,9 @@ class PiecewiseLinearMap:
         for letter in word:
             if letter not in self.letters:
                 raise ValueError(f"{letter!r} is no piece of this map, it has {self.letters}")
-        if not word or len(word) % self.order:
+        if not word:
+            raise ValueError("the word of a cycle must have at least one letter")
+        if len(word) % self.order:
             raise ValueError(f"the length of a word must be a multiple of {self.order}: {word!r}")
         indices = tuple(self.letters.index(letter) for letter in word)
         points, multiplier = self._cycle_points(indices)
@@ -688,6 +690,17 @@ class PiecewiseLinearMap:
         return (
             rf"$\displaystyle {head} = \left\{{\begin{{array}}{{lll}} {body} \end{{array}}\right.$"
         )
+
+
+def checked_order(j: object) -> int:
+    """The order of an iterate; ValueError unless it is an integer of at least 1."""
+    try:
+        order = operator.index(j)  # type: ignore[arg-type]
+    except TypeError:
+        order = 0
+    if order < 1 or isinstance(j, bool):
+        raise ValueError(f"the order of an iterate must be an integer j >= 1, got {j}")
+    return order
 
 
 def _less(closed: bool) -> str:

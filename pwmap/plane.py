@@ -41,7 +41,8 @@ class ParameterPlane:
     across, along
         The parameter of the strips, and the one along each strip.
     strips
-        From left to right; the values between two strips, where two edges meet, belong to neither.
+        From left to right. The single values between two strips, where edges meet, belong to
+        neither and were not analysed.
     """
 
     across: sympy.Symbol
@@ -86,6 +87,10 @@ def parameter_plane(
     while waiting:
         left, right = waiting.pop()
         sample = {str(across): simplest_between(left, right)}
+        broken = map_.model.region.contains(sample)
+        if broken is not None:
+            value = real_to_sympy(sample[str(across)])
+            raise ValueError(f"{across} = {value} in the span contradicts the assumption {broken}")
         try:
             bounds, shown = with_cells(
                 partial(_strip, map_, orders), map_, along, orders, ends, sample

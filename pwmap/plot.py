@@ -169,7 +169,9 @@ def plot_map(
     if map_.parameters:
         raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
     ax = ax if ax is not None else plt.figure(figsize=(4.6, 4.4), layout="constrained").gca()
-    low, high = window if window is not None else _window(map_)
+    low, high = (float(end) for end in (window if window is not None else _window(map_)))
+    if not low < high:
+        raise ValueError(f"a window must ascend, got ({low}, {high})")
     ax.plot([low, high], [low, high], color="#969696", linewidth=0.8, zorder=1)
     for piece in map_.pieces:
         left, right = max(low, float(piece.lower)), min(high, float(piece.upper))

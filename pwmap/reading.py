@@ -48,10 +48,16 @@ def read(
         One sentence that names the piece and what is wrong with it.
     """
     variable = _symbol(x)
-    formulas = [expression(formula, [variable]) for formula, _ in pieces]
-    conditions = [expression(condition, [variable]) for _, condition in pieces]
-    if not formulas:
+    for piece in pieces:
+        if not isinstance(piece, Sequence) or isinstance(piece, str) or len(piece) != 2:
+            raise ValueError(f"each piece must be a pair (formula, condition), got {piece!r}")
+    if not pieces:
         raise ValueError("a map needs at least one piece")
+    given = [given] if isinstance(given, str | sympy.Basic) else list(given)
+    read_in = [expression(part, [variable]) for part in (*sum(map(tuple, pieces), ()), *given)]
+    unified = _unified(read_in, variable)
+    formulas, conditions = unified[: 2 * len(pieces) : 2], unified[1 : 2 * len(pieces) : 2]
+    given = unified[2 * len(pieces) :]
     used = set().union(*(e.free_symbols for e in [*formulas, *conditions])) - {variable}
     ring = polynomial_ring(sorted(used, key=str))
     region = Region(ring, read_constraints(given, ring))
@@ -109,6 +115,17 @@ def _symbol(x: object) -> sympy.Symbol:
     if not isinstance(symbol, sympy.Symbol):
         raise ValueError(f"the variable must be a symbol such as x, got {x}")
     return symbol
+
+
+def _unified(expressions: Sequence[sympy.Basic], x: sympy.Symbol) -> list[sympy.Basic]:
+    """One symbol for each name: the variable, or the one of which most is assumed."""
+    symbols = sorted(set().union(*(e.free_symbols for e in expressions)), key=_assumed)
+    chosen = {symbol.name: symbol for symbol in symbols} | {x.name: x}
+    return [e.xreplace({s: chosen[s.name] for s in e.free_symbols}) for e in expressions]
+
+
+def _assumed(symbol: sympy.Symbol) -> tuple[int, str]:
+    return len(symbol.assumptions0), str(symbol)
 
 
 def _affine(formula: sympy.Basic, x: sympy.Symbol, ring: Ring) -> tuple[Number, Number]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from rich.table import Table
+from rich.table import Column, Table
 
 from pwmap.diagram import Branch, Diagram, PointKind, SpecialPoint
 from pwmap.files import write_table
@@ -18,7 +19,7 @@ def write_results(diagram: Diagram, folder: Path) -> None:
 
     Exact values, where a diagram has them, stand as text beside the floats.
     """
-    exact_of_points = _names(diagram.points)
+    exact_of_points, exact_of_branches = _names(diagram.points), _names(diagram.branches)
     write_table(
         folder / FILES[0],
         (
@@ -38,9 +39,13 @@ def write_results(diagram: Diagram, folder: Path) -> None:
         (
             *("id", "kind", "order", "word", "from", "to"),
             *(diagram.parameter_name, diagram.x_name, "multiplier"),
+            *(f"{name}_exact" for name in exact_of_branches),
         ),
         (
-            (b.id, b.kind, b.order, b.word, *b.ends, p, x, m)
+            (
+                *(b.id, b.kind, b.order, b.word, *b.ends, p, x, m),
+                *(b.exact.get(name, "") for name in exact_of_branches),
+            )
             for b in diagram.branches
             for p, x, m in zip(
                 b.parameter.tolist(), b.x.tolist(), b.multiplier.tolist(), strict=True
@@ -56,7 +61,7 @@ def table_of_points(diagram: Diagram) -> Table:
     """Special points but for changes of word, which are counted; exact values where known."""
     changes = sum(point.kind is PointKind.WC for point in diagram.points)
     table = Table(
-        "point", diagram.parameter_name, diagram.x_name, "what", "left", "right",
+        *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
         title=f"{len(diagram.branches)} branches, {len(diagram.points)} special points, "
         f"{changes} of them changes of word",
         caption=f"holds for {', '.join(diagram.given)}" if diagram.given else None,
@@ -72,7 +77,8 @@ def table_of_points(diagram: Diagram) -> Table:
 
 def table_of_branches(diagram: Diagram) -> Table:
     """Branches with their exact formulas; only for diagrams that have them."""
-    table = Table("branch", "kind", "order", "word", diagram.x_name, "multiplier", "exists for")
+    names = ("branch", "kind", "order", "word", diagram.x_name, "multiplier", "exists for")
+    table = Table(*_columns(*names))
     for branch in diagram.branches:
         jump = f"from {branch.exact.get('left')} to {branch.exact.get('right')}"
         table.add_row(
@@ -87,7 +93,12 @@ def table_of_branches(diagram: Diagram) -> Table:
     return table
 
 
-def _names(items: tuple[SpecialPoint, ...]) -> tuple[str, ...]:
+def _columns(*names: str) -> list[Column]:
+    """Columns that fold what is too long: nothing exact is cut off."""
+    return [Column(name, overflow="fold") for name in names]
+
+
+def _names(items: Sequence[SpecialPoint | Branch]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for item in items for name in item.exact))
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property, cmp_to_key
 from itertools import pairwise
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 from pwmap.axis import INFINITE, Axis
 from pwmap.cells import Cell
@@ -56,6 +56,18 @@ class Name:
         return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
 
 
+class Shows(NamedTuple):
+    """What a cell shows of a fixed point."""
+
+    place: Place
+    stable: bool
+
+    @property
+    def isolated(self) -> bool:
+        """Whether its cylinder is that point alone: then it has no slope."""
+        return self.place is Place.POINT
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
     """A name, from one place of the axis to another.
@@ -64,8 +76,8 @@ class Run:
     ----------
     closed
         Whether it exists at its ends too.
-    isolated
-        Whether it is a fixed point whose cylinder is that point alone: then it has no slope.
+    shows
+        How its fixed points lie in their cylinders, and whether they attract.
     band
         For a run of fixed points along one value of the parameter, the x of its ends.
     """
@@ -73,7 +85,7 @@ class Run:
     name: Name
     places: tuple[Any, Any]
     closed: tuple[bool, bool] = (True, True)
-    isolated: bool = False
+    shows: Shows | None = None
     band: tuple[Position, Position] | None = None
 
 
@@ -90,7 +102,7 @@ class End:
     unit
         +1 or -1 if that is the multiplier there and not elsewhere, otherwise 0.
     is_steep
-        Whether the multiplier there is larger than 1 in size.
+        Whether the multiplier near it is larger than 1 in size.
     """
 
     run: Run
@@ -162,8 +174,8 @@ class Sweep:
         return self.axis.orbits
 
     @cached_property
-    def present(self) -> list[dict[Name, bool]]:
-        """For each cell what lies on the diagonal, and whether it is an isolated point.
+    def present(self) -> list[dict[Name, Shows | None]]:
+        """For each cell what lies on the diagonal: fixed points with what they show, and jumps.
 
         A fixed point that is a cylinder of its own has no slope, and is named by its cut too. But
         at an edge, where it belongs to a branch of the cells beside, it has that branch's name.
@@ -171,23 +183,25 @@ class Sweep:
         found = [dict(self._names(cell)) for cell in self.cells]
         for i, names in enumerate(found):
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
-            for name in [name for name, isolated in names.items() if isolated]:
+            for name in [name for name, shows in names.items() if shows and shows.isolated]:
                 plain = Name(name.kind, name.words)
                 if any(plain in others for others in beside):
                     names[plain] = names.pop(name)
         return found
 
-    def _names(self, cell: Cell) -> Iterator[tuple[Name, bool]]:
+    def _names(self, cell: Cell) -> Iterator[tuple[Name, Shows | None]]:
         judge = cell.study.judge
         for order, iterate in cell.study.iterates.items():
-            for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True):
+            for cylinder, place, stable in zip(
+                iterate.cylinders, iterate.places, iterate.stable, strict=True
+            ):
                 if self._is_own(cylinder, place, order, judge):
                     for cut in _cuts(cylinder, place):
                         name = Name(BranchKind.FIXED_POINT, (cylinder.word,), cut)
-                        yield name, place is Place.POINT
+                        yield name, Shows(place, stable)
             for crossing in iterate.crossings:
                 words = crossing.left, crossing.right
-                yield Name(BranchKind.JUMP, words, crossing.cut), False
+                yield Name(BranchKind.JUMP, words, crossing.cut), None
 
     def _is_own(self, cylinder: Cylinder, place: Place, order: int, judge: Judge) -> bool:
         """Whether there are fixed points whose minimal period is the order."""
@@ -216,14 +230,17 @@ class Sweep:
             for i, following in pairwise([*indices, -1]):
                 stretch.append(i)
                 goes_on = following == i + 1
-                parted = len(stretch) > 1 and self.cells[i].is_edge and self._unit(name, i)
-                if not goes_on or parted:
+                parted = len(stretch) > 1 and self.cells[i].is_edge and goes_on
+                if not goes_on or (parted and self._changes(name, i)):
                     if len(stretch) > 1 or not (self._is_edge_of_band(name, i) or self._at_end(i)):
                         yield self._run(name, stretch)
                     stretch = [i] if goes_on else []
 
-    def _unit(self, name: Name, i: int) -> int:
-        return self.unit_multiplier(name, self.cells[i].lower)
+    def _changes(self, name: Name, i: int) -> bool:
+        """Whether a fixed point changes its stability at an edge through which it passes."""
+        before, after = self.present[i - 1][name], self.present[i + 1][name]
+        stays = before is None or after is None or before.stable == after.stable
+        return not stays or self.unit_multiplier(name, self.cells[i].lower) != 0
 
     def _run(self, name: Name, stretch: Sequence[int]) -> Run:
         first, last = self.cells[stretch[0]], self.cells[stretch[-1]]
@@ -231,7 +248,8 @@ class Sweep:
             name,
             (first.lower, last.upper),
             (first.is_edge, last.is_edge),
-            all(self.present[i][name] for i in stretch),
+            next((self.present[i][name] for i in stretch if not self.cells[i].is_edge), None)
+            or self.present[stretch[0]][name],
         )
 
     def _at_end(self, i: int) -> bool:
@@ -240,10 +258,8 @@ class Sweep:
 
     def _is_edge_of_band(self, name: Name, i: int) -> bool:
         """Whether a name at an edge only is an end of a band along that edge."""
-        fixed = name.kind is BranchKind.FIXED_POINT
-        return (
-            self.cells[i].is_edge and fixed and name.cut is not None and not self.present[i][name]
-        )
+        shows = self.present[i][name]
+        return self.cells[i].is_edge and shows is not None and shows.place is Place.BAND
 
     def _bands(self, meetings: Sequence[Meeting]) -> Iterator[Run]:
         """Pieces that are the identity at one value of the parameter only.
@@ -253,16 +269,25 @@ class Sweep:
         for i, cell in enumerate(self.cells):
             if not cell.is_edge or self._at_end(i):
                 continue
-            near = (*self.present[i - 1], *self.present[i + 1])
-            beside = {name.words for name in near if name.cut is not None}
+            beside = self._bands_beside(i)
             for order, iterate in cell.study.iterates.items():
                 for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True):
                     if (
                         place is Place.BAND
-                        and (cylinder.word,) not in beside
+                        and cylinder.word not in beside
                         and self._is_own(cylinder, place, order, cell.study.judge)
                     ):
                         yield from self._parted(cylinder, cell.lower, meetings)
+
+    def _bands_beside(self, i: int) -> set[Word]:
+        """Words that are the identity in a cell next to an edge."""
+        return {
+            cylinder.word
+            for cell in (self.cells[i - 1], self.cells[i + 1])
+            for iterate in cell.study.iterates.values()
+            for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True)
+            if place is Place.BAND
+        }
 
     def _parted(self, cylinder: Cylinder, place: Any, meetings: Sequence[Meeting]) -> Iterator[Run]:
         word, order = cylinder.word, self.axis.order
@@ -332,8 +357,10 @@ class Sweep:
         return next(units, 0)
 
     def _is_steep(self, run: Run, place: Any) -> bool:
-        if run.name.kind is BranchKind.JUMP or run.isolated:
+        if run.name.kind is BranchKind.JUMP or (run.shows is not None and run.shows.isolated):
             return False
+        if run.places[0] != run.places[1]:  # at its end the multiplier may be 1 in size
+            place = self.axis.between(*run.places)
         slope, one = self.orbits.affine(run.name.word)[0], self.orbits.table.one
         return self.axis.order((slope * slope, one), (one, one), place) > 0
 
@@ -366,10 +393,11 @@ class Sweep:
 
 
 def _cuts(cylinder: Cylinder, place: Place) -> list[Cut | None]:
-    """What, besides the word, names the fixed points of a cylinder: the ends of a band, or a point.
+    """What, besides the word, names the fixed points of a cylinder.
 
-    Nothing for others.
+    A point, or those ends of a band that belong to it; nothing for others.
     """
     if place is Place.BAND:
-        return [cut for cut in (cylinder.lower, cylinder.upper) if cut is not None]
+        lower = [cylinder.lower] if cylinder.lower_closed else []
+        return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]
     return [cylinder.lower if place is Place.POINT else None]

@@ -590,7 +590,7 @@ def check_diagram(branches: Sequence[Curve], case: Case, value: Any) -> None:
 def check_fixed_points(
     branches: Sequence[Curve], map_: PiecewiseLinearMap, f: Map, n: int, value: Any
 ) -> None:
-    """Isolated ones, each once, and bands: both ends, or the whole of one at this value only."""
+    """Isolated ones, each once, and bands: their closed ends, or all of one at this value only."""
     drawn = [(evaluated(c.x, value), c.word) for c in branches if c.x is not None]
     along = {c.word for c in branches if c.x is None}
     isolated = {
@@ -599,7 +599,11 @@ def check_fixed_points(
         if is_new(p.period, map_, n) and not in_band(p)
     }
     bands = {
-        spelled(map_, word): {x for x in (part.lo, part.hi) if x is not None}
+        spelled(map_, word): {
+            x
+            for x, closed in ((part.lo, part.lo_closed), (part.hi, part.hi_closed))
+            if x is not None and closed
+        }
         for part, word in brute.pieces(f, n)
         if (part.slope, part.intercept) == brute.IDENTITY
         and is_new(band_period(f, part, n), map_, n)

@@ -497,7 +497,7 @@ def test_cycles_that_are_refused() -> None:
     map_ = paper()
     with pytest.raises(ValueError, match=r"'X' is no piece of this map, it has \('L', 'R'\)"):
         map_.cycle("LX")
-    with pytest.raises(ValueError, match="multiple of 1: ''"):
+    with pytest.raises(ValueError, match="at least one letter"):
         map_.cycle("")
     with pytest.raises(ValueError, match="multiple of 2: 'LRL'"):
         map_.iterate(2).cycle("LRL")
@@ -534,9 +534,9 @@ def test_spans_orders_and_parameters_that_are_refused(study: Any) -> None:
         study(map_, "r", span=(1, 1))
     with pytest.raises(TypeError, match=r"2.5 is a float.*5/2"):
         study(map_, "r", span=(0, 2.5))
-    with pytest.raises(ValueError, match=r"orders must be integers j >= 1, got \(\)"):
+    with pytest.raises(ValueError, match="orders must name at least one iterate"):
         study(map_, "r", orders=())
-    with pytest.raises(ValueError, match=r"orders must be integers j >= 1, got \(0, 1\)"):
+    with pytest.raises(ValueError, match=r"an integer j >= 1, got 0"):
         study(map_, "r", orders=(1, 0))
     with pytest.raises(ValueError, match=r"q is no parameter of this map, it has \['a', 'r'\]"):
         study(map_, "q")

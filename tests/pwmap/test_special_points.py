@@ -1,0 +1,101 @@
+"""What a special point is follows from the branches that meet there; degenerate cases by hand."""
+
+from __future__ import annotations
+
+import pytest
+import sympy
+
+from pwmap import Diagram, PiecewiseLinearMap, bifurcation_diagram
+
+
+def diagram(text: str, parameter: str, span: tuple[str, str], *orders: int) -> Diagram:
+    return bifurcation_diagram(PiecewiseLinearMap.from_sympy(text), parameter, span, orders)
+
+
+def inner_points(found: Diagram) -> list[tuple[str, str]]:
+    return [(str(p.kind), p.note) for p in found.points if p.kind != "EP"]
+
+
+@pytest.mark.parametrize(
+    ("text", "span", "attracts"),
+    [
+        # P(x) = x/2 on the left and p x on the right: 0 repels to the right for p > 1
+        ("Piecewise((x/2, x <= 0), (p*x, True))", ("2", "3"), False),
+        # a jump to 5 p beside the fixed point
+        ("Piecewise((x/2, x <= 0), (x + 5*p, True))", ("1", "2"), False),
+        # slopes p < -1 and 1/2: the steep side leads to the other one, which contracts
+        ("Piecewise((p*x, x <= 0), (x/2, True))", ("-3", "-2"), True),
+        # slopes p and -1/3 take turns: 0 attracts while p/(-3) < 1
+        ("Piecewise((p*x, x <= 0), (-x/3, True))", ("-2", "-1"), True),
+        ("Piecewise((p*x, x <= 0), (-x/3, True))", ("-5", "-4"), False),
+    ],
+)
+def test_stability_of_a_fixed_point_at_a_border(
+    text: str, span: tuple[str, str], attracts: bool
+) -> None:
+    found = diagram(text, "p", span, 1)
+    at_border = [branch for branch in found.branches if branch.exact["x"] == 0]
+    assert [set(branch.stable.tolist()) for branch in at_border] == [{attracts}]
+    middle = sum(map(sympy.Rational, span)) / 2
+    (point,) = [
+        p for p in PiecewiseLinearMap.from_sympy(text).at({"p": middle}).fixed_points() if p.x == 0
+    ]
+    assert point.stable is attracts
+
+
+def test_a_branch_is_cut_where_its_stability_changes() -> None:
+    found = diagram("Piecewise((x/2, x <= 0), (p*x, True))", "p", ("0", "3"), 1)
+    left, right = (b for b in found.branches if b.exact.get("x") == 0)
+    assert (left.exact["interval"], right.exact["interval"]) == (
+        sympy.Interval(0, 1),
+        sympy.Interval(1, 3),
+    )
+    assert left.stable.all()
+    assert not right.stable.any()
+    assert ("BC", "stability changes at the border") in inner_points(found)
+
+
+@pytest.mark.parametrize("orders", [(1,), (1, 2)])
+def test_the_kind_does_not_depend_on_the_orders(orders: tuple[int, ...]) -> None:
+    """The 2-cycle that starts at the border has multiplier -1 there; the fixed point does not."""
+    text = "Piecewise(((1/2 + m)*x + m, x <= 0), (m - 2*x, True))"
+    found = diagram(text, "m", ("-1/10", "1/10"), *orders)
+    assert inner_points(found) == [("BC", "persistence")]
+
+
+@pytest.mark.parametrize(
+    ("slope", "kind"), [("1 + m", "FF"), ("1 - m", "BC"), ("5/4", "FF"), ("3/4", "BC")]
+)
+@pytest.mark.parametrize("orders", [(1,), (1, 2)])
+def test_a_fold_is_a_fold_flip_where_the_multiplier_is_steep(
+    slope: str, kind: str, orders: tuple[int, ...]
+) -> None:
+    """Also where the multiplier is exactly -1 at the collision: the side of the branch counts."""
+    found = diagram(
+        f"Piecewise((m - 2, x <= 0), (m - ({slope})*x, True))", "m", ("-1/2", "1/2"), *orders
+    )
+    assert inner_points(found) == [(kind, "fold")]
+    if orders == (1, 2):  # the incidence that defines it
+        (point,) = (p for p in found.points if p.kind == kind)
+        jumps = {b.exact["x"] for b in found.branches if b.id in point.branches and b.order == 2
+                 and b.kind == "jump" and b.exact["x"] != 0}  # fmt: skip
+        assert bool(jumps) == (kind == "FF")
+
+
+def test_where_the_tent_map_is_the_identity() -> None:
+    """At slope 1 all x <= 1/2 are fixed; beyond, 0 is unstable and a second fixed point starts."""
+    found = diagram("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))", "a", ("1/2", "2"), 1, 2)
+    points = [p for p in found.points if p.parameter == 1.0 and p.kind != "EP"]
+    assert [(str(p.kind), p.exact["x"], p.note) for p in points] == [
+        ("LP", 0, "degenerate: an interval of fixed points"),
+        ("BC", sympy.Rational(1, 2), "fold"),
+    ]
+
+
+def test_open_ends_of_a_band_are_no_fixed_points() -> None:
+    """For 0 < r < 1, P_2 is the identity on (0, r), without its ends."""
+    found = diagram("Piecewise((r - 2, x <= 0), (r - x, True))", "r", ("-1", "1"), 1, 2)
+    assert {b.order for b in found.branches} == {1}
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - x, True))")
+    (band,) = map_.at({"r": "1/2"}).iterate(2).fixed_intervals()
+    assert band.interval == sympy.Interval.open(0, sympy.Rational(1, 2))
