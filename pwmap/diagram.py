@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import pairwise
+from typing import NamedTuple
 
 import networkx as nx
 import numpy as np
@@ -165,6 +167,22 @@ class SpecialPoint:
         object.__setattr__(self, "kind", PointKind(self.kind))
 
 
+class Hit(NamedTuple):
+    """Where a branch is at one value of the parameter; the multiplier of a jump is nan."""
+
+    branch: Branch
+    x: float
+    multiplier: float
+
+
+class StableInterval(NamedTuple):
+    """An interval of the parameter in which a branch attracts, up to its samples."""
+
+    branch: Branch
+    low: float
+    high: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Diagram:
     """Branches and special points over one parameter.
@@ -226,6 +244,88 @@ class Diagram:
                     (left if p < at else right).append(branch.id)
         return tuple(left), tuple(right)
 
+    def at(self, parameter: float) -> tuple[Hit, ...]:
+        """What the diagram shows at one value of the parameter, in order of x.
+
+        Values lie on the straight line between neighbouring samples of a branch; a branch that
+        turns round is met more than once.
+        """
+        hits: list[Hit] = []
+        for branch in self.branches:
+            p = branch.parameter
+            if len(branch) == 1 and p[0] == parameter:
+                hits.append(Hit(branch, float(branch.x[0]), float(branch.multiplier[0])))
+            for i in range(len(branch) - 1):
+                low, high = sorted((p[i], p[i + 1]))
+                last = i == len(branch) - 2 and parameter == p[i + 1]
+                if low < high and low <= parameter <= high and (parameter != p[i + 1] or last):
+                    s = (parameter - p[i]) / (p[i + 1] - p[i])
+                    x, m = (
+                        float((1.0 - s) * values[i] + s * values[i + 1])
+                        for values in (branch.x, branch.multiplier)
+                    )
+                    hits.append(Hit(branch, x, m))
+        return tuple(sorted(hits, key=lambda hit: hit.x))
+
+    def component_of(self, point_id: str) -> Diagram:
+        """All that hangs together with a special point; KeyError if there is no such point."""
+        self.point(point_id)
+        near = nx.node_connected_component(self.graph(), point_id)
+        return Diagram(
+            parameter_name=self.parameter_name,
+            x_name=self.x_name,
+            branches=tuple(branch for branch in self.branches if branch.ends[0] in near),
+            points=tuple(point for point in self.points if point.id in near),
+            given=self.given,
+        )
+
+    def path(self, first: str, last: str) -> tuple[str, ...]:
+        """A shortest way from one branch to another: ids of branches and points in turn.
+
+        Empty if they do not hang together; KeyError if there is no such branch.
+        """
+        start, stop = self.branch(first), self.branch(last)
+        if first == last:
+            return (first,)
+        graph = self.graph()
+        ways = [
+            nx.shortest_path(graph, a, b)
+            for a in start.ends
+            for b in stop.ends
+            if nx.has_path(graph, a, b)
+        ]
+        if not ways:
+            return ()
+        nodes = min(ways, key=len)
+        steps = [next(iter(graph[a][b])) for a, b in pairwise(nodes)]
+        inner = [name for pair in zip(nodes, [*steps, last], strict=True) for name in pair]
+        return (first, *inner)
+
+    def with_word(self, word: str) -> tuple[Branch, ...]:
+        """Branches of one word."""
+        return tuple(branch for branch in self.branches if branch.word == word)
+
+    def stable_intervals(self, order: int | None = None) -> tuple[StableInterval, ...]:
+        """Intervals of the parameter in which fixed points attract, by branch.
+
+        Parameters
+        ----------
+        order
+            Only fixed points of this iterate; by default of all.
+        """
+        found = []
+        for branch in self.branches:
+            if branch.kind is BranchKind.FIXED_POINT and order in (None, branch.order):
+                stable = branch.stable.copy()
+                if (
+                    len(branch) > 2
+                ):  # the ends may be flips, where the multiplier is -1 up to rounding
+                    stable[0], stable[-1] = stable[1], stable[-2]
+                for first, last in runs_of(stable):
+                    p = branch.parameter[first : last + 1]
+                    found.append(StableInterval(branch, float(p.min()), float(p.max())))
+        return tuple(found)
+
     def graph(self) -> nx.MultiGraph:
         """How the branches hang together.
 
@@ -266,6 +366,12 @@ class Diagram:
                 **{f"{name}_exact": str(value) for name, value in branch.exact.items()},
             )
         return graph
+
+
+def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
+    """First and last index of each run of True."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(a), int(b) - 1) for a, b in zip(steps[::2], steps[1::2], strict=True)]
 
 
 def _share(branch: Branch) -> str:

@@ -22,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from pwmap.diagram import runs_of
 from woodpecker.arrays import Floats, Ints
 from woodpecker.edges import NEAR, Edge, is_continuous
 from woodpecker.labelled import BELOW, SEPARATOR, Evaluation, LabelledMap
@@ -423,7 +424,7 @@ def slice_of(
         if not piece.defined or len(piece.samples.x) < 2:
             continue
         rests = _identical(piece.samples, tolerances)
-        bands += [_widened(map_, p, piece, run, tolerances) for run in _runs(rests)]
+        bands += [_widened(map_, p, piece, run, tolerances) for run in runs_of(rests)]
         fixed += [(x, piece.word) for x in _roots(map_, p, piece, rests)]
     crossing = [e for e in found.edges if _crosses(e, tolerances)]
     return Slice(
@@ -446,12 +447,6 @@ def _identical(samples: Samples, tolerances: Tolerances) -> Bools:
     lonely[:-1] &= ~rests[1:]
     identical: Bools = rests & ~lonely
     return identical
-
-
-def _runs(flags: Bools) -> list[tuple[int, int]]:
-    """First and last index of each run of True."""
-    steps = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    return [(int(a), int(b) - 1) for a, b in zip(steps[::2], steps[1::2], strict=True)]
 
 
 def _joined(bands: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:

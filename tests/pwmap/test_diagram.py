@@ -6,6 +6,7 @@ from pathlib import Path
 
 import networkx as nx
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
@@ -281,3 +282,88 @@ def test_the_graph_of_a_diagram_needs_no_cleaning_and_reads_back(
     assert nx.utils.graphs_equal(sanitised(graph), graph)
     back = read_graph(write_graph(graph, tmp_path / f"diagram{suffix}"))
     assert nx.utils.graphs_equal(back, graph)
+
+
+# --- Queries --------------------------------------------------------------------------------------
+
+
+def looped() -> Diagram:
+    """A fold at p = 1 with a stable and an unstable half, a jump at its end, and an island."""
+    up = np.linspace(0.0, 1.0, 5)
+    names = ("EP1", "EP2", "LP1", "BC1", "EP3", "BC2", "BC3")
+    kinds = [PointKind(name[:2]) for name in names]
+    places = [(0.0, 0.0), (0.0, 2.0), (1.0, 1.0), (0.5, 3.0), (0.9, 3.0), (0.2, 5.0), (0.4, 5.0)]
+    return Diagram(
+        parameter_name="p",
+        x_name="x",
+        branches=(
+            curve("F1", up, up, 0.5 * np.ones(5), ("EP1", "LP1")),
+            curve("F2", 1.0 - 0.5 * up, 1.0 + 2.0 * up, 1.5 * np.ones(5), ("LP1", "BC1")),
+            curve("J1", [0.5, 0.9], [3.0, 3.0], [np.nan] * 2, ("BC1", "EP3"), BranchKind.JUMP),
+            curve("F3", [0.2, 0.4], [5.0, 5.0], [-0.5, -1.5], ("BC2", "BC3")),
+        ),
+        points=tuple(
+            SpecialPoint(id=name, kind=kind, parameter=p, x=x)
+            for name, kind, (p, x) in zip(names, kinds, places, strict=True)
+            if name != "EP2"
+        ),
+    )
+
+
+def curve(
+    name: str,
+    p: npt.ArrayLike,
+    x: npt.ArrayLike,
+    multiplier: npt.ArrayLike,
+    ends: tuple[str, str],
+    kind: BranchKind = BranchKind.FIXED_POINT,
+) -> Branch:
+    return Branch(
+        id=name, kind=kind, order=1, word=name.lower(), parameter=np.asarray(p), x=np.asarray(x),
+        multiplier=np.asarray(multiplier), ends=ends,
+    )  # fmt: skip
+
+
+def test_a_slice_lists_what_lies_at_a_parameter() -> None:
+    hits = looped().at(0.6)
+    assert [(hit.branch.id, hit.x) for hit in hits] == [
+        ("F1", pytest.approx(0.6)),
+        ("F2", pytest.approx(2.6)),
+        ("J1", 3.0),
+    ]
+    assert [hit.multiplier for hit in hits[:2]] == [0.5, 1.5]
+    assert math.isnan(hits[2].multiplier)
+    assert [hit.branch.id for hit in looped().at(0.25)] == ["F1", "F3"]  # on a sample, once
+    assert looped().at(1.5) == ()
+
+
+def test_components_and_paths() -> None:
+    diagram = looped()
+    island = diagram.component_of("BC2")
+    assert [b.id for b in island.branches] == ["F3"]
+    assert {p.id for p in island.points} == {"BC2", "BC3"}
+    assert {b.id for b in diagram.component_of("LP1").branches} == {"F1", "F2", "J1"}
+    assert diagram.path("F1", "J1") == ("F1", "LP1", "F2", "BC1", "J1")
+    assert diagram.path("J1", "F2") == ("J1", "BC1", "F2")
+    assert diagram.path("F2", "F2") == ("F2",)
+    assert diagram.path("F1", "F3") == ()
+    with pytest.raises(KeyError, match="no branch 'F9'"):
+        diagram.path("F1", "F9")
+    with pytest.raises(KeyError, match="no special point 'XX'"):
+        diagram.component_of("XX")
+
+
+def test_words_and_stable_intervals() -> None:
+    diagram = looped()
+    assert [b.id for b in diagram.with_word("f2")] == ["F2"]
+    assert [(s.branch.id, s.low, s.high) for s in diagram.stable_intervals()] == [
+        ("F1", 0.0, 1.0),
+        ("F3", 0.2, 0.2),
+    ]
+    assert diagram.stable_intervals(order=2) == ()
+
+
+def test_sides_of_a_point() -> None:
+    diagram = looped()
+    assert diagram.sides("LP1") == (("F1", "F2"), ())
+    assert diagram.sides("BC1") == ((), ("F2", "J1"))
