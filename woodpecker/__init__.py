@@ -1,12 +1,24 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations."""
 
-from woodpecker.diagram import connected, continuation
+from woodpecker.complete import Report, Search
+from woodpecker.diagram import bifurcation_diagram, connected, continuation, whole_diagram
 from woodpecker.follow import PathPoint, Settings, follow
 from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, iterate
 from woodpecker.mechanics import Equilibrium, energy, equilibrium, free_frequency, jam_limit
+from woodpecker.pieces import (
+    Partition,
+    Piece,
+    Resolution,
+    SampledMap,
+    Slice,
+    iterated,
+    partition,
+    sampled,
+    slice_of,
+)
 from woodpecker.returns import Return, ReturnMap, first_return, return_map
-from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot, toy_map
+from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot, toy_map, toy_samples
 from woodpecker.status import Status
 from woodpecker.tolerances import Tolerances
 from woodpecker.toy import Toy, parameters
@@ -31,17 +43,25 @@ __all__ = [
     "Impulse",
     "JumpPoint",
     "LabelledMap",
+    "Partition",
     "PathPoint",
     "PeriodicOrbit",
+    "Piece",
+    "Report",
+    "Resolution",
     "Return",
     "ReturnMap",
+    "SampledMap",
+    "Search",
     "Settings",
     "ShootingStatus",
+    "Slice",
     "State",
     "Status",
     "Tolerances",
     "Toy",
     "Trajectory",
+    "bifurcation_diagram",
     "connected",
     "continuation",
     "correct",
@@ -53,10 +73,16 @@ __all__ = [
     "follow_jump",
     "free_frequency",
     "iterate",
+    "iterated",
     "jam_limit",
     "parameters",
+    "partition",
     "return_map",
+    "sampled",
     "shoot",
     "simulate",
+    "slice_of",
     "toy_map",
+    "toy_samples",
+    "whole_diagram",
 ]

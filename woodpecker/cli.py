@@ -18,7 +18,7 @@ from rich.table import Table
 
 from pwmap.files import write_figure, write_table
 from pwmap.results import FILES, table_of_points, write_results
-from woodpecker.diagram import WINDOW, continuation
+from woodpecker.diagram import WINDOW, bifurcation_diagram, continuation
 from woodpecker.follow import Settings
 from woodpecker.returns import CHUNK, ReturnMap, return_map
 from woodpecker.shooting import PeriodicOrbit, shoot
@@ -204,11 +204,17 @@ def diagram(
         float, typer.Option(help="Guess for the periodic motion to start from [rad].")
     ] = GUESS,
     order: Annotated[int, typer.Option(min=1, help="Number of returns j of the motion.")] = 1,
+    orders: Annotated[
+        str | None,
+        typer.Option(help="Every branch of these iterates, such as 1,2, not one motion's only."),
+    ] = None,
     window: Annotated[tuple[float, float], typer.Option(help="Interval of phi_S [rad].")] = WINDOW,
     step: Annotated[float, typer.Option(help="Largest step along a branch.")] = 0.02,
     out: Out = Path("out"),
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
+
+    With --orders find every branch in the window instead, islands too.
 
     Example: woodpecker diagram --parameter mu_2 --span 0.286 0.6
     """
@@ -216,15 +222,21 @@ def diagram(
         span=span, window=window, step=min(0.005, step), max_step=step
     )  # before anything is computed: it checks the values
     known_parameter(parameter)
+    wanted = _orders(orders) if orders is not None else None
     folder = _folder(out)
-    orbit = _cycle(toy, phi_s, order)
+    orbit = _cycle(toy, phi_s, order) if wanted is None else None
     with _progress() as progress:
         task = progress.add_task(parameter, total=None)
 
         def show(value: float) -> None:
             progress.update(task, description=f"{parameter} = {value:.4f}")
 
-        found = continuation(toy, orbit, parameter, span, settings=settings, progress=show)
+        if orbit is not None:
+            found = continuation(toy, orbit, parameter, span, settings=settings, progress=show)
+        else:
+            found = bifurcation_diagram(
+                toy, parameter, span, wanted or (), window, settings=settings, progress=show
+            )
     write_figure(folder / "diagram.png", _plots().plot_diagram(found).figure)
     write_results(found, folder)
     console.print(table_of_points(found))
@@ -236,6 +248,13 @@ def _cycle(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     if not orbit.success:
         raise _FailureError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
     return orbit
+
+
+def _orders(text: str) -> list[int]:
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None
 
 
 def _plots() -> Any:

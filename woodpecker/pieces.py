@@ -13,8 +13,10 @@ width no new word is looked for: such an interval is reported as unresolved.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+import threading
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -81,6 +83,26 @@ class Samples(NamedTuple):
         )
 
 
+class WordBook:
+    """Numbers for words, given out as they come; several threads may ask at once."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self._known: dict[Hashable, int] = {}
+        self._lock = threading.Lock()
+
+    def index(self, key: Hashable, text: Callable[[], str]) -> int:
+        """The number of a key; ``text`` makes its word when it is new."""
+        found = self._known.get(key)
+        if found is None:
+            with self._lock:
+                found = self._known.get(key)
+                if found is None:
+                    self.texts.append(text())
+                    found = self._known[key] = len(self.texts) - 1
+        return found
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SampledMap:
     """A map that takes many points at once.
@@ -99,21 +121,16 @@ class SampledMap:
 
 def sampled(labelled_map: LabelledMap) -> SampledMap:
     """Any labelled map, one point after the other."""
-    known: dict[str, int] = {}
-    words: list[str] = []
+    book = WordBook()
 
     def sweep(x: Floats, p: float) -> Samples:
         laps = [labelled_map(value, p) for value in x.tolist()]
-        for lap in laps:
-            if lap.word not in known:
-                known[lap.word] = len(words)
-                words.append(lap.word)
         value, slope, rate = np.array([lap[:3] for lap in laps], dtype=float).reshape(-1, 3).T
-        index = np.array([known[lap.word] for lap in laps], dtype=np.int64)
+        index = np.array([book.index(w, w.__str__) for *_, w, _ in laps], dtype=np.int64)
         defined = np.array([lap.defined for lap in laps], dtype=bool)
         return Samples(x, value, slope, rate, index, defined)
 
-    return SampledMap(sweep, words)
+    return SampledMap(sweep, book.texts)
 
 
 def iterated(
@@ -125,15 +142,7 @@ def iterated(
     the infinitely deep dips of a map cost nothing. Where an earlier point lies outside, the iterate
     is not followed and not defined.
     """
-    known: dict[tuple[int, ...], int] = {}
-    words: list[str] = []
-
-    def index(key: tuple[int, ...], text: str) -> int:
-        found = known.get(key)
-        if found is None:
-            found = known[key] = len(words)
-            words.append(text)
-        return found
+    book = WordBook()
 
     def sweep(x: Floats, p: float) -> Samples:
         n = len(x)
@@ -155,23 +164,22 @@ def iterated(
         codes = np.empty(n, dtype=np.int64)
         for i, row in enumerate(laps.tolist()):
             if below[i]:
-                codes[i] = index((-1,), BELOW)
+                codes[i] = book.index(BELOW, BELOW.__str__)
             elif math.isnan(value[i]):
                 last = [k for k in row if k >= 0][-1]
-                lost = map_.words[last] if len(row) == order and row[-1] >= 0 else BELOW
-                codes[i] = index((-2, last), lost)
+                lost = map_.words[last] if row[-1] >= 0 else BELOW
+                codes[i] = book.index((lost, last), lost.__str__)
             else:
-                key = tuple(row)
-                codes[i] = (
-                    known[key]
-                    if key in known
-                    else index(key, SEPARATOR.join(map_.words[k] for k in key))
-                )
+                codes[i] = book.index(tuple(row), partial(_joined_words, map_.words, row))
         defined = ~np.isnan(value)
         return Samples(x, value, np.where(defined, slope, np.nan), np.where(defined, rate, np.nan),
                        codes, defined)  # fmt: skip
 
-    return SampledMap(sweep, words)
+    return SampledMap(sweep, book.texts)
+
+
+def _joined_words(words: Sequence[str], row: Sequence[int]) -> str:
+    return SEPARATOR.join(words[k] for k in row)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import threading
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from woodpecker.compiled import announce
 from woodpecker.edges import nearest_edge
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
 from woodpecker.modes import CONTACT, EPS, model
-from woodpecker.pieces import SampledMap, Samples
+from woodpecker.pieces import SampledMap, Samples, WordBook
 from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
 from woodpecker.status import status
 from woodpecker.tolerances import DEFAULT, Tolerances
@@ -125,35 +127,32 @@ def toy_samples(toy: Toy, parameter: str = "eps_n1") -> SampledMap:
     """
     exact = known_parameter(parameter) in RESTITUTIONS
     seed = np.eye(3)[[RESTITUTIONS.index(parameter)]] if exact else np.zeros((1, 3))
-    known: dict[bytes, int] = {}
-    words: list[str] = []
+    book, local = WordBook(), threading.local()
     announce(kernel.sweep)
-
-    tables: dict[float, Floats] = {}  # of the last parameter
 
     def sweep(x: Floats, p: float) -> Samples:
         n = len(x)
-        if p not in tables:
-            tables.clear()
-            tables[p] = model(toy.replace(**{parameter: p}))
+        if getattr(local, "p", math.nan) != p:  # each thread keeps the table of its last parameter
+            local.p, local.table = p, model(toy.replace(**{parameter: p}))
         out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
         codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        kernel.sweep(tables[p], x, 1, seed, out, codes, lengths, texts)
+        kernel.sweep(local.table, x, 1, seed, out, codes, lengths, texts)
         defined = codes == kernel.RETURNED
         out[~defined] = np.nan
         index = np.empty(n, dtype=np.int64)
         for i in range(n):
-            key = texts[i, : lengths[i]].tobytes() if defined[i] else codes[i].tobytes()
-            found = known.get(key)
-            if found is None:
-                found = known[key] = len(words)
-                text = word(texts[i, : lengths[i]].tolist())
-                words.append(text if defined[i] else status(int(codes[i])).value)
-            index[i] = found
+            if defined[i]:
+                codes_of_word = texts[i, : lengths[i]]
+                index[i] = book.index(
+                    codes_of_word.tobytes(), partial(word, codes_of_word.tolist())
+                )
+            else:
+                reason = status(int(codes[i])).value
+                index[i] = book.index(reason, reason.__str__)
         rate = out[:, 4] if exact else np.full(n, np.nan)
         return Samples(x, out[:, 0], out[:, 3], rate, index, defined)
 
-    return SampledMap(sweep, words)
+    return SampledMap(sweep, book.texts)
 
 
 def _undefined(reason: str) -> Evaluation:
