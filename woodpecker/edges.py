@@ -91,16 +91,20 @@ def nearest_edge(
     """The edge nearest to x of the piece ``word`` that x lies in, and its side (-1 or +1).
 
     Near an edge rounding mixes the words of its two sides, and the steeper the map the further. The
-    words at growing distances on both sides of x tell where the piece really is.
+    words at growing distances on both sides of x tell where the piece really is, once two distances
+    agree.
     """
     distance = NEAR * math.ulp(x)
     while distance < WIDEST:
-        left, right = (labelled_map(x + side * distance, p).word == word for side in (-1, 1))
-        if left != right:
-            side = 1 if left else -1
+        left, right = (
+            [labelled_map(x + side * reach, p).word == word for reach in (distance, 4.0 * distance)]
+            for side in (-1, 1)
+        )
+        if (all(left) and not any(right)) or (all(right) and not any(left)):
+            side = 1 if all(left) else -1
             inside, outside = x - side * distance, x + side * distance
             return edge_between(labelled_map, p, inside, outside, distance), side
-        if not left:  # a thin piece: both its ends are near
+        if not any(left) and not any(right):  # a thin piece: both its ends are near
             ends = [
                 (edge_between(labelled_map, p, x, x + side * distance), side) for side in (-1, 1)
             ]

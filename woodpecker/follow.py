@@ -333,7 +333,7 @@ class _Path:
         order, x = len(last.cycle.x), float(last.cycle.x[0])
         whole = sampled(iterate(self.map, order))
         speed = np.linalg.norm(last.tangent[:-1]) / max(abs(last.tangent[-1]), NEARLY_UPRIGHT)
-        for scale in (1.0, 10.0, 100.0):
+        for scale in (0.1, 1.0, 10.0, 100.0):
             delta = scale * self.settings.tolerances.landing
             half = 10.0 * delta * (1.0 + float(speed))
             found: list[tuple[float, PathPoint]] = []
