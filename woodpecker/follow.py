@@ -263,9 +263,15 @@ class _Path:
         self, a: PathPoint, b: PathPoint, step: float, measure: Callable[[PathPoint], float]
     ) -> float:
         """Arclength from a at which a measure of the points of the step changes its sign."""
+        ends = measure(a), measure(b)
 
         def at(s: float) -> float:
-            return measure(a if s <= 0.0 else b if s >= step else self._inner(a, s))
+            if s <= 0.0 or s >= step:
+                return ends[0] if s <= 0.0 else ends[1]
+            value = measure(self._inner(a, s))
+            if math.isnan(value):  # Newton's method left the piece: the ends are all there is
+                return ends[0] + (ends[1] - ends[0]) * s / step
+            return value
 
         return float(brentq(at, 0.0, step, xtol=1e-15, rtol=1e-14))
 
