@@ -5,6 +5,7 @@ from woodpecker.diagram import bifurcation_diagram, connected, continuation, who
 from woodpecker.follow import PathPoint, Settings, follow
 from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, iterate
+from woodpecker.local import LocalModel, Start, local_model
 from woodpecker.mechanics import Equilibrium, energy, equilibrium, free_frequency, jam_limit
 from woodpecker.pieces import (
     Partition,
@@ -43,6 +44,7 @@ __all__ = [
     "Impulse",
     "JumpPoint",
     "LabelledMap",
+    "LocalModel",
     "Partition",
     "PathPoint",
     "PeriodicOrbit",
@@ -56,6 +58,7 @@ __all__ = [
     "Settings",
     "ShootingStatus",
     "Slice",
+    "Start",
     "State",
     "Status",
     "Tolerances",
@@ -75,6 +78,7 @@ __all__ = [
     "iterate",
     "iterated",
     "jam_limit",
+    "local_model",
     "parameters",
     "partition",
     "return_map",
