@@ -7,6 +7,7 @@ from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, iterate
 from woodpecker.local import LocalModel, Start, local_model
 from woodpecker.mechanics import Equilibrium, energy, equilibrium, free_frequency, jam_limit
+from woodpecker.orbits import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.pieces import (
     Partition,
     Piece,
@@ -45,6 +46,8 @@ __all__ = [
     "JumpPoint",
     "LabelledMap",
     "LocalModel",
+    "Orbit",
+    "OrbitDiagram",
     "Partition",
     "PathPoint",
     "PeriodicOrbit",
@@ -79,6 +82,7 @@ __all__ = [
     "iterated",
     "jam_limit",
     "local_model",
+    "orbit_diagram",
     "parameters",
     "partition",
     "return_map",
@@ -88,5 +92,6 @@ __all__ = [
     "slice_of",
     "toy_map",
     "toy_samples",
+    "unexplained",
     "whole_diagram",
 ]
