@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -84,25 +84,51 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 
 def _curves(diagram: Diagram) -> list[tuple[str, FloatArray, FloatArray]]:
-    """Style, parameters and x of curves; branches of one style that follow each other are one.
+    """Style, parameters and x of curves; branches of one style that meet are one.
 
     A dash pattern starts anew with each curve, and hundreds of short branches would look solid.
     """
-    curves: list[tuple[str, list[FloatArray], list[FloatArray]]] = []
-    last_end = ""
+    curves: list[_Curve] = []
     for branch in diagram.branches:
-        for label, stretch in _stretches(branch):
-            p, x = branch.parameter[stretch], branch.x[stretch]
-            if (
-                (stretch.start == 0 and branch.ends[0] != last_end)
-                or not curves
-                or curves[-1][0] != label
-            ):
-                curves.append((label, [], []))
-            curves[-1][1].append(p)
-            curves[-1][2].append(x)
-        last_end = branch.ends[1]
-    return [(label, np.concatenate(p), np.concatenate(x)) for label, p, x in curves]
+        parts = _stretches(branch)
+        for k, (label, stretch) in enumerate(parts):
+            ends = (
+                branch.ends[0] if k == 0 else f"{branch.id}:{k}",
+                branch.ends[1] if k == len(parts) - 1 else f"{branch.id}:{k + 1}",
+            )
+            new = _Curve(label, ends, branch.parameter[stretch], branch.x[stretch])
+            for known in [c for c in curves if c.label == label and set(c.ends) & set(new.ends)]:
+                joined = known.joined(new)
+                if joined is not None:
+                    curves.remove(known)
+                    new = joined
+            curves.append(new)
+    return [(curve.label, curve.p, curve.x) for curve in curves]
+
+
+class _Curve(NamedTuple):
+    """A line of one style between two places that have names."""
+
+    label: str
+    ends: tuple[str, str]
+    p: FloatArray
+    x: FloatArray
+
+    def turned(self) -> _Curve:
+        return self._replace(ends=self.ends[::-1], p=self.p[::-1], x=self.x[::-1])
+
+    def joined(self, other: _Curve) -> _Curve | None:
+        """Both as one line, if an end of one is an end of the other."""
+        for first in (self, self.turned()):
+            for second in (other, other.turned()):
+                if first.ends[1] == second.ends[0]:
+                    return _Curve(
+                        self.label,
+                        (first.ends[0], second.ends[1]),
+                        np.concatenate([first.p, second.p]),
+                        np.concatenate([first.x, second.x]),
+                    )
+        return None
 
 
 def _stretches(branch: Branch) -> list[tuple[str, slice]]:

@@ -112,3 +112,15 @@ def test_distance_does_not_round_the_reference() -> None:
 def test_work_and_precision_of_the_peer() -> None:
     rows = peer_ode.main(fast=True)
     assert rows["DOP853 1e-10"]["error"] < rows["DOP853 1e-06"]["error"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
+    whole = importlib.import_module("whole_diagram")
+    results = whole.main(fast=True, out=tmp_path)
+    kinds = sorted(kind for kind, *_ in results["collisions"])
+    assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
+    assert results["unexplained"] == []
+    assert results["orbits"] + results["lost"] == 10 * 12
+    assert (tmp_path / "figure_9.png").stat().st_size > 20_000
