@@ -152,11 +152,12 @@ def follow_from(
 
 
 class _Path:
-    """Step control along one branch: the one piece of state is the current step."""
+    """Step control along one branch: its state is the step, and the last change of word."""
 
     def __init__(self, labelled_map: LabelledMap, settings: Settings) -> None:
         self.map, self.settings = labelled_map, settings
         self.step, self.travelled = settings.step, 0.0
+        self.crossed: tuple[PathPoint, PathPoint] | None = None  # last word change, and beyond it
 
     def advance(self, point: PathPoint) -> Iterator[PathPoint]:
         """The special points up to the next regular one, then that one."""
@@ -329,10 +330,25 @@ class _Path:
                 yield replace(special, kind=PointKind.EP, note="no branch beyond a word change")
             else:
                 self.step = max(100.0 * self.settings.tolerances.landing, self.step)
-                yield self._turned_away(landed, special)
+                yield self._onward(self._turned_away(landed, special), special)
         else:
             kind, note = classify(edge, -side, last.cycle.multiplier)
             yield replace(special, kind=kind, note=note)
+
+    def _onward(self, landed: PathPoint, met: PathPoint) -> PathPoint:
+        """The landed point; after a bounce, the one before it, looking the other way.
+
+        A branch that comes back to the edge it has just crossed, and would go on with the words it
+        had before, was followed the wrong way after the landing.
+        """
+        crossed, self.crossed = self.crossed, (met, landed)
+        if crossed is not None:
+            edge, start = crossed
+            near = _distance(met, edge) <= 4.0 * _distance(start, edge)
+            if near and landed.cycle.words == edge.cycle.words:
+                self.crossed = None
+                return replace(start, tangent=-start.tangent)
+        return landed
 
     def _found_beside(self, last: PathPoint) -> PathPoint | None:
         """The nearest cycle of other words at a neighbouring parameter, from all that are there."""
