@@ -18,12 +18,11 @@ import numpy as np
 
 from pwmap.diagram import Branch, BranchKind
 from woodpecker.edges import NEAR, Edge, edge_between
-from woodpecker.explore import Explorer
+from woodpecker.explore import ON_BRANCH, Explorer
 from woodpecker.follow import Settings
 from woodpecker.labelled import LabelledMap, correct
 from woodpecker.pieces import Resolution, SampledMap, Slice, iterated, slice_of
 
-ON_BRANCH = 0.05  # of a chord: how far a smooth branch strays from it, at most
 AT_END = 1e-9  # in the parameter: a slice can fall on the very end of a branch
 AHEAD = 4  # slices that are prepared while branches are followed
 

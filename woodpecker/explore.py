@@ -25,9 +25,12 @@ from woodpecker.labelled import Cycle, LabelledMap, iterate
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
 SAME_CYCLE = 1e-9  # points of a cycle closer than this are one: its minimal period is shorter
 SAME_FLIP = 1e-3  # in x: near a flip the branch of twice the period leaves like a square root
+SAME_CHANGE = 1e-9  # changes of word, folds and flips closer than this are one, met twice
+ON_BRANCH = 0.05  # of a chord: how far a smooth branch strays from it, at most
 MOST_BRANCHES = 20000
 FASTEST = 100.0  # largest speed dx/dp of an edge that is expected next to a border collision
 COLLISIONS = (PointKind.BC, PointKind.FF)
+PASSED = (PointKind.WC, PointKind.LP, PointKind.PD)  # by branches of fixed points
 Progress = Callable[[float], None]
 
 
@@ -243,6 +246,14 @@ class Explorer:
         p, x = np.array([sample.p for sample in piece]), np.array([sample.x for sample in piece])
         if start is end and max(np.ptp(p), np.ptp(x)) < SAME_POINT:
             return  # it was met on its very end
+        middle = piece[len(piece) // 2]
+        if any(
+            (b.kind, b.order, b.word) == (kind, order, (piece[1:-1] or piece[-1:])[0].word)
+            and set(b.ends) == {start.id, end.id}
+            and passes(b, middle.p, middle.x)
+            for b in self.branches
+        ):
+            return  # a path came along a known branch
         inner = piece[1:-1] or piece[-1:]
         multipliers = [sample.multiplier for sample in piece]
         if piece[0].word != inner[0].word:  # the special point carries the slope before it
@@ -296,6 +307,16 @@ class Explorer:
         return f"{prefix}{self._counts[prefix]}"
 
 
+def passes(branch: Branch, p: float, x: float) -> bool:
+    """Whether a branch passes through (p, x), as far as its samples tell."""
+    p0, p1 = branch.parameter[:-1], branch.parameter[1:]
+    x0, x1 = branch.x[:-1], branch.x[1:]
+    run = np.where(p1 == p0, 1.0, p1 - p0)
+    along = np.clip((p - p0) / run, 0.0, 1.0)
+    off = np.hypot(p0 + along * (p1 - p0) - p, x0 + along * (x1 - x0) - x)
+    return bool((off <= ON_BRANCH * np.hypot(p1 - p0, x1 - x0) + SAME_POINT).any())
+
+
 def minimal_period(cycle: Cycle) -> int:
     """The smallest shift that maps a cycle to itself."""
     n = len(cycle.x)
@@ -307,6 +328,12 @@ def _is_same(node: _Node, sample: _Sample, x: float, order: int) -> bool:
     """Whether a sample lies at a special point that is known already."""
     if abs(node.p - sample.p) >= SAME_POINT:
         return False
+    if (
+        sample.kind is node.kind in PASSED
+        and order == node.order
+        and not math.isnan(sample.multiplier)
+    ):
+        return math.hypot(node.p - sample.p, node.x - x) < SAME_CHANGE
     both = (sample.kind, node.kind)
     if PointKind.PD in both and PointKind.LP in both and order != node.order:
         return abs(node.x - x) < SAME_FLIP  # a cycle of twice the period turns round at a flip
