@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import groupby, pairwise
@@ -15,8 +15,6 @@ from sympy.core.relational import Relational
 from pwmap.assumptions import Region, UndecidedError, read_constraints
 from pwmap.exact import Number, Ring, element, expression, polynomial_ring
 from pwmap.itineraries import Layout, Table
-
-Owner = Callable[[Sequence[int], str], int]  # pieces that hold on a slot, the slot -> the owner
 
 
 @dataclass(frozen=True, slots=True, eq=False)
