@@ -9,27 +9,20 @@ respect to phi_S and eps_N1; the peer (:mod:`peer_ode`) does not.
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
-import platform
-import statistics
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from decimal import Decimal
-from importlib import metadata
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple
 
 import numpy as np
+from clocks import Job, Seconds, Timing, clocked, race, ratio, summary
 from peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
-from rich.console import Console
-from rich.table import Table
+from record import Results, command
 
 from pwmap.diagram import Diagram
 from woodpecker import Toy, continuation, first_return, kernel, return_map, shoot
@@ -51,7 +44,8 @@ IMPORT, COLD, WARM = "import woodpecker", "first call, compiling", "first call, 
 # its own start.
 SERVE = """
 import sys
-from benchmark import Toy, clocked, equal_starts
+from benchmark import Toy, equal_starts
+from clocks import clocked
 job = clocked(equal_starts(Toy(), 10), units=10)
 for line in sys.stdin:
     print(*job(), flush=True)
@@ -68,23 +62,15 @@ for before, after in zip(clocks, clocks[1:]):
 """
 
 
-class Seconds(NamedTuple):
-    """Wall and CPU time [s] of one unit of work."""
-
-    wall: float
-    cpu: float
-
-
-Job = Callable[[], Seconds]
-
-
-def main(fast: bool = False) -> dict[str, Any]:
+def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure everything.
 
     Parameters
     ----------
     fast
         Take few rounds and do not compile from nothing.
+    out
+        Not used: there are no pictures.
 
     Returns
     -------
@@ -93,11 +79,11 @@ def main(fast: bool = False) -> dict[str, Any]:
         (medians of CPU time, ``*_wall`` of wall time; ``ratio_peer_call``: over a call of
         ``first_return``). ``error_*``: distance from the 30-digit reference [rad], [s].
         ``branches``, ``points`` of the main job. ``timings``: seconds of every job. ``skipped``:
-        why a number is None. ``environment``: what it ran on.
+        why a number is None.
     """
     lap, peer = first_return(Toy(), PHI_S), first_return_ode(Toy(), PHI_S, rtol=RTOL)
     skipped: dict[str, str] = {}
-    timings = race(3 if fast else 25)
+    timings = returns(3 if fast else 25)
     timings |= starts(1 if fast else 2, cold=not fast)
     if fast:
         skipped[COLD] = "left out of the fast run"
@@ -125,30 +111,7 @@ def main(fast: bool = False) -> dict[str, Any]:
         "points": len(diagram.points) if diagram else None,
         "timings": timings,
         "skipped": skipped,
-        "environment": environment(),
     }
-
-
-Timing = dict[str, float]
-
-
-def summary(seconds: Sequence[Seconds]) -> Timing:
-    """Median and minimum of wall and CPU time [s]."""
-    wall, cpu = [each.wall for each in seconds], [each.cpu for each in seconds]
-    return {
-        "wall_median": statistics.median(wall),
-        "wall_minimum": min(wall),
-        "cpu_median": statistics.median(cpu),
-        "cpu_minimum": min(cpu),
-        "rounds": len(seconds),
-    }
-
-
-def ratio(timings: dict[str, Timing], slow: str, quick: str, clock: str) -> float | None:
-    """Ratio of medians; None if one was not measured."""
-    if slow not in timings or quick not in timings:
-        return None
-    return timings[slow][f"{clock}_median"] / timings[quick][f"{clock}_median"]
 
 
 def distance(value: float, reference: str) -> float:
@@ -156,20 +119,7 @@ def distance(value: float, reference: str) -> float:
     return float(abs(Decimal(value) - Decimal(reference)))
 
 
-def clocked(work: Callable[[], object], count: int = 1, units: int = 1) -> Job:
-    """Job that does some work ``count`` times and reports the time of one of its units."""
-
-    def job() -> Seconds:
-        wall, cpu = time.perf_counter(), time.process_time()
-        for _ in range(count):
-            work()
-        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        return Seconds(wall / (count * units), cpu / (count * units))
-
-    return job
-
-
-def race(rounds: int) -> dict[str, Timing]:
+def returns(rounds: int) -> dict[str, Timing]:
     """One return in every way, and the map, in turn; the first round does not count."""
     toy = Toy()
     with ThreadPoolExecutor(1) as one_core, PlainKernel() as plain:
@@ -181,11 +131,7 @@ def race(rounds: int) -> dict[str, Timing]:
         }
         if COMPILED:
             jobs = {COMPILED_RETURN: clocked(equal_starts(toy, 1000), units=1000), **jobs}
-        taken: dict[str, list[Seconds]] = {name: [] for name in jobs}
-        for _ in range(1 + rounds):
-            for name, job in jobs.items():
-                taken[name].append(job())
-    return {name: summary(seconds[1:]) for name, seconds in taken.items()}
+        return race(jobs, rounds)
 
 
 def equal_starts(toy: Toy, n: int) -> Callable[[], Floats]:
@@ -276,65 +222,5 @@ def main_job(rounds: int) -> tuple[Timing, Diagram]:
     return summary([job() for _ in range(rounds)]), found[-1]
 
 
-def environment() -> dict[str, str]:
-    """Machine and versions."""
-    cpu = Path("/proc/cpuinfo")
-    lines = cpu.read_text().splitlines() if cpu.exists() else []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    found = {
-        "machine": f"{platform.system()} {platform.machine()}",
-        "processor": names[0] if names else platform.processor(),
-        "cores": str(os.cpu_count()),
-        "python": platform.python_version(),
-    }
-    for package in ("numpy", "scipy", "numba"):
-        try:
-            found[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            found[package] = "not installed"
-    return found
-
-
-def table(results: dict[str, Any]) -> Table:
-    """Medians and minima of the timings as a table for the terminal."""
-    found = results["environment"]
-    title = ", ".join(f"{key} {found[key]}" for key in ("python", "numpy", "scipy", "numba"))
-    shown = Table(title=f"{found['processor']}, {found['cores']} cores\n{title}")
-    shown.add_column("milliseconds", no_wrap=True)
-    for column in ("wall", "least", "CPU", "least", "rounds"):
-        shown.add_column(column, justify="right")
-    for name, timing in results["timings"].items():
-        *seconds, rounds = timing.values()
-        shown.add_row(name, *(milliseconds(value) for value in seconds), str(rounds))
-    return shown
-
-
-def milliseconds(seconds: float) -> str:
-    """Milliseconds with at least three digits, never in powers of ten."""
-    return f"{1e3 * seconds:.{4 if seconds < 0.01 else 1 if seconds < 1.0 else 0}f}"
-
-
-def report(results: dict[str, Any]) -> None:
-    """Print the table and the other numbers."""
-    console = Console()
-    console.print(table(results))
-    for name, value in results.items():
-        if isinstance(value, float):
-            console.print(f"{name} = {value:.3g}")
-        elif name not in ("timings", "skipped", "environment"):
-            console.print(f"{name} = {value}")
-    for name, reason in results["skipped"].items():
-        console.print(f"{name}: {reason}")
-
-
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Benchmark of one return of the toy.")
-    parser.add_argument("--fast", action="store_true", help="few rounds, nothing compiled anew")
-    parser.add_argument("--out", type=Path, help="directory for benchmark.json")
-    options = parser.parse_args()
-    measured = main(fast=options.fast)
-    report(measured)
-    if options.out is not None:
-        options.out.mkdir(parents=True, exist_ok=True)
-        path = options.out / "benchmark.json"
-        path.write_text(json.dumps(measured, indent=2) + "\n", encoding="utf-8")
+    command(main, "benchmark")

@@ -18,6 +18,7 @@ from decimal import Decimal
 from typing import Any, NamedTuple
 
 import numpy as np
+from peers import LostError, PeerReturn
 from scipy.integrate import solve_ivp
 
 from woodpecker import Toy, kernel
@@ -44,7 +45,7 @@ from woodpecker.modes import (
 from woodpecker.words import word
 
 PHI_S = -0.52947197  # the nominal cycle at eps_N1 = 0.5, to eight digits
-# To thirty digits by tests/reference_mpmath.py, from the double nearest to PHI_S:
+# To thirty digits by studies/reference_mpmath.py, from the double nearest to PHI_S:
 IMAGE = "-0.529471964686405381795441868166"
 PERIOD = "0.145976064190706193049720121441"
 
@@ -55,16 +56,6 @@ EVENT_LIMIT = 1000
 LONGEST_PHASE = 10.0  # s; a mode that lasts longer is taken for free fall
 
 Guard = Callable[[float, Floats], float]
-
-
-class PeerReturn(NamedTuple):
-    """One return to the section by the general solver."""
-
-    phi_s: float  # image [rad]
-    period: float  # s
-    drop: float  # m, positive down
-    word: str
-    evaluations: int  # of the right-hand side
 
 
 def first_return_ode(
@@ -96,7 +87,7 @@ def first_return_ode(
     ------
     ValueError
         If phi_s is not finite or beyond the beak's contact.
-    RuntimeError
+    LostError
         If the toy does not return, or a contact problem has no or several solutions.
     """
     if not (math.isfinite(phi_s) and phi_s < toy.phi_s_max):
@@ -113,7 +104,7 @@ def first_return_ode(
             numbers, z, tangents, seed, fired, states, slips, codes, counts, event
         )
         if status != SOLVED or counts[0] > len(codes):
-            raise RuntimeError(f"the contact problem at t = {z[6]} s has no single solution")
+            raise LostError(f"the contact problem at t = {z[6]} s has no single solution")
         mode = mode_index(*states)
         if mode not in modes:
             modes[mode] = _motion(numbers, mode, states)
@@ -131,7 +122,7 @@ def first_return_ode(
         evaluations += solution.nfev
         hits = [k for k, times in enumerate(solution.t_events or ()) if len(times)]
         if not hits:
-            raise RuntimeError(f"the toy does not return: {solution.message}")
+            raise LostError(f"the toy does not return: {solution.message}")
         fired, z[:6], z[6] = motion.names[hits[0]], solution.y[:, -1], solution.t[-1]
     return PeerReturn(
         float(z[2]), float(z[6]), float(-z[0]), word(codes[: counts[0]].tolist()), evaluations
@@ -216,7 +207,7 @@ def _step_off(motion: _Mode, z: Floats) -> None:
         if all(f > 0.0 or k == SECTION for k, f in zip(motion.names, values, strict=True)):
             z[:6], z[6] = x, z[6] + h
             return
-    raise RuntimeError(f"two events closer than {h} s at t = {z[6]} s")
+    raise LostError(f"two events closer than {h} s at t = {z[6]} s")
 
 
 def main(fast: bool = False) -> dict[str, dict[str, float]]:

@@ -9,14 +9,12 @@ mean the same map is checked at rational points.
 
 from __future__ import annotations
 
-import argparse
-import json
 from pathlib import Path
-from typing import Any
 
 import matplotlib.pyplot as plt
 import sympy
-from benchmark import Seconds, Timing, clocked, environment, ratio, summary
+from clocks import Seconds, Timing, clocked, ratio, summary
+from record import Results, command
 from sympy import Rational
 
 from pwmap import Diagram, PiecewiseLinearMap, bifurcation_diagram, parameter_plane
@@ -51,7 +49,7 @@ def naive(order: int) -> sympy.Piecewise:
     return composed
 
 
-def main(fast: bool = False, out: Path | None = None) -> dict[str, Any]:
+def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure, check that both ways agree, and draw.
 
     Returns
@@ -59,7 +57,7 @@ def main(fast: bool = False, out: Path | None = None) -> dict[str, Any]:
     dict
         ``ratio_order_6``: CPU time of the naive way over ours, both reading and composing;
         ``timings``: seconds of every job; ``agree``: points at which both were compared;
-        ``branches``, ``points`` of the diagram; ``environment``.
+        ``branches``, ``points`` of the diagram.
     """
     timings = measured(1 if fast else 15)
     found = diagram()
@@ -73,7 +71,6 @@ def main(fast: bool = False, out: Path | None = None) -> dict[str, Any]:
         "branches": len(found.branches),
         "points": len(found.points),
         "timings": timings,
-        "environment": environment(),
     }
 
 
@@ -149,12 +146,4 @@ def draw_figure_12() -> plt.Figure:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Symbolic composition, and Figure 12.")
-    parser.add_argument("--fast", action="store_true", help="few rounds")
-    parser.add_argument("--out", type=Path, help="directory for symbolic.json and the pictures")
-    options = parser.parse_args()
-    results = main(fast=options.fast, out=options.out)
-    text = json.dumps(results, indent=2)
-    print(text)
-    if options.out is not None:
-        (options.out / "symbolic.json").write_text(text + "\n", encoding="utf-8")
+    command(main, "symbolic")

@@ -8,14 +8,12 @@ know nothing of them. What the orbits show must be a stable branch, or chaotic.
 
 from __future__ import annotations
 
-import argparse
-import json
 from pathlib import Path
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from benchmark import clocked, environment
+from clocks import clocked
+from record import Results, command
 
 from pwmap import Diagram, PointKind
 from pwmap.plot import plot_diagram
@@ -34,7 +32,7 @@ WINDOW = (-2.5, -0.24)  # rad
 GREY = "#bdbdbd"
 
 
-def main(fast: bool = False, out: Path | None = None) -> dict[str, Any]:
+def main(fast: bool = False, out: Path | None = None) -> Results:
     """Find everything, simulate beside it, draw.
 
     Returns
@@ -42,7 +40,7 @@ def main(fast: bool = False, out: Path | None = None) -> dict[str, Any]:
     dict
         ``collisions``: kind, note, eps_N1 and phi_S of every BC and FF; ``branches``, ``points``;
         ``seconds`` of wall and CPU; ``orbits``, ``chaotic``, ``lost``, ``unexplained``: what the
-        orbits do; ``environment``.
+        orbits do.
     """
     span, search = ((0.3, 0.4), Search(slices=8, quiet=4)) if fast else ((0.012, 1.0), Search())
     first_return(Toy(), -0.53)  # compiled
@@ -70,7 +68,6 @@ def main(fast: bool = False, out: Path | None = None) -> dict[str, Any]:
         "chaotic": sum(orbit.period == 0 and orbit.exponent > 0.0 for orbit in orbits.orbits),
         "lost": orbits.lost,
         "unexplained": [(o.p, o.start, float(o.x[-1])) for o in unexplained(orbits, diagram)],
-        "environment": environment(),
     }
 
 
@@ -86,12 +83,4 @@ def draw(diagram: Diagram, orbits: OrbitDiagram) -> plt.Figure:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="The whole diagram of P_1.")
-    parser.add_argument("--fast", action="store_true", help="a part of the span, few orbits")
-    parser.add_argument("--out", type=Path, help="directory for whole_diagram.json and the picture")
-    options = parser.parse_args()
-    results = main(fast=options.fast, out=options.out)
-    text = json.dumps(results, indent=2)
-    print(text)
-    if options.out is not None:
-        (options.out / "whole_diagram.json").write_text(text + "\n", encoding="utf-8")
+    command(main, "whole_diagram")

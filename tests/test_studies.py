@@ -46,7 +46,6 @@ def test_benchmark_measures_everything_or_says_why_not(measured: dict[str, Any])
     for name, timing in measured["timings"].items():
         assert 0.0 <= timing["wall_minimum"] <= timing["wall_median"], name
         assert 0.0 <= timing["cpu_minimum"] <= timing["cpu_median"], name
-    assert set(measured["environment"]) >= {"machine", "python", "numpy", "scipy", "numba"}
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""The kernel against an independent implementation with 30 digits (tests/reference_mpmath.py)."""
+"""The kernel against an independent implementation with 30 digits (studies/reference_mpmath.py)."""
 
 import re
 

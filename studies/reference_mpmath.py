@@ -8,7 +8,7 @@ first zero can be isolated rigorously. Contact problems, in an impact and on acc
 are solved by trying every combination of index sets; none or several that fit end the run with a
 sentence.
 
-    python tests/reference_mpmath.py PHI_S [EPS_N1]
+    python studies/reference_mpmath.py PHI_S [EPS_N1]
 """
 
 from __future__ import annotations
@@ -50,6 +50,7 @@ class Touch(Enum):
 
     @property
     def slip(self) -> int:
+        """Sign of the slip velocity; 0 if it does not slide."""
         return {Touch.UP: 1, Touch.DOWN: -1}.get(self, 0)
 
 
@@ -80,6 +81,7 @@ class Return:
 
 
 def dot(a: Sequence[mpf], b: Sequence[mpf]) -> mpf:
+    """Scalar product."""
     return sum((x * y for x, y in zip(a, b, strict=True)), mpf(0))
 
 
@@ -109,6 +111,7 @@ def shifted(c: Series, s: mpf) -> Series:
 
 
 def value(c: Series, s: mpf) -> mpf:
+    """Sum of the series at s."""
     out = mpf(0)
     for a in reversed(c):
         out = out * s + a
@@ -116,6 +119,7 @@ def value(c: Series, s: mpf) -> mpf:
 
 
 def derivative(c: Series) -> Series:
+    """Coefficients of the derivative with respect to s."""
     return [k * a for k, a in enumerate(c)][1:]
 
 
@@ -289,6 +293,8 @@ class Model:
 
 @dataclass(frozen=True)
 class Guard:
+    """A function of time whose first fall through zero ends a mode."""
+
     kind: Kind
     contact: int
     c: Series
@@ -459,6 +465,7 @@ def decide(
 
 
 def names(contacts: Sequence[int]) -> str:
+    """Numbers of contacts as in a word."""
     return "+".join(str(i + 1) for i in sorted(contacts))
 
 
@@ -605,6 +612,7 @@ def first_return(
 
 
 def main(arguments: Sequence[str]) -> None:
+    """Print one return to thirty digits."""
     toy = PAPER | ({"eps_n1": float(arguments[1])} if len(arguments) > 1 else {})
     result = first_return(float(arguments[0]), toy)
     lines = [

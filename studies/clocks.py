@@ -1,0 +1,60 @@
+"""Timing: jobs run in turn, round after round, so that a busy machine hits all of them alike."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+
+class Seconds(NamedTuple):
+    """Wall and CPU time [s] of one unit of work."""
+
+    wall: float
+    cpu: float
+
+
+Job = Callable[[], Seconds]
+Timing = dict[str, float]
+
+
+def clocked(work: Callable[[], object], count: int = 1, units: int = 1) -> Job:
+    """Job that does some work ``count`` times and reports the time of one of its units."""
+
+    def job() -> Seconds:
+        wall, cpu = time.perf_counter(), time.process_time()
+        for _ in range(count):
+            work()
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        return Seconds(wall / (count * units), cpu / (count * units))
+
+    return job
+
+
+def race(jobs: Mapping[str, Job], rounds: int) -> dict[str, Timing]:
+    """All jobs in turn; a first round, in which caches fill, does not count."""
+    taken: dict[str, list[Seconds]] = {name: [] for name in jobs}
+    for _ in range(1 + rounds):
+        for name, job in jobs.items():
+            taken[name].append(job())
+    return {name: summary(seconds[1:]) for name, seconds in taken.items()}
+
+
+def summary(seconds: Sequence[Seconds]) -> Timing:
+    """Median and minimum of wall and CPU time [s]."""
+    wall, cpu = [each.wall for each in seconds], [each.cpu for each in seconds]
+    return {
+        "wall_median": statistics.median(wall),
+        "wall_minimum": min(wall),
+        "cpu_median": statistics.median(cpu),
+        "cpu_minimum": min(cpu),
+        "rounds": len(seconds),
+    }
+
+
+def ratio(timings: Mapping[str, Timing], slow: str, quick: str, clock: str) -> float | None:
+    """Ratio of medians; None if one was not measured."""
+    if slow not in timings or quick not in timings:
+        return None
+    return timings[slow][f"{clock}_median"] / timings[quick][f"{clock}_median"]

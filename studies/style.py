@@ -1,0 +1,51 @@
+"""One look for all pictures: colours for stable, unstable and jump, and for the methods."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pwmap.plot import JUMP, STABLE, UNSTABLE
+
+WIDTH = 7.6  # inches: what a page, or the README, shows without scaling
+GREY = "#969696"
+PALE = "#bdbdbd"
+VIOLET = "#6a51a3"
+RED = "#cb181d"
+
+METHODS = {  # colour and marker of everything that is compared
+    "kernel, compiled": (STABLE, "o"),
+    "kernel, plain Python": ("#4292c6", "o"),
+    "kernel, mpmath": ("#9ecae1", "o"),
+    "RK45": (UNSTABLE, "s"),
+    "DOP853": ("#a63603", "s"),
+    "Radau": ("#fd8d3c", "D"),
+    "LSODA": ("#fdae6b", "D"),
+    "Moreau, theta": (JUMP, "^"),
+    "Moreau, midpoint": ("#74c476", "v"),
+    "Siconos": (VIOLET, "P"),
+}
+
+__all__ = [
+    "GREY", "JUMP", "METHODS", "PALE", "RED", "STABLE", "UNSTABLE", "VIOLET", "WIDTH", "canvas",
+    "grid",
+]  # fmt: skip
+
+
+def canvas(height: float = 4.6, rows: int = 1, columns: int = 1) -> tuple[Figure, Sequence[Axes]]:
+    """A figure of the usual width with its axes in reading order."""
+    figure = plt.figure(figsize=(WIDTH, height), layout="constrained")
+    axes = np.ravel(figure.subplots(rows, columns, squeeze=False)).tolist()
+    for ax in axes:
+        grid(ax)
+    return figure, axes
+
+
+def grid(ax: Axes) -> None:
+    """The fine grid behind every picture."""
+    ax.grid(alpha=0.25, linewidth=0.5)
+    ax.set_axisbelow(True)
