@@ -64,6 +64,7 @@ def first_return_ode(
     method: str = "DOP853",
     rtol: float = 1e-10,
     atol: float | Sequence[float] = 1e-12,
+    max_step: float = math.inf,
 ) -> PeerReturn:
     """Start at rest on the section and follow the toy for one return with ``solve_ivp``.
 
@@ -80,8 +81,9 @@ def first_return_ode(
     ----------
     toy, phi_s
         The toy and the angle of the woodpecker at the start [rad].
-    method, rtol, atol
-        As for ``solve_ivp``; atol in m and rad, m/s and rad/s.
+    method, rtol, atol, max_step
+        As for ``solve_ivp``; atol in m and rad, m/s and rad/s, max_step in s. With large
+        tolerances max_step is the step itself.
 
     Raises
     ------
@@ -118,6 +120,7 @@ def first_return_ode(
             events=motion.guards,
             rtol=rtol,
             atol=atol,
+            max_step=max_step,
         )
         evaluations += solution.nfev
         hits = [k for k, times in enumerate(solution.t_events or ()) if len(times)]

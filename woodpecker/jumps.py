@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from scipy.optimize import brentq
 
@@ -18,8 +19,9 @@ from woodpecker.edges import NEAR, Edge, edge_between, is_continuous
 from woodpecker.follow import Settings
 from woodpecker.labelled import BELOW, LabelledMap
 
-FIRST_STEP = 1e-3  # in the parameter
+FIRST_STEP = 2.5e-4  # in the parameter
 NARROWEST = 1e-10  # half width within which a straight edge is predicted
+COARSE = 1e-4  # of a distance in the parameter: how well an edge has to be known to halve it
 RESOLVED = 1e-11  # a change of words is located this well in the parameter
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
@@ -112,14 +114,11 @@ def _collided(a: Edge, b: Edge) -> int:
     return 0
 
 
-def _bisected(good: float, bad: float, holds: Callable[[float], bool]) -> tuple[float, float]:
-    """The last parameter at which a condition holds and the first at which it does not."""
-    while abs(bad - good) > RESOLVED and (middle := 0.5 * (good + bad)) not in (good, bad):
-        if holds(middle):
-            good = middle
-        else:
-            bad = middle
-    return good, bad
+class _Mark(NamedTuple):
+    """Where an edge was seen, as well as it had to be known."""
+
+    p: float
+    x: float
 
 
 class _Track:
@@ -157,33 +156,29 @@ class _Track:
         return p
 
     def _bracket(
-        self, p: float, near: Edge, before: Edge, widest: float
+        self, p: float, near: Edge | _Mark, before: Edge | _Mark, widest: float, half: float = 0.0
     ) -> tuple[float, float] | None:
-        """Neighbours of the predicted edge, at most ``widest`` off, that carry its two words."""
+        """Neighbours of the predicted edge, at most ``widest`` off, that carry its two words.
+
+        They are looked for from a distance ``half`` on, if it is given.
+        """
+        growth = 1000.0 if half == 0.0 else 10.0
         rate = (near.x - before.x) / (near.p - before.p) if near.p != before.p else 0.0
         guess = near.x + rate * (p - near.p)
-        half = 8.0 * NEAR * math.ulp(guess)  # a neighbouring piece may be just as thin
+        half = max(half, 8.0 * NEAR * math.ulp(guess))  # a neighbouring piece may be just as thin
         while half <= widest:
             left, right = guess - half, guess + half
             if self.map(left, p).word == self.left and self.map(right, p).word == self.right:
                 return left, right
-            half = min(1000.0 * half, WIDEST) if half < WIDEST else math.inf
+            half = min(growth * half, WIDEST) if half < WIDEST else math.inf
         return None
 
     def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None, float]:
         """The last edge with these words on the way to p, the next beyond it, and where that is."""
-        good, bad, straight = near.p, p, self.reach <= NARROWEST
-        if straight:  # two evaluations tell whether it is there
-            good, bad = _bisected(
-                good, bad, lambda q: self._bracket(q, near, before, NARROWEST) is not None
-            )
-        if self.at(bad, near, before) is not None:  # it was not that straight
-            good, bad, straight = near.p, p, False
-        good, bad = _bisected(good, bad, lambda q: self.at(q, near, before) is not None)
+        good, bad = self._narrowed(near, before, p)
         last = near
         for back in (0.0, 1e-10, 1e-8, 1e-6):  # right at the change a piece is too thin to see
-            place = good + math.copysign(back, near.p - p)
-            edge = self.at(place, near, before, NARROWEST if straight else WIDEST)
+            edge = self.at(good + math.copysign(back, near.p - p), near, before)
             if edge is not None:
                 last = edge
                 break
@@ -195,6 +190,60 @@ class _Track:
                 return last, beyond, good + reach
             reach *= 8.0
         return last, None, good + reach
+
+    def _narrowed(self, near: Edge, before: Edge, p: float) -> tuple[float, float]:
+        """The last parameter on the way to p at which the edge is there, the first at which not.
+
+        If the last edge was where it was predicted, two evaluations tell whether it still is.
+        Otherwise: a piece beside it closes there, about linearly in the parameter. So where p is known
+        to a distance, the edge has to be known to a small part of that distance only, and is
+        predicted the better the closer the last two places are. What that overlooks shows when
+        the edge is looked for to the last bit in the end; then the search begins anew from the
+        last place where it is there indeed.
+        """
+        if self.reach <= NARROWEST and self._bracket(p, near, before, NARROWEST) is None:
+            good, bad = near.p, p
+            while abs(bad - good) > RESOLVED:
+                middle = 0.5 * (good + bad)
+                if self._bracket(middle, near, before, NARROWEST) is not None:
+                    good = middle
+                else:
+                    bad = middle
+            if self.at(bad, near, before) is None:
+                return good, bad
+        seen, bad = [_Mark(before.p, before.x), _Mark(near.p, near.x)], p
+        exact = 1
+        while True:
+            while abs(bad - seen[-1].p) > RESOLVED:
+                middle = 0.5 * (seen[-1].p + bad)
+                fine = 0.0 if len(seen) == exact else COARSE * abs(bad - seen[-1].p)
+                x = self._seen(middle, seen[-1], seen[-2], fine)
+                if x is None:
+                    bad = middle
+                else:
+                    seen.append(_Mark(middle, x))
+            if self.at(seen[-1].p, seen[-1], seen[-2]) is not None or len(seen) <= 2:
+                return seen[-1].p, bad
+            while len(seen) > 2 and self.at(seen[-1].p, seen[-1], seen[-2]) is None:
+                bad = seen.pop().p
+            exact = len(seen)
+
+    def _seen(self, p: float, near: _Mark, before: _Mark, fine: float) -> float | None:
+        """Where the edge lies, to ``fine`` or the last bit; None if its words are not there."""
+        bracket = self._bracket(p, near, before, WIDEST, 2.0 * fine)
+        if bracket is None:
+            return None
+        inside, outside = bracket
+        while abs(outside - inside) > 2.0 * fine:
+            middle = 0.5 * (inside + outside)
+            if middle in (inside, outside):
+                break
+            if self.map(middle, p).word == self.left:
+                inside = middle
+            else:
+                outside = middle
+        near_by = outside + NEAR * math.ulp(outside) if fine == 0.0 else outside
+        return inside if self.map(near_by, p).word == self.right else None
 
     def end(self, last: Edge, p: float) -> JumpPoint:
         """Why there is no jump with other words beyond the last one seen."""

@@ -58,7 +58,7 @@ class Cycle(NamedTuple):
     @property
     def residual(self) -> float:
         """Largest |f(x_i) - x_{i+1}|."""
-        return float(np.max(np.abs(gaps(self))))
+        return float(np.abs(gaps(self)).max())
 
 
 def evaluate(labelled_map: LabelledMap, x: Floats, p: float) -> Cycle:
@@ -68,8 +68,8 @@ def evaluate(labelled_map: LabelledMap, x: Floats, p: float) -> Cycle:
 
 def gaps(cycle: Cycle) -> Floats:
     """f(x_i) - x_{i+1}, shape (j,)."""
-    values: Floats = np.array([lap.value for lap in cycle.laps]) - np.roll(cycle.x, -1)
-    return values
+    x = cycle.x.tolist()
+    return np.array([lap.value - x[k + 1 - len(x)] for k, lap in enumerate(cycle.laps)])
 
 
 def jacobian(cycle: Cycle, last_row: Floats) -> Floats:
@@ -88,10 +88,7 @@ def tangent(cycle: Cycle, along: Floats) -> Floats:
     """Unit tangent (j + 1,) of the branch in (x, p), oriented like ``along``; nan if singular."""
     border = np.zeros(len(along))
     border[-1] = 1.0
-    try:
-        direction = np.linalg.solve(jacobian(cycle, along), border)
-    except np.linalg.LinAlgError:
-        return np.full(len(along), np.nan)
+    direction = _solved(cycle, along, border)
     unit: Floats = direction / np.linalg.norm(direction)
     return unit
 
@@ -118,10 +115,7 @@ def correct(
             return cycle, False, step
         accepted = cycle.residual <= allowed(cycle, tolerances)
         rhs[:j] = -gaps(cycle)
-        try:
-            move = np.linalg.solve(jacobian(cycle, last_row), rhs)
-        except np.linalg.LinAlgError:
-            return cycle, accepted, step
+        move = _solved(cycle, last_row, rhs)
         if not np.isfinite(move).all():
             return cycle, accepted, step
         trial = evaluate(labelled_map, cycle.x + move[:j], cycle.p + move[j])
@@ -130,6 +124,27 @@ def correct(
             return (trial if better else cycle), True, step
         cycle = trial
     return cycle, False, NEWTON_STEPS
+
+
+def _solved(cycle: Cycle, last_row: Floats, rhs: Floats) -> Floats:
+    """Solution of the bordered linear equations of a cycle; nan if they are singular.
+
+    Fixed points are most of the work, and a system of two is solved by Cramer's rule.
+    """
+    if len(cycle.x) > 1:
+        try:
+            solution: Floats = np.linalg.solve(jacobian(cycle, last_row), rhs)
+        except np.linalg.LinAlgError:
+            solution = np.full(len(rhs), np.nan)
+        return solution
+    a, b = cycle.laps[0].slope - 1.0, cycle.laps[0].rate
+    (c, d), (first, second) = last_row.tolist(), rhs.tolist()
+    determinant = a * d - b * c
+    if determinant == 0.0:
+        return np.full(2, np.nan)
+    return np.array(
+        [(first * d - b * second) / determinant, (a * second - first * c) / determinant]
+    )
 
 
 def allowed(cycle: Cycle, tolerances: Tolerances) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -23,12 +23,35 @@ BOUND: dict[str, Any] = {"color": "#969696", "linewidth": 0.8, "linestyle": (0, 
 _Axes = Sequence[Axes]
 
 
+class Quantity(NamedTuple):
+    """A coordinate or velocity as it is drawn."""
+
+    label: str
+    velocity: bool
+    column: int  # of q or u
+    scale: float  # drawn value over SI value
+
+    def of(self, q: Floats, u: Floats) -> Floats:
+        """Its values, from coordinates and velocities of shape (..., 3)."""
+        values: Floats = self.scale * (u if self.velocity else q)[..., self.column]
+        return values
+
+
+QUANTITIES = {
+    "y": Quantity(r"$y$ [mm]", False, 0, 1e3),
+    "phi_m": Quantity(r"$\varphi_M$ [rad]", False, 1, 1.0),
+    "phi_s": Quantity(r"$\varphi_S$ [rad]", False, 2, 1.0),
+    "dy": Quantity(r"$\dot y$ [mm/s]", True, 0, 1e3),
+    "dphi_m": Quantity(r"$\dot\varphi_M$ [rad/s]", True, 1, 1.0),
+    "dphi_s": Quantity(r"$\dot\varphi_S$ [rad/s]", True, 2, 1.0),
+}
+
+
 def plot_time_history(trajectory: Trajectory, axes: _Axes | None = None) -> _Axes:
     """Coordinates over time on three axes, impacts as ticks [Leine2001, Fig. 4]."""
     if axes is None:
         figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
         axes = list(figure.subplots(3, 1, sharex=True))
-    labels = (r"$y$ [mm]", r"$\varphi_M$ [rad]", r"$\varphi_S$ [rad]")
     toy = trajectory.toy
     bounds: tuple[tuple[float, ...], ...] = (
         (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
@@ -38,44 +61,55 @@ def plot_time_history(trajectory: Trajectory, axes: _Axes | None = None) -> _Axe
         for event in trajectory.events
         if event.kind in (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
     ]
-    for k, ax in enumerate(axes):
-        scale = 1e3 if k == 0 else 1.0
-        ax.plot(trajectory.t, scale * trajectory.q[:, k], **LINE)
-        for bound in bounds[k]:
-            ax.axhline(bound, **BOUND)
+    for ax, name, limits in zip(axes, ("y", "phi_m", "phi_s"), bounds, strict=True):
+        drawn = QUANTITIES[name]
+        ax.plot(trajectory.t, drawn.of(trajectory.q, trajectory.u), **LINE)
+        for limit in limits:
+            ax.axhline(limit, **BOUND)
         low = ax.get_ylim()[0]
         ax.plot(impacts, np.full(len(impacts), low), "|", color=UNSTABLE, markersize=9)
         ax.set_ylim(bottom=low)
-        ax.set_ylabel(labels[k])
+        ax.set_ylabel(drawn.label)
         ax.grid(alpha=0.25, linewidth=0.5)
     axes[-1].set_xlabel("$t$ [s]; ticks mark impacts")
     axes[-1].set_xlim(0.0, trajectory.t_end)
     return axes
 
 
-def plot_phase_portraits(trajectory: Trajectory, axes: _Axes | None = None) -> _Axes:
-    """Velocities over coordinates on three axes [Leine2001, Figs. 5 and 6].
+def plot_phase_portrait(trajectory: Trajectory, x: str, y: str, ax: Axes | None = None) -> Axes:
+    """One quantity over another, such as ``"dphi_s"`` over ``"phi_s"``; see :data:`QUANTITIES`.
 
-    Impacts, where the velocities jump, are dotted.
+    Impacts, where the velocities jump, are dotted [Leine2001, Figs. 5 and 6].
+
+    Raises
+    ------
+    ValueError
+        If there is no such quantity.
     """
+    for name in (x, y):
+        if name not in QUANTITIES:
+            raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
+    ax = ax if ax is not None else plt.figure(figsize=(4.6, 3.6), layout="constrained").gca()
+    across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
+    jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
+    ax.plot(np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan), **LINE)
+    for k in jumps:
+        pair = slice(k, k + 2)
+        ax.plot(across[pair], up[pair], color=JUMP, linewidth=1.1, linestyle=(0, (1, 1.3)))
+    ax.set_xlabel(QUANTITIES[x].label)
+    ax.set_ylabel(QUANTITIES[y].label)
+    ax.grid(alpha=0.25, linewidth=0.5)
+    return ax
+
+
+def plot_phase_portraits(trajectory: Trajectory, axes: _Axes | None = None) -> _Axes:
+    """The bird's, the sleeve's and the fall's phase portrait on three axes."""
     if axes is None:
         figure = plt.figure(figsize=(9.6, 3.4), layout="constrained")
         axes = list(figure.subplots(1, 3))
-    q, u = trajectory.q, trajectory.u
-    panels: tuple[tuple[Floats, Floats, str, str], ...] = (
-        (q[:, 2], u[:, 2], r"$\varphi_S$ [rad]", r"$\dot\varphi_S$ [rad/s]"),
-        (q[:, 1], u[:, 1], r"$\varphi_M$ [rad]", r"$\dot\varphi_M$ [rad/s]"),
-        (q[:, 2], 1e3 * u[:, 0], r"$\varphi_S$ [rad]", r"$\dot y$ [mm/s]"),
-    )
-    jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
-    for ax, (x, y, x_label, y_label) in zip(axes, panels, strict=True):
-        smooth = np.insert(y.copy(), jumps + 1, np.nan)
-        ax.plot(np.insert(x, jumps + 1, np.nan), smooth, **LINE)
-        for k in jumps:
-            ax.plot(x[k : k + 2], y[k : k + 2], color=JUMP, linewidth=1.1, linestyle=(0, (1, 1.3)))
-        ax.set_xlabel(x_label)
-        ax.set_ylabel(y_label)
-        ax.grid(alpha=0.25, linewidth=0.5)
+    pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
+    for ax, (x, y) in zip(axes, pairs, strict=True):
+        plot_phase_portrait(trajectory, x, y, ax)
     return axes
 
 
@@ -125,7 +159,8 @@ def plot_return_map(
 
 
 SEEN = 0.02  # rad: a discontinuity smaller than this does not show in a picture of the whole map
-FINEST = 1e-9  # rad: what still differs by more than SEEN over this width is drawn as a jump
+FINEST = 1e-14  # rad: what still differs by more than SEEN over this width is drawn as a jump;
+# the right flank of a dip falls by only a quarter of a radian per decade
 
 
 def _refined(
