@@ -48,8 +48,8 @@ def test_importing_loads_neither_matplotlib_nor_the_command_line() -> None:
     assert not {"matplotlib", "typer", "rich"} & set(loaded)
 
 
-def test_only_plot_files_import_matplotlib() -> None:
+def test_only_drawing_files_import_matplotlib() -> None:
     for package in ("pwmap", "woodpecker"):
         for module, target in imports(package).edges:
             if target.startswith("matplotlib"):
-                assert module.endswith((".plot", ".cli")), module
+                assert module.endswith((".plot", ".drawing", ".cli")), module

@@ -1,0 +1,201 @@
+"""Figure 8 of the paper: the return map P_1 at eps_N1 = 0.5, its jumps, its dips and its edges.
+
+    python studies/fig08_return_map.py [--fast] [--out DIR]
+
+Three things the paper's sampled map could not show. A dip is not symmetric: on its left the value
+falls like an inverse square root of the distance to its centre, on its right like a logarithm.
+Left of the equilibrium the map is the identity (the band of centres). Right of the place where
+the friction of contact 2 no longer holds a resting toy, a start on the section slides at once; the
+straight line that the paper draws there is the mirror image at the equilibrium, the motion of a
+sleeve that stays jammed, and the friction cone forbids it.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from record import Results, command
+from style import GREY, PALE, RED, STABLE, UNSTABLE, canvas
+
+from woodpecker import (
+    Partition,
+    Resolution,
+    Toy,
+    equilibrium,
+    first_return,
+    partition,
+    return_map,
+    slice_of,
+    toy_map,
+    toy_samples,
+)
+from woodpecker.edges import Edge, bisect
+from woodpecker.plot import plot_return_map
+
+WINDOW = (-2.5, 0.11)  # rad, the paper's
+SEEN = 0.02  # rad: a jump that shows in the picture
+COARSE = Resolution(spacing=2e-3, smallest=1e-5, bend=1e-2)  # pieces of dips are left out
+DIPS = (-1.23, -0.27)  # rad, the paper's
+BESIDE = 0.01  # rad: from there the centre of a dip is bisected; both sides hold one piece each
+NEAR = np.logspace(-6, -12, 13)  # rad: distances at which the flanks of a dip are measured
+
+
+class Dip(NamedTuple):
+    """A place where the toy never returns."""
+
+    phi_s: float  # its centre [rad]; the next double is on the other side
+    word: str  # of the piece on its right
+    left_power: float  # P_1 ~ -c distance^power on the left
+    right_log: float  # P_1 ~ c log10(distance) on the right [rad per decade]
+    deepest: float  # value at the double left of the centre [rad]
+
+
+class Ends(NamedTuple):
+    """What becomes of the map on the right [rad]."""
+
+    band: tuple[float, float]  # of centres: P_1 is the identity
+    slides_from: float  # starts beyond it cannot jam
+    falls_from: float  # starts beyond it fall freely for ever
+    falls_to: float
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Cut the map into pieces, locate what is special, draw.
+
+    Parameters
+    ----------
+    fast
+        Draw 400 starts, not the paper's 1000.
+    out
+        Folder for ``fig08.png``.
+
+    Returns
+    -------
+    dict
+        ``fixed_points``: phi_S [rad] and slope; ``jumps``: phi_S and both limits [rad] of each
+        jump of more than 0.02 rad; ``dips``: see :class:`Dip`; ``ends``: see :class:`Ends`;
+        ``mirror_error``: largest distance of P_1 from 2 phi_S,eq - phi_S between the equilibrium
+        and ``slides_from`` [rad]; ``pieces``: number of pieces wider than 1e-5 rad left of the
+        band of centres.
+    """
+    toy = Toy()
+    dips = [dip(toy, guess) for guess in DIPS]
+    rims = ends(toy)
+    coarse = partition(toy_samples(toy), toy.eps_n1, (WINDOW[0], rims.band[0] - BESIDE), COARSE)
+    jumps = seen(coarse)
+    fixed = slice_of(toy_samples(toy), toy.eps_n1, coarse.window, COARSE).fixed_points
+    points = [(x, first_return(toy, x).slope) for x, _ in fixed]
+    if out is not None:
+        draw(toy, rims, points, 400 if fast else 1000).savefig(out / "fig08.png", dpi=200)
+        plt.close("all")
+    swing = np.linspace(equilibrium(toy).phi_s, rims.slides_from, 102)[1:-1]
+    mirror = 2.0 * equilibrium(toy).phi_s - swing
+    return {
+        "fixed_points": points,
+        "jumps": [(edge.x, edge.left_limit, edge.right_limit) for edge in jumps],
+        "dips": [found._asdict() for found in dips],
+        "ends": rims._asdict(),
+        "mirror_error": float(np.max(np.abs(return_map(toy, swing).phi_s - mirror))),
+        "pieces": len(coarse.pieces),
+    }
+
+
+def seen(coarse: Partition) -> list[Edge]:
+    """Jumps that show in the picture: large, and not below it."""
+    return [
+        edge
+        for edge in coarse.edges
+        if abs(edge.jump) > SEEN and min(edge.left_limit, edge.right_limit) > WINDOW[0]
+    ]
+
+
+def dip(toy: Toy, guess: float) -> Dip:
+    """The centre of a dip, to neighbouring doubles, and how its flanks fall.
+
+    On the right the sleeve slides and jams again (the word ends in J2); on the left contact 2 opens
+    first, with hardly any relative speed, and the toy falls.
+    """
+    right, left = bisect(toy_map(toy), toy.eps_n1, guess + BESIDE, guess - BESIDE)
+    values = [return_map(toy, left - NEAR).phi_s, return_map(toy, right + NEAR).phi_s]
+    decades = np.log10(NEAR)
+    power = np.polyfit(decades, np.log10(-values[0]), 1)[0]
+    per_decade = np.polyfit(decades, values[1], 1)[0]
+    word = first_return(toy, guess + BESIDE).word
+    return Dip(left, word, float(power), float(per_decade), first_return(toy, left).phi_s)
+
+
+def ends(toy: Toy) -> Ends:
+    """The band of centres, and where a start slides and falls; all to neighbouring doubles.
+
+    A start that stays jammed has the empty word.
+    """
+    rest = equilibrium(toy).phi_s
+    jammed = toy_map(toy)
+    band = bisect(jammed, toy.eps_n1, rest - 1e-3, rest - 0.1)[0]
+    slides = bisect(jammed, toy.eps_n1, rest + 1e-3, rest + 0.1)[0]
+    middle = 0.5 * (-toy.phi_m_max)  # of the starts that fall
+    falls = [bisect(jammed, toy.eps_n1, middle, x)[0] for x in (slides, 0.1)]
+    return Ends((band, rest), slides, *falls)
+
+
+def draw(toy: Toy, rims: Ends, points: list[tuple[float, float]], starts: int) -> Figure:
+    """The whole map, and what is beside the equilibrium."""
+    figure, (whole,) = canvas(5.0)
+    returns = return_map(toy, np.linspace(*WINDOW, starts))
+    plot_return_map(toy, returns, whole)
+    for x, slope in points:
+        stable = abs(slope) < 1.0
+        whole.plot(
+            x, x, "o", color=STABLE if stable else UNSTABLE, markersize=5, zorder=5,
+            mfc=STABLE if stable else "white",
+        )  # fmt: skip
+    whole.axvspan(rims.falls_from, rims.falls_to, color=PALE, alpha=0.35, linewidth=0)
+    whole.text(
+        0.5 * (rims.falls_from + rims.falls_to), -2.42, "falls for ever", rotation=90, fontsize=8,
+        ha="center", va="bottom",
+    )  # fmt: skip
+    forbidden(toy, rims, whole)
+    for k, guess in enumerate(DIPS):
+        whole.annotate(
+            f"dip {k + 1}", (guess, -1.75), (6 if k == 0 else -9, 0), textcoords="offset points",
+            ha="left" if k == 0 else "right", fontsize=8,
+        )  # fmt: skip
+    zoom(toy, rims, whole.inset_axes((0.095, 0.1, 0.33, 0.44)))
+    whole.legend(fontsize=8, loc="center", bbox_to_anchor=(0.665, 0.17), framealpha=0.95)
+    return figure
+
+
+def forbidden(toy: Toy, rims: Ends, ax: Axes) -> None:
+    """What a sleeve would do that stays jammed where friction cannot hold it."""
+    x = np.array([rims.slides_from, WINDOW[1]])
+    ax.plot(
+        x, 2.0 * equilibrium(toy).phi_s - x, color=RED, linestyle=(0, (2, 2)), linewidth=1.0,
+        label="if it could stay jammed",
+    )  # fmt: skip
+
+
+def zoom(toy: Toy, rims: Ends, ax: Axes) -> None:
+    """The map around the equilibrium, on a scale of its own."""
+    low, high = -0.262, -0.162
+    x = np.linspace(low, high, 600)
+    ax.plot(x, return_map(toy, x).phi_s, color=STABLE, linewidth=1.1)
+    ax.plot(x, x, color=GREY, linewidth=0.8)
+    ax.plot(rims.band, rims.band, color=PALE, linewidth=5.0, zorder=0.9, solid_capstyle="butt")
+    forbidden(toy, rims, ax)
+    ax.axvline(rims.slides_from, color=GREY, linewidth=0.7, linestyle=(0, (5, 3)))
+    ax.text(rims.slides_from + 0.002, -0.2235, "slides\nat once", fontsize=7, va="bottom")
+    ax.text(math.fsum(rims.band) / 2 - 0.003, -0.228, "centres", fontsize=7, ha="right")
+    ax.set(xlim=(low, high), ylim=(-0.30, -0.205))
+    ax.tick_params(labelsize=7)
+    ax.set_facecolor("white")
+    ax.grid(alpha=0.25, linewidth=0.5)
+
+
+if __name__ == "__main__":
+    command(main, "fig08_return_map")

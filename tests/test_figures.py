@@ -1,0 +1,224 @@
+"""The paper's Figures 4 to 8, the sensitivities and the table of its numbers."""
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+mpl.use("Agg")
+from woodpecker import Toy, equilibrium, shoot
+from woodpecker.compiled import COMPILED
+from woodpecker.plot import plot_phase_portrait
+
+fig04, fig05, fig06, fig07, fig08, sensitivities, paper_numbers = (
+    importlib.import_module(name)
+    for name in (
+        "fig04_time_history", "fig05_phase_woodpecker", "fig06_phase_others", "fig07_frames",
+        "fig08_return_map", "sensitivities", "paper_numbers",
+    )
+)  # fmt: skip
+
+PERIOD, PHI_S = 0.14597607, -0.52947197  # s, rad: the independent programs' values, to 8 digits
+NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
+EIGHT = 5e-9  # half a unit of the eighth digit
+SIX = 5e-7  # s; half a unit of the sixth digit of the event times
+LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")
+needs_speed = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+
+
+def is_picture(path: Path) -> bool:
+    """Whether it is a PNG with something on it: an empty one of this size has 5 kB."""
+    return path.read_bytes()[:4] == b"\x89PNG" and path.stat().st_size > 20_000
+
+
+@pytest.mark.slow
+def test_time_history(tmp_path: Path) -> None:
+    results = fig04.main(fast=True, out=tmp_path)
+    assert is_picture(tmp_path / "fig04.png")
+    assert results["period"] == pytest.approx(PERIOD, abs=EIGHT)
+    assert results["drop"] == pytest.approx(0.0194454, abs=5e-8)
+    assert results["extremes"]["phi_m"] == pytest.approx((-0.0006 / 0.0058, 0.0006 / 0.0058))
+    assert results["extremes"]["phi_s"] == pytest.approx((PHI_S, 0.12), abs=EIGHT)
+    assert [symbol for symbol, _ in results["events"]] == [
+        "S2",
+        "D2",
+        "I3",
+        "D3",
+        "I1",
+        "I3",
+        "D3",
+        "I2",
+        "D2",
+        "I2",
+        "J2",
+    ]
+
+
+@pytest.mark.slow
+def test_phase_portraits(tmp_path: Path) -> None:
+    bird, rest = (study.main(fast=True, out=tmp_path) for study in (fig05, fig06))
+    assert is_picture(tmp_path / "fig05.png")
+    assert is_picture(tmp_path / "fig06.png")
+    assert bird["phi_s"] == pytest.approx((PHI_S, 0.12), abs=EIGHT)
+    assert bird["beak_restitution"] == pytest.approx(0.5, abs=1e-14)  # eps_N1, contact 1 alone
+    assert rest["phi_m"] == pytest.approx((-0.0006 / 0.0058, 0.0006 / 0.0058))
+    assert rest["dy"][0] < -0.3 < 0.0 < rest["dy"][1]  # it falls, and is thrown up once
+
+
+@pytest.mark.slow
+def test_frames(tmp_path: Path) -> None:
+    results = fig07.main(fast=True, out=tmp_path)
+    assert is_picture(tmp_path / "fig07.png")
+    numbers, symbols, times = zip(*results["frames"], strict=True)
+    assert numbers == tuple(range(1, 9))
+    assert symbols == ("S2", "D2", "I3", "I1", "I3", "D3", "I2", "J2")
+    known = (0.028410, 0.034231, 0.045120, 0.048221, 0.048801, 0.050656, 0.085944, 0.134793)
+    assert times == pytest.approx(known, abs=SIX)
+    assert results["second_impact"] == pytest.approx(0.088673, abs=SIX)
+
+
+def test_frames_refuse_another_motion() -> None:
+    _, motion = fig07.cycle()
+    with pytest.raises(ValueError, match="no S2 for frame 1"):
+        fig07.frames(fig07.simulate(Toy(), -0.23, 0.01))
+    assert len(fig07.frames(motion)) == 8
+
+
+@pytest.mark.slow
+@needs_speed
+def test_return_map(tmp_path: Path) -> None:
+    results = fig08.main(fast=True, out=tmp_path)
+    assert is_picture(tmp_path / "fig08.png")
+    dips = [dip["phi_s"] for dip in results["dips"]]
+    assert dips == pytest.approx([-1.224778184, -0.265942701], abs=5e-10)
+    for dip in results["dips"]:  # P_1 ~ -c / sqrt(distance); the fit over six decades is 0.5 % off
+        assert dip["left_power"] == pytest.approx(-0.5, abs=0.005)
+        assert dip["right_log"] > 0.2
+        assert dip["deepest"] < -1e6
+    jumps = np.array(results["jumps"])
+    for known in (-0.757787, -0.884773, -2.349291):
+        assert np.abs(jumps[:, 0] - known).min() < 5e-7
+    assert np.all(np.abs(jumps[:, 1] - jumps[:, 2]) > fig08.SEEN)
+    (stable,) = [(x, slope) for x, slope in results["fixed_points"] if abs(slope) < 1.0]
+    assert stable == pytest.approx((PHI_S, -0.83916), abs=5e-6)
+
+
+@needs_speed
+def test_ends_of_the_return_map() -> None:
+    """The band of centres is the mirror image of the starts that stay jammed."""
+    toy = Toy()
+    ends, rest = fig08.ends(toy), equilibrium(toy).phi_s
+    assert ends.band[1] == rest
+    assert ends.band[0] == pytest.approx(2.0 * rest - ends.slides_from, abs=1e-14)
+    assert ends.slides_from == pytest.approx(cone(toy), abs=1e-14)
+    assert ends.falls_from == pytest.approx(-toy.phi_m_max, abs=1e-15)  # no spring force there
+    assert ends.falls_to == pytest.approx(0.0097, abs=5e-5)
+
+
+def cone(toy: Toy) -> float:
+    """Angle where lambda_T2 = mu_2 lambda_N2 at rest on the jammed sleeve [Leine2001, Eqs. 6-10].
+
+    With only phi_S free: phi_S'' = (h_3)/(J_S + m_S l_G^2), and the first two rows give the forces.
+    """
+    m, inertia = toy.m_s, toy.j_s + toy.m_s * toy.l_g**2
+
+    def excess(phi_s: float) -> float:
+        d = phi_s + toy.phi_m_max
+        acceleration = (-toy.c_phi * d - m * toy.g * toy.l_g) / inertia
+        tangential = m * toy.l_g * acceleration + toy.g * (m + toy.m_m)
+        moment = m * toy.l_m * toy.l_g * acceleration - toy.c_phi * d + m * toy.g * toy.l_m
+        return tangential - toy.mu_2 * (moment - toy.r_m * tangential) / toy.h_m
+
+    low, high = excess(-0.3), excess(-0.1)  # it is linear in phi_S
+    return -0.3 - 0.2 * low / (high - low)
+
+
+@pytest.mark.slow
+@needs_speed
+def test_sensitivities(tmp_path: Path) -> None:
+    results = sensitivities.main(fast=True, out=tmp_path)
+    assert is_picture(tmp_path / "sensitivities.png")
+    assert results["largest_spread"] < 1e-5  # two steps, a factor of ten apart
+    assert results["skipped"] == {"pole": "is infinite"}
+    found = results["sensitivities"]
+    # Units of mass, length and time are free: T follows the unit of time, phi_S none of them. The
+    # differences are good to 1e-7, see ``largest_spread``.
+    for quantity, per_time in (("period", 1.0), ("phi_s", 0.0)):
+        rate = {name: each[quantity] for name, each in found.items()}
+        inertia, length = rate["j_m"] + rate["j_s"], sum(rate[name] for name in LENGTHS)
+        mass = rate["m_m"] + rate["m_s"] + inertia + rate["c_phi"]
+        assert mass == pytest.approx(0.0, abs=1e-6)
+        assert length + 2.0 * inertia + rate["g"] + 2.0 * rate["c_phi"] == pytest.approx(
+            0.0, abs=1e-6
+        )
+        assert -2.0 * rate["g"] - 2.0 * rate["c_phi"] == pytest.approx(per_time, abs=1e-6)
+
+
+def test_an_explanation_gives_the_period_of_the_paper() -> None:
+    orbit = shoot(Toy(), PHI_S)
+    found = sensitivities.explanation(orbit, "l_s", -4.03)
+    changed = shoot(Toy(l_s=found.value), PHI_S)
+    assert changed.period == pytest.approx(0.1452, abs=1e-12)
+    assert changed.phi_s == found.phi_s
+    assert found.rounds_to_data
+    spring = sensitivities.explanation(orbit, "c_phi", -0.395)
+    assert set(spring.contradicts) == {"equilibrium", "eigenfrequency"}
+
+
+def test_the_unit_of_the_last_digit() -> None:
+    units = [sensitivities.unit(text) for text in ("0.1034", "-2.35", "5.0e-9", "1")]
+    assert units == pytest.approx([1e-4, 1e-2, 1e-10, 1.0], rel=1e-12)
+
+
+@pytest.mark.slow
+@needs_speed
+def test_paper_numbers() -> None:
+    results = paper_numbers.main(fast=True)
+    rows: dict[str, dict[str, Any]] = {row["quantity"]: row for row in results["rows"]}
+    assert rows["period T [s]"]["ours"] == pytest.approx(PERIOD, abs=EIGHT)
+    assert rows["period T [s]"]["relative_difference"] == pytest.approx(0.005345, abs=5e-7)
+    assert rows["frequency without contact [Hz]"]["ours"] == pytest.approx(72.9085, abs=5e-5)
+    assert set(results["differing"]) == {
+        "period T [s]",
+        "the same with M as printed [Hz]",
+        "impacts of the lower edge",
+        "right end of P_1 on a straight line [rad]",
+    }
+    left_out = [row for row in results["rows"] if row["ours"] is None]
+    assert len(left_out) == results["skipped"] == 9
+    assert all(row["remark"] == paper_numbers.HEAVY for row in left_out)
+
+
+def test_the_last_digit_decides() -> None:
+    row = paper_numbers.Row
+    assert row("x", "0.53", 0.539, "").agrees
+    assert row("x", "0.53", 0.541, "").agrees is False
+    assert row("n", "1", 2.0, "").agrees is False
+    assert row("n", "1", None, "").agrees is None
+    assert row("x", "-2.0", -1.0, "").relative_difference == 0.5
+
+
+@pytest.mark.slow
+@needs_speed
+def test_the_points_of_figure_10() -> None:
+    rows = {row.quantity: row for row in paper_numbers.special_points(Toy(), fast=False)}
+    at = {name[0]: row.ours for name, row in rows.items() if name.endswith("eps_N1")}
+    assert at == pytest.approx({"A": 0.0421643309, "B": 0.3210361465, "C": 0.1851269510}, abs=5e-10)
+    assert rows["slope a of P_1 right of A"].ours == pytest.approx(1.26515, abs=5e-6)
+
+
+def test_labels_are_spread_without_changing_their_order() -> None:
+    places = np.array([0.0, 1.0, 1.01, 1.02, 3.0])
+    apart = fig04.spread(places, 0.2)
+    assert np.diff(apart).min() >= 0.2 - 1e-15
+    assert apart[[0, 4]] == pytest.approx([0.0, 3.0])
+    assert apart[1:4].mean() == pytest.approx(1.01)
+
+
+def test_a_phase_portrait_names_what_it_cannot_draw() -> None:
+    _, motion = fig07.cycle()
+    with pytest.raises(ValueError, match="unknown quantity 'phi'"):
+        plot_phase_portrait(motion, "phi", "dy")

@@ -1,0 +1,155 @@
+"""The references are right, and work and precision are measured on the same motion."""
+
+from decimal import Decimal
+from functools import partial
+from typing import Any
+
+import cases
+import numpy as np
+import peer_kernel
+import pytest
+import work_precision as study
+from peer_ode import first_return_ode
+
+from woodpecker import Toy, first_return
+from woodpecker.compiled import COMPILED
+
+LAST_DIGITS = Decimal("1e-28")  # thirty digits were asked for; two are left to rounding
+ROUNDING = 1e-13  # rad; some spacings of doubles, times slopes up to ten, over twenty events
+
+
+def test_the_double_impact_is_right_to_thirty_digits() -> None:
+    image, period, word = cases.recomputed(cases.DOUBLE)
+    assert abs(Decimal(image) - Decimal(cases.DOUBLE.image)) < LAST_DIGITS
+    assert abs(Decimal(period) - Decimal(cases.DOUBLE.period)) < LAST_DIGITS
+    assert word == cases.DOUBLE.word
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", [cases.CYCLE, cases.TWO_SWINGS], ids=lambda scene: scene.name)
+def test_scenes_are_right_to_thirty_digits(scene: cases.Scene) -> None:
+    image, period, word = cases.recomputed(scene)
+    assert abs(Decimal(image) - Decimal(scene.image)) < LAST_DIGITS
+    assert abs(Decimal(period) - Decimal(scene.period)) < LAST_DIGITS
+    assert word == scene.word
+
+
+@pytest.mark.slow
+def test_the_sample_of_the_map_is_right_to_thirty_digits() -> None:
+    for image, known in zip(cases.recomputed_sample(), cases.SAMPLE_IMAGES, strict=True):
+        assert abs(Decimal(image) - Decimal(known)) < LAST_DIGITS
+
+
+@pytest.mark.slow
+def test_the_fixed_point_is_right_to_thirty_digits() -> None:
+    for value, known in zip(cases.recomputed_fixed_point(), cases.FIXED_POINT, strict=True):
+        assert abs(Decimal(value) - Decimal(known)) < LAST_DIGITS
+
+
+@pytest.mark.parametrize("scene", cases.SCENES, ids=lambda scene: scene.name)
+def test_the_kernel_meets_the_references(scene: cases.Scene) -> None:
+    lap = peer_kernel.first_return_kernel(scene.toy, scene.phi_s)
+    assert cases.distance(lap.phi_s, scene.image) < ROUNDING
+    assert cases.distance(lap.period, scene.period) < ROUNDING
+    assert cases.plain(lap.word) == scene.word
+
+
+def test_the_kernel_meets_the_sample_of_the_map() -> None:
+    for x, image in zip(cases.sample(), cases.SAMPLE_IMAGES, strict=True):
+        assert cases.distance(first_return(Toy(), float(x)).phi_s, image) < ROUNDING
+
+
+def test_words_are_compared_by_their_events() -> None:
+    assert cases.same_events("I3s D3 I1-s+3 J2 S2 D2", "I3 D3 I1+3 R2 D2")
+    assert not cases.same_events("S2 D2 I3 I1+3", "S2 D2 I3 D3 I3 I1+3")
+    assert not cases.same_events("J2 S3", "R2")
+
+
+def test_the_twin_keeps_more_digits_than_a_double() -> None:
+    lap = peer_kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
+    error = abs(lap.phi_s - Decimal(cases.DOUBLE.image))
+    assert 0 < error < Decimal("1e-19")  # printed to twenty digits
+
+
+def setting(peer: Any, noise: float) -> study.Setting:
+    return study.Setting("RK45", "", "rtol", noise, peer)
+
+
+def test_newton_finds_the_cycle_with_difference_quotients() -> None:
+    """h = 1e-5 rad: the quotient errs by h^2 P'''/6, where P''' / 6 is some hundreds."""
+    x, multiplier, spent = study.newton(setting(peer_kernel.first_return_kernel, 1e-12))
+    assert cases.distance(x, cases.FIXED_POINT.phi_s) < 1e-11  # Newton stops at 1e-12
+    assert cases.distance(multiplier, cases.FIXED_POINT.multiplier) < 1e-6
+    assert spent == len(cases.CYCLE.word.split()) * (spent // 11)
+
+
+@pytest.mark.parametrize(("method", "order"), [("RK45", 5.0), ("DOP853", 8.0), ("Radau", 4.0)])
+def test_fixed_steps_converge_with_the_order_of_the_formula(method: str, order: float) -> None:
+    """Where an event falls within its step changes the error, so orders scatter by one or so."""
+    ladder = []
+    for step in (4e-3, 2e-3, 1e-3, 5e-4):
+        lap = first_return_ode(Toy(), cases.CYCLE.phi_s, method, 1e3, 1e3, step)
+        ladder.append((step, cases.distance(lap.phi_s, cases.CYCLE.image)))
+    line = study._order("cycle", method, "", ladder)
+    assert line["expected"] == order
+    assert line["fitted"] == pytest.approx(order, abs=1.2)
+    assert line["converges"]
+
+
+def test_an_order_is_the_slope_and_a_plateau_does_not_converge() -> None:
+    exact = [(h, 3.0 * h) for h in (1e-3, 1e-4, 1e-5)]
+    line = study._order("", "Moreau, theta", "lcp", exact)
+    assert line["fitted"] == pytest.approx(1.0, abs=1e-12)
+    plateau = [(h, 0.07 + h) for h in (1e-3, 1e-4, 1e-5)]
+    assert not study._order("", "Moreau, theta", "lcp", plateau)["converges"]
+
+
+def row(method: str, error: float | None, cpu: float | None) -> dict[str, Any]:
+    return {"method": method, "variant": "", "knob": "rtol", "value": 1e-3, "error": error,
+            "cpu": cpu}  # fmt: skip
+
+
+def test_verdicts_follow_from_the_rows() -> None:
+    kernel, twin = row(study.KERNEL, 1e-16, 1.0), row(study.TWIN, 0.0, 0.1)
+    rough, fine = row("RK45", 1e-2, 0.5), row("DOP853", 1e-7, 3.0)
+    rows = [kernel, twin, rough, fine, row("LSODA", None, None)]
+    assert study.ahead(rows)
+    lines = study.compared(rows)
+    assert [line["ratio"] for line in lines] == [3.0, 3.0, None, None]
+    assert lines[-1]["reason"]
+    assert not study.ahead([*rows, row("Radau", 1e-4, 0.9)])
+    assert not study.ahead([row(study.KERNEL, 1e-11, 1.0), fine])
+
+
+def test_another_process_runs_the_plain_kernel() -> None:
+    with peer_kernel.PlainPython() as other:
+        arguments = peer_kernel.numbers(Toy()), [cases.CYCLE.phi_s]
+        (images, words), seconds = other.ask("peer_kernel:laps", *arguments, count=2)
+    assert images == [first_return(Toy(), cases.CYCLE.phi_s).phi_s]  # the same numbers, exactly
+    assert words == [cases.CYCLE.word]
+    assert seconds.cpu > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+def test_the_study_runs_and_nothing_is_unmarked(tmp_path: Any) -> None:
+    results = study.main(fast=True, out=tmp_path)
+    assert (tmp_path / "work_precision.png").stat().st_size > 20_000
+    assert set(results["tasks"]) == {s.name for s in cases.SCENES} | {study.MAP, study.FIXED}
+    for task, rows in results["tasks"].items():
+        assert rows[0]["method"] == study.KERNEL
+        assert rows[0]["error"] < ROUNDING, task
+        assert not rows[0]["scaled"]
+        for line in rows:
+            assert line["lost"] is None or line["error"] is None
+            assert task == study.MAP or not line["scaled"]
+    fitted = [line["fitted"] for line in results["orders"] if line["reason"] is None]
+    assert np.isfinite(fitted).all()
+
+
+def test_a_method_that_gets_lost_is_recorded() -> None:
+    peer = partial(first_return_ode, Toy(eps_n1=0.1), -0.7)  # its impacts accumulate
+    entry = study.Entry("RK45", "", "rtol", 1e-6, peer, lambda lap: study.Answer(0.0, True, 1))
+    (line,) = study.measured([entry], 1)
+    assert "closer than" in line["lost"]
+    assert line["error"] is None
