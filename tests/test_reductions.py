@@ -31,15 +31,17 @@ def test_phases_add_up_to_the_periods(motion: tuple[list[study.Phase], study.Imp
     assert len(impacts.size) == strikes + beak
 
 
+@pytest.mark.slow
 def test_both_contact_solvers_agree(motion: tuple[list[study.Phase], study.Impacts]) -> None:
     _, impacts = motion
     one, two = study.direct(impacts), study.lemke(impacts)
     scale = np.abs(two).max(axis=1, keepdims=True)
-    assert np.abs(one - two).max() > 0.0 or one.any()
+    assert one.any()
     assert np.all(np.abs(one - two) <= 1e-9 * scale)  # rounding times condition 1e5, see lcp.py
     assert np.all(one[:, 0] >= impacts.floor[:, 0])
 
 
+@pytest.mark.slow
 def test_order_eight_converges_to_the_closed_form(
     motion: tuple[list[study.Phase], study.Impacts],
 ) -> None:
@@ -71,6 +73,7 @@ def test_a_disturbed_start_is_followed_to_its_real_return() -> None:
     assert 0.0 < abs(slipping[1] - image[1]) < 1e-5
 
 
+@pytest.mark.slow
 def test_dense_sampling_finds_the_events_that_isolation_finds(
     motion: tuple[list[study.Phase], study.Impacts],
 ) -> None:
@@ -81,6 +84,7 @@ def test_dense_sampling_finds_the_events_that_isolation_finds(
     assert study.wrong(phases, *study.sampled(smooth, 0.05)) > 0  # longer than a swing
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 def test_sampling_misses_what_isolation_finds_next_to_grazing() -> None:
     near = study.beside_edges(study.GRAZED, np.linspace(-2.5, -0.24, 20))

@@ -26,6 +26,7 @@ RESOLVED = 1e-11  # a change of words is located this well in the parameter
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
 SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
+FASTEST = 100.0  # largest speed dx/dp of an edge, relative to where it is expected
 WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
 
 
@@ -82,7 +83,7 @@ def follow_jump(
                 yield track.end(last, p)
                 return
             found, step = beyond, FIRST_STEP
-            if (beyond.left.word, beyond.right.word) != (last.left.word, last.right.word):
+            if not _same_words(beyond, last):
                 yield JumpPoint(edge=last, kind=PointKind.WC)
         side = _collided(current, found)
         if side != 0:
@@ -114,11 +115,24 @@ def _collided(a: Edge, b: Edge) -> int:
     return 0
 
 
+def _same_words(a: Edge, b: Edge) -> bool:
+    return (a.left.word, a.right.word) == (b.left.word, b.right.word)
+
+
 class _Mark(NamedTuple):
     """Where an edge was seen, as well as it had to be known."""
 
     p: float
     x: float
+
+
+_Place = Edge | _Mark
+
+
+def _predicted(p: float, near: _Place, before: _Place) -> float:
+    """Where an edge lies at p, by the line through two known places."""
+    rate = (near.x - before.x) / (near.p - before.p) if near.p != before.p else 0.0
+    return near.x + rate * (p - near.p)
 
 
 class _Track:
@@ -133,17 +147,42 @@ class _Track:
         self.left, self.right = start.left.word, start.right.word
         self.reach = WIDEST  # half width that held the last prediction, with a margin
 
-    def at(self, p: float, near: Edge, before: Edge, widest: float = WIDEST) -> Edge | None:
+    def at(self, p: float, near: _Place, before: _Place) -> Edge | None:
         """The edge at p, predicted from two known ones; None if its words are not found."""
-        for half in dict.fromkeys((self.reach, widest)):
-            bracket = self._bracket(p, near, before, half)
-            if bracket is None:
-                continue
-            edge = edge_between(self.map, p, *bracket)
-            if edge.right.word == self.right:
-                miss = abs(edge.x - 0.5 * (bracket[0] + bracket[1]))
+        for widest in dict.fromkeys((self.reach, WIDEST)):
+            bracket = self._bracket(p, near, before, widest)
+            faced = self._faced(p, *bracket) if bracket is not None else None
+            if bracket is not None and faced is not None:
+                miss = abs(faced[0] - 0.5 * (bracket[0] + bracket[1]))
                 self.reach = min(max(1e4 * miss, NARROWEST), WIDEST)
-                return edge
+                return edge_between(self.map, p, *faced)
+        return None
+
+    def _faced(
+        self, p: float, low: float, high: float, fine: float = 0.0
+    ) -> tuple[float, float] | None:
+        """Neighbours, ``fine`` apart or next doubles, where the left word faces the right one.
+
+        There may be thin pieces of other words between low and high, on either side of the edge:
+        first they are taken to lie right of it, then left.
+        """
+        for others in (self.right, self.left):
+            inside, outside = low, high
+            while outside - inside > 2.0 * fine:
+                middle = 0.5 * (inside + outside)
+                if middle in (inside, outside):
+                    break
+                word = self.map(middle, p).word
+                if word == self.left or (word != self.right and others == self.left):
+                    inside = middle
+                else:
+                    outside = middle
+            beside = NEAR * math.ulp(inside) if fine == 0.0 else 0.0
+            if (
+                self.map(inside - beside, p).word == self.left
+                and self.map(outside + beside, p).word == self.right
+            ):
+                return inside, outside
         return None
 
     def probed(self, p: float, near: Edge, before: Edge) -> float:
@@ -156,94 +195,91 @@ class _Track:
         return p
 
     def _bracket(
-        self, p: float, near: Edge | _Mark, before: Edge | _Mark, widest: float, half: float = 0.0
+        self, p: float, near: _Place, before: _Place, widest: float, half: float = 0.0
     ) -> tuple[float, float] | None:
         """Neighbours of the predicted edge, at most ``widest`` off, that carry its two words.
 
         They are looked for from a distance ``half`` on, if it is given.
         """
-        growth = 1000.0 if half == 0.0 else 10.0
-        rate = (near.x - before.x) / (near.p - before.p) if near.p != before.p else 0.0
-        guess = near.x + rate * (p - near.p)
+        guess = _predicted(p, near, before)
         half = max(half, 8.0 * NEAR * math.ulp(guess))  # a neighbouring piece may be just as thin
         while half <= widest:
             left, right = guess - half, guess + half
             if self.map(left, p).word == self.left and self.map(right, p).word == self.right:
                 return left, right
-            half = min(growth * half, WIDEST) if half < WIDEST else math.inf
+            half = min(10.0 * half, WIDEST) if half < WIDEST else math.inf
         return None
 
     def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None, float]:
         """The last edge with these words on the way to p, the next beyond it, and where that is."""
-        good, bad = self._narrowed(near, before, p)
-        last = near
+        marks, bad = self._narrowed(near, before, p)
+        good, last = marks[-1].p, near
         for back in (0.0, 1e-10, 1e-8, 1e-6):  # right at the change a piece is too thin to see
-            edge = self.at(good + math.copysign(back, near.p - p), near, before)
+            edge = self.at(good + math.copysign(back, near.p - p), marks[-1], marks[-2])
             if edge is not None:
                 last = edge
                 break
         self.reach = WIDEST
-        reach = 4.0 * (bad - good)
+        if good == p:
+            return last, last, p
+        reach, beyond = 4.0 * (bad - good), None
         while abs(reach) <= self.settings.tolerances.edge:
-            beyond = self._change_words(last, good + reach)
-            if beyond is not None:
-                return last, beyond, good + reach
+            found = self._change_words(last, marks[-2], good + reach)
+            beyond = found or beyond
+            if found is not None and not _same_words(found, last):
+                break  # as long as they are the same, what comes between is too thin to see
             reach *= 8.0
+        if beyond is not None:
+            self.left, self.right = beyond.left.word, beyond.right.word
+            return last, beyond, beyond.p
         return last, None, good + reach
 
-    def _narrowed(self, near: Edge, before: Edge, p: float) -> tuple[float, float]:
-        """The last parameter on the way to p at which the edge is there, the first at which not.
+    def _narrowed(self, near: Edge, before: Edge, p: float) -> tuple[list[_Mark], float]:
+        """Where the edge was seen on the way to p, in order, and the first place where it is not.
 
         If the last edge was where it was predicted, two evaluations tell whether it still is.
-        Otherwise: a piece beside it closes there, about linearly in the parameter. So where p is known
-        to a distance, the edge has to be known to a small part of that distance only, and is
-        predicted the better the closer the last two places are. What that overlooks shows when
-        the edge is looked for to the last bit in the end; then the search begins anew from the
-        last place where it is there indeed.
+        Otherwise: a piece beside it closes there, about linearly in the parameter. So where p is
+        known to a distance, the edge has to be known to a small part of that distance only, and is
+        predicted the better the closer the last two places are. What that overlooks shows when the
+        edge is looked for to the last bit in the end; then the last place is given up.
         """
-        if self.reach <= NARROWEST and self._bracket(p, near, before, NARROWEST) is None:
+        marks = [_Mark(before.p, before.x), _Mark(near.p, near.x)]
+        if self.reach <= NARROWEST and self._bracket(p, *marks[::-1], NARROWEST) is None:
             good, bad = near.p, p
             while abs(bad - good) > RESOLVED:
                 middle = 0.5 * (good + bad)
-                if self._bracket(middle, near, before, NARROWEST) is not None:
+                if self._bracket(middle, *marks[::-1], NARROWEST) is not None:
                     good = middle
                 else:
                     bad = middle
-            if self.at(bad, near, before) is None:
-                return good, bad
-        seen, bad = [_Mark(before.p, before.x), _Mark(near.p, near.x)], p
-        exact = 1
+            if self.at(bad, *marks[::-1]) is None:
+                return [*marks, _Mark(good, _predicted(good, *marks[::-1]))], bad
+        ahead = p  # first it is looked for at p itself
+        bad, exact = p + math.copysign(RESOLVED, p - near.p), len(marks) - 1
         while True:
-            while abs(bad - seen[-1].p) > RESOLVED:
-                middle = 0.5 * (seen[-1].p + bad)
-                fine = 0.0 if len(seen) == exact else COARSE * abs(bad - seen[-1].p)
-                x = self._seen(middle, seen[-1], seen[-2], fine)
+            while abs(bad - marks[-1].p) > RESOLVED:
+                fine = 0.0 if len(marks) == exact else COARSE * abs(bad - marks[-1].p)
+                x = self._seen(ahead, marks[-1], marks[-2], fine)
                 if x is None:
-                    bad = middle
+                    bad = ahead
                 else:
-                    seen.append(_Mark(middle, x))
-            if self.at(seen[-1].p, seen[-1], seen[-2]) is not None or len(seen) <= 2:
-                return seen[-1].p, bad
-            while len(seen) > 2 and self.at(seen[-1].p, seen[-1], seen[-2]) is None:
-                bad = seen.pop().p
-            exact = len(seen)
+                    marks.append(_Mark(ahead, x))
+                ahead = 0.5 * (marks[-1].p + bad)
+            if len(marks) == 2 or self.at(marks[-1].p, marks[-1], marks[-2]) is not None:
+                return marks, bad
+            while len(marks) > 2 and self.at(marks[-1].p, marks[-1], marks[-2]) is None:
+                bad = marks.pop().p
+            exact = len(marks)
+            ahead = 0.5 * (marks[-1].p + bad)
 
     def _seen(self, p: float, near: _Mark, before: _Mark, fine: float) -> float | None:
         """Where the edge lies, to ``fine`` or the last bit; None if its words are not there."""
-        bracket = self._bracket(p, near, before, WIDEST, 2.0 * fine)
+        widest = min(WIDEST, max(FASTEST * abs(p - near.p), NARROWEST))
+        bracket = self._bracket(p, near, before, widest, 2.0 * fine)
         if bracket is None:
             return None
-        inside, outside = bracket
-        while abs(outside - inside) > 2.0 * fine:
-            middle = 0.5 * (inside + outside)
-            if middle in (inside, outside):
-                break
-            if self.map(middle, p).word == self.left:
-                inside = middle
-            else:
-                outside = middle
-        near_by = outside + NEAR * math.ulp(outside) if fine == 0.0 else outside
-        return inside if self.map(near_by, p).word == self.right else None
+        faced = self._faced(p, *bracket, fine)
+        return faced[0] if faced is not None else None
 
     def end(self, last: Edge, p: float) -> JumpPoint:
         """Why there is no jump with other words beyond the last one seen."""
@@ -256,19 +292,20 @@ class _Track:
                 return JumpPoint(edge=last, kind=PointKind.FALL, note=beside.word)
         return JumpPoint(edge=last, kind=PointKind.EP, note=JUMP_ENDS)
 
-    def _change_words(self, near: Edge, p: float) -> Edge | None:
+    def _change_words(self, near: Edge, before: _Mark, p: float) -> Edge | None:
         """The jump with new words at p, if it still crosses the diagonal, and can be kept."""
-        half = 8.0 * NEAR * math.ulp(near.x)  # if the edge does not move, it is here
+        guess = _predicted(p, near, before)
+        half = 8.0 * NEAR * math.ulp(guess)
         for _ in range(5):
-            low, high = near.x - half, near.x + half
-            candidates = [edge_between(self.map, p, low, high)]
-            candidates.append(edge_between(self.map, p, high, low))
-            for edge in candidates:
+            low, high = guess - half, guess + half
+            for inside, outside in ((low, high), (high, low)):
+                if self.map(inside, p).word == self.map(outside, p).word:
+                    break
+                edge = edge_between(self.map, p, inside, outside)
                 shift = max(
                     abs(edge.left_limit - near.left_limit), abs(edge.right_limit - near.right_limit)
                 )
                 if edge.crosses and shift < SAME_LIMITS:
-                    self.left, self.right = edge.left.word, edge.right.word
                     return edge
             half = max(10.0 * half, 100.0 * abs(p - near.p))
         return None
