@@ -8,7 +8,7 @@ branches. Both packages share these classes and their export (:mod:`pwmap.graph`
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import pairwise
 from typing import NamedTuple
@@ -271,13 +271,22 @@ class Diagram:
         """All that hangs together with a special point; KeyError if there is no such point."""
         self.point(point_id)
         near = nx.node_connected_component(self.graph(), point_id)
-        return Diagram(
-            parameter_name=self.parameter_name,
-            x_name=self.x_name,
-            branches=tuple(branch for branch in self.branches if branch.ends[0] in near),
-            points=tuple(point for point in self.points if point.id in near),
-            given=self.given,
-        )
+        return self._part([branch for branch in self.branches if branch.ends[0] in near])
+
+    def of_order(self, order: int) -> Diagram:
+        """The branches of one iterate, and the points they end in."""
+        return self._part([branch for branch in self.branches if branch.order == order])
+
+    def _part(self, branches: Sequence[Branch]) -> Diagram:
+        """Some branches and the points they end in, which know of no others."""
+        kept = {branch.id for branch in branches}
+        ends = {end for branch in branches for end in branch.ends}
+        points = [
+            replace(point, branches=tuple(name for name in point.branches if name in kept))
+            for point in self.points
+            if point.id in ends
+        ]
+        return replace(self, branches=tuple(branches), points=tuple(points))
 
     def path(self, first: str, last: str) -> tuple[str, ...]:
         """A shortest way from one branch to another: ids of branches and points in turn.

@@ -1,7 +1,16 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations."""
 
 from woodpecker.complete import Report, Search
-from woodpecker.diagram import bifurcation_diagram, connected, continuation, whole_diagram
+from woodpecker.diagram import (
+    Found,
+    bifurcation_diagram,
+    connected,
+    continuation,
+    find_all,
+    saved_diagram,
+    whole_diagram,
+)
+from woodpecker.explore import Stage
 from woodpecker.follow import PathPoint, Settings, follow
 from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, iterate
@@ -42,6 +51,7 @@ __all__ = [
     "Evaluation",
     "Event",
     "EventKind",
+    "Found",
     "Impulse",
     "JumpPoint",
     "LabelledMap",
@@ -61,6 +71,7 @@ __all__ = [
     "Settings",
     "ShootingStatus",
     "Slice",
+    "Stage",
     "Start",
     "State",
     "Status",
@@ -74,6 +85,7 @@ __all__ = [
     "energy",
     "energy_balance",
     "equilibrium",
+    "find_all",
     "first_return",
     "follow",
     "follow_jump",
@@ -87,6 +99,7 @@ __all__ = [
     "partition",
     "return_map",
     "sampled",
+    "saved_diagram",
     "shoot",
     "simulate",
     "slice_of",

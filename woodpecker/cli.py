@@ -1,4 +1,4 @@
-"""The command ``woodpecker``: simulate, map, diagram."""
+"""The command ``woodpecker``: simulate, animate, map, diagram."""
 
 from __future__ import annotations
 
@@ -16,12 +16,15 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from pwmap.diagram import Diagram, PointKind
 from pwmap.files import write_figure, write_table
 from pwmap.results import FILES, table_of_points, write_results
-from woodpecker.diagram import WINDOW, bifurcation_diagram, continuation
+from woodpecker.diagram import WINDOW, Found, continuation, find_all, saved_diagram
+from woodpecker.explore import Stage
 from woodpecker.follow import Settings
+from woodpecker.local import local_model
 from woodpecker.returns import CHUNK, ReturnMap, return_map
-from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.shooting import PeriodicOrbit, shoot, toy_map
 from woodpecker.toy import Toy, known_parameter
 from woodpecker.trajectory import simulate as run_simulation
 
@@ -136,6 +139,42 @@ def simulate(
     _report(folder, "time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv")
 
 
+@app.command()
+@_with_toy
+def animate(
+    toy: Toy,
+    phi_s: Annotated[
+        float | None,
+        typer.Option(help="Start at rest on the section [rad]; by default on the periodic motion."),
+    ] = None,
+    t_end: Annotated[
+        float | None, typer.Option(help="Time to stop at [s]; by default one period.")
+    ] = None,
+    slow: Annotated[float, typer.Option(help="How many times slower than nature.")] = 40.0,
+    fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
+    file: Annotated[str, typer.Option(help="Name in the folder, .gif or .mp4.")] = "woodpecker.gif",
+    out: Out = Path("out"),
+) -> None:
+    """Draw the moving toy: an animated GIF, or an MP4 where ffmpeg is installed.
+
+    Example: woodpecker animate --eps-n1 0.3 --slow 60
+    """
+    folder, start, finish = _folder(out), phi_s, t_end
+    if start is None or finish is None:
+        orbit = _cycle(toy, GUESS if start is None else start)
+        start = orbit.phi_s if start is None else start
+        finish = orbit.period if finish is None else finish
+    trajectory = run_simulation(toy, start, finish)
+    with _progress() as progress:
+        task = progress.add_task("frames", total=1.0)
+        _plots().animate(
+            trajectory, folder / file, slow=slow, fps=fps,
+            progress=lambda share: progress.update(task, completed=share),
+        )  # fmt: skip
+    console.print(f"{trajectory.status.value}; fell {_mm(trajectory.drop)}")
+    _report(folder, file)
+
+
 @app.command(name="map")
 @_with_toy
 def draw_map(
@@ -210,13 +249,17 @@ def diagram(
     ] = None,
     window: Annotated[tuple[float, float], typer.Option(help="Interval of phi_S [rad].")] = WINDOW,
     step: Annotated[float, typer.Option(help="Largest step along a branch.")] = 0.02,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with an interrupted run in the folder.")
+    ] = False,
     out: Out = Path("out"),
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
 
-    With --orders find every branch in the window instead, islands too.
+    With --orders find every branch in the window instead, islands too. Every finished branch is
+    kept in run.jsonl at once: an interrupted run goes on with --resume.
 
-    Example: woodpecker diagram --parameter mu_2 --span 0.286 0.6
+    Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
     settings = Settings(
         span=span, window=window, step=min(0.005, step), max_step=step
@@ -224,23 +267,72 @@ def diagram(
     known_parameter(parameter)
     wanted = _orders(orders) if orders is not None else None
     folder = _folder(out)
+    run_file = folder / "run.jsonl"
     orbit = _cycle(toy, phi_s, order) if wanted is None else None
+    summary, stopped = "", False
     with _progress() as progress:
         task = progress.add_task(parameter, total=None)
 
-        def show(value: float) -> None:
-            progress.update(task, description=f"{parameter} = {value:.4f}")
-
-        if orbit is not None:
-            found = continuation(toy, orbit, parameter, span, settings=settings, progress=show)
-        else:
-            found = bifurcation_diagram(
-                toy, parameter, span, wanted or (), window, settings=settings, progress=show
+        def show(stage: Stage) -> None:
+            slices = f", slice {stage.slices}" if stage.slices else ""
+            progress.update(
+                task,
+                description=f"P_{stage.order}{slices}, {stage.branches} branches, "
+                f"{parameter} = {stage.parameter:.4f}",
             )
-    write_figure(folder / "diagram.png", _plots().plot_diagram(found).figure)
+
+        keep: dict[str, Any] = {
+            "settings": settings, "progress": show, "run": run_file, "resume": resume,
+        }  # fmt: skip
+        try:
+            if orbit is not None:
+                found = continuation(toy, orbit, parameter, span, **keep)
+            else:
+                everything = find_all(toy, parameter, span, wanted or (), window, **keep)
+                found, summary = everything.diagram, _searched(everything)
+        except KeyboardInterrupt:
+            found, stopped = saved_diagram(run_file), True
+    names = _draw_diagrams(toy, found, folder)
     write_results(found, folder)
     console.print(table_of_points(found))
-    _report(folder, "diagram.png", *FILES)
+    if summary:
+        console.print(summary, highlight=False)
+    _report(folder, *names, *FILES)
+    if stopped:
+        errors.print(
+            f"Interrupted: {len(found.branches)} branches are kept; go on with --resume",
+            style="red", highlight=False, soft_wrap=True,
+        )  # fmt: skip
+        raise typer.Exit(130)
+
+
+def _draw_diagrams(toy: Toy, found: Diagram, folder: Path) -> list[str]:
+    """The diagram, each order on its own if there are several, and fold-flips with their models."""
+    figures, names = _plots(), ["diagram.png"]
+    write_figure(folder / names[0], figures.plot_diagram(found).figure)
+    orders = sorted({branch.order for branch in found.branches})
+    for order in orders if len(orders) > 1 else ():
+        names.append(f"order_{order}.png")
+        part = found.of_order(order)
+        write_figure(folder / names[-1], figures.plot_diagram(part).figure)
+    labelled_map = toy_map(toy, found.parameter_name)
+    for point in found.points:
+        if point.kind is PointKind.FF and point.order == 1:
+            model = local_model(labelled_map, point.x, point.parameter)
+            names.append(f"local_{point.id}.png")
+            write_figure(folder / names[-1], figures.plot_local(model, found))
+    return names
+
+
+def _searched(everything: Found) -> str:
+    """What a search came to, in lines."""
+    lines = [
+        f"P_{report.order}: {len(report.slices)} slices, {len(report.found_at)} showed something "
+        f"new, {len(report.not_followed)} places could not be followed, at most "
+        f"{report.unresolved:.1e} rad of a slice unresolved"
+        for report in everything.reports
+    ]
+    return "\n".join([*lines, f"P_1 was evaluated {everything.evaluations} times"])
 
 
 def _cycle(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
@@ -263,9 +355,9 @@ def _plots() -> Any:
     from types import SimpleNamespace
 
     from pwmap.plot import plot_diagram
-    from woodpecker import plot
+    from woodpecker import drawing, plot
 
-    return SimpleNamespace(plot_diagram=plot_diagram, **vars(plot))
+    return SimpleNamespace(animate=drawing.animate, **{**vars(plot), "plot_diagram": plot_diagram})
 
 
 def _folder(out: Path) -> Path:

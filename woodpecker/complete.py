@@ -17,9 +17,11 @@ from itertools import count
 import numpy as np
 
 from pwmap.diagram import Branch, BranchKind
+from woodpecker.atlas import ON_BRANCH, Atlas
 from woodpecker.edges import NEAR, Edge, edge_between
-from woodpecker.explore import ON_BRANCH, Explorer
+from woodpecker.explore import Explorer
 from woodpecker.follow import Settings
+from woodpecker.journal import SLICE, Entry
 from woodpecker.labelled import LabelledMap, correct
 from woodpecker.pieces import Resolution, SampledMap, Slice, iterated, slice_of
 
@@ -102,6 +104,7 @@ def complete(
         Where slices are computed; one thread for each core by default. The result does not depend
         on it.
     """
+    explorer.go_on()  # what an interrupted run has left
     with _executor(executor) as pool:
         return [_complete(explorer, map_, order, search, pool) for order in orders]
 
@@ -125,34 +128,47 @@ class _executor:  # noqa: N801
 def _complete(
     explorer: Explorer, map_: SampledMap, order: int, search: Search, pool: Executor
 ) -> Report:
-    settings = explorer.settings
-    known = _Known(explorer, order)
-    taken: list[float] = []
-    found_at: list[float] = []
-    failed: list[tuple[float, float]] = []
-    evaluations, unresolved, quiet = 0, 0.0, 0
-    for found in _slices(map_, order, settings, search, pool):
-        p = found.partition.p
-        before = len(explorer.branches)
-        failed += _follow_slice(explorer, known, found, order)
-        taken.append(p)
-        evaluations += order * found.partition.evaluations
-        unresolved = max(unresolved, found.partition.unresolved_length)
-        quiet = quiet + 1 if len(explorer.branches) == before else 0
-        if quiet == 0:
-            found_at.append(p)
-        if len(taken) >= search.slices and quiet >= search.quiet:
-            break
+    known = _Known(explorer.atlas, order)
+    taken = [] if explorer.journal is None else _taken(explorer.journal.entries, order)
+    for found in _slices(map_, order, taken, explorer.settings, search, pool):
+        explorer.slices = len(taken) + 1
+        before = len(explorer.atlas.branches)
+        failed = list(_follow_slice(explorer, known, found, order))
+        entry = {
+            SLICE: found.partition.p,
+            "order": order,
+            "new": len(explorer.atlas.branches) > before,
+            "evaluations": order * found.partition.evaluations,
+            "unresolved": found.partition.unresolved_length,
+            "failed": failed,
+        }
+        taken.append(entry)
+        if explorer.journal is not None:
+            explorer.journal.write(entry)
     return Report(
-        order=order, slices=tuple(taken), found_at=tuple(found_at), evaluations=evaluations,
-        unresolved=unresolved, not_followed=tuple(failed),
-    )  # fmt: skip
+        order=order,
+        slices=tuple(t[SLICE] for t in taken),
+        found_at=tuple(t[SLICE] for t in taken if t["new"]),
+        evaluations=sum(t["evaluations"] for t in taken),
+        unresolved=max(t["unresolved"] for t in taken),
+        not_followed=tuple((p, x) for t in taken for p, x in t["failed"]),
+    )
+
+
+def _taken(entries: Sequence[Entry], order: int) -> list[Entry]:
+    """Slices of an order that a journal holds."""
+    return [entry for entry in entries if SLICE in entry and entry["order"] == order]
+
+
+def _enough(taken: Sequence[Entry], search: Search) -> bool:
+    return len(taken) >= search.slices and not any(t["new"] for t in taken[-search.quiet :])
 
 
 def _slices(
-    map_: SampledMap, order: int, settings: Settings, search: Search, pool: Executor
-) -> Iterator[Slice]:
-    """Slices ever denser in the span, computed ahead."""
+    map_: SampledMap, order: int, taken: Sequence[Entry], settings: Settings, search: Search,
+    pool: Executor,
+) -> Iterator[Slice]:  # fmt: skip
+    """Slices ever denser in the span, computed ahead, until those taken are enough."""
     low, high = settings.span
     whole = iterated(map_, order, settings.window)
 
@@ -161,10 +177,12 @@ def _slices(
 
     ahead: deque[Future[Slice]] = deque()
     try:
-        for k in count(1):
-            ahead.append(pool.submit(take, low + (high - low) * van_der_corput(k)))
-            if len(ahead) > AHEAD:
-                yield ahead.popleft().result()
+        numbers = count(len(taken) + 1)
+        while not _enough(taken, search):
+            while len(ahead) <= AHEAD:
+                p = low + (high - low) * van_der_corput(next(numbers))
+                ahead.append(pool.submit(take, p))
+            yield ahead.popleft().result()
     finally:
         for waiting in ahead:
             waiting.cancel()
@@ -219,8 +237,8 @@ def labelled_edge(labelled_map: LabelledMap, edge: Edge) -> Edge:
 class _Known:
     """Which places of the diagram branches of one order explain."""
 
-    def __init__(self, explorer: Explorer, order: int) -> None:
-        self.explorer, self.order = explorer, order
+    def __init__(self, atlas: Atlas, order: int) -> None:
+        self.atlas, self.order = atlas, order
         self.seen = 0
         self.chords = {kind: np.empty((0, 4)) for kind in BranchKind}
 
@@ -238,8 +256,8 @@ class _Known:
         return bool((np.abs(x - on_chord) <= allowed).any())
 
     def _update(self) -> None:
-        fresh = [b for b in self.explorer.branches[self.seen :] if b.order == self.order]
-        self.seen = len(self.explorer.branches)
+        fresh = [b for b in self.atlas.branches[self.seen :] if b.order == self.order]
+        self.seen = len(self.atlas.branches)
         for kind in BranchKind:
             rows = [_chords(branch) for branch in fresh if branch.kind is kind]
             self.chords[kind] = np.concatenate([self.chords[kind], *rows])

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import math
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 
 from pwmap.diagram import Diagram
-from woodpecker.complete import Search, complete
-from woodpecker.explore import Explorer, Progress
+from woodpecker.atlas import Atlas
+from woodpecker.complete import Report, Search, complete
+from woodpecker.explore import Explorer, Progress, restore
 from woodpecker.follow import Settings
-from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
+from woodpecker.journal import Entry, Journal, read_journal
+from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, windowed
 from woodpecker.pieces import SampledMap
 from woodpecker.returns import RESTITUTIONS
 from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map, toy_samples
@@ -28,6 +34,8 @@ def continuation(
     *,
     settings: Settings | None = None,
     progress: Progress | None = None,
+    run: Path | None = None,
+    resume: bool = False,
 ) -> Diagram:
     """Follow a periodic solution both ways, and every branch that is connected to it.
 
@@ -43,7 +51,11 @@ def continuation(
         Steps, window and tolerances; the span is taken from ``span``. By default the window is
         (-2.5, -0.24) rad.
     progress
-        Called with the parameter now and then.
+        Called now and then.
+    run
+        A file that keeps every finished branch, so that an interrupted run can go on.
+    resume
+        Go on with the run in that file.
 
     Returns
     -------
@@ -68,9 +80,31 @@ def continuation(
     start = cycle_of(orbit, labelled_map, p)
     if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
         start, _, _ = correct(labelled_map, start.x, SMALLEST)
-    return connected(
-        labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s", progress=progress
-    )
+    about = _about(toy, parameter, chosen) | {"start": orbit.points}
+    with _journal(run, about, resume) as journal:
+        return connected(
+            labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s",
+            progress=progress, journal=journal,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found:
+    """What a search for everything came to.
+
+    Attributes
+    ----------
+    diagram
+        All branches and special points.
+    reports
+        What the slices of each order showed.
+    evaluations
+        How often P_1 was evaluated in this run: by slices, and in following branches.
+    """
+
+    diagram: Diagram
+    reports: tuple[Report, ...]
+    evaluations: int
 
 
 def bifurcation_diagram(
@@ -83,6 +117,8 @@ def bifurcation_diagram(
     settings: Settings | None = None,
     search: Search | None = None,
     progress: Progress | None = None,
+    run: Path | None = None,
+    resume: bool = False,
 ) -> Diagram:
     """Every branch of some iterates in a window, and how they hang together.
 
@@ -104,7 +140,11 @@ def bifurcation_diagram(
     search
         How many slices, and how closely they look.
     progress
-        Called with the parameter now and then.
+        Called now and then.
+    run
+        A file that keeps every finished branch, so that an interrupted run can go on.
+    resume
+        Go on with the run in that file.
 
     Returns
     -------
@@ -114,18 +154,89 @@ def bifurcation_diagram(
     Raises
     ------
     ValueError
-        If an order is not at least 1, or the span or window does not ascend.
+        If an order is not at least 1, the span or window does not ascend, or there is no such run
+        to resume.
     """
+    return find_all(
+        toy, parameter, span, orders, window, settings=settings, search=search, progress=progress,
+        run=run, resume=resume,
+    ).diagram  # fmt: skip
+
+
+def find_all(
+    toy: Toy,
+    parameter: str = "eps_n1",
+    span: tuple[float, float] = (0.0, 1.0),
+    orders: Sequence[int] = (1,),
+    window: tuple[float, float] = WINDOW,
+    *,
+    settings: Settings | None = None,
+    search: Search | None = None,
+    progress: Progress | None = None,
+    run: Path | None = None,
+    resume: bool = False,
+) -> Found:
+    """Like :func:`bifurcation_diagram`, with a report of the search."""
     labelled_map, samples = toy_map(toy, parameter), toy_samples(toy, parameter)
     chosen = replace(
         settings if settings is not None else Settings(),
         span=(float(span[0]), float(span[1])),
         window=(float(window[0]), float(window[1])),
     )
-    return whole_diagram(
-        labelled_map, samples, chosen, orders, search, parameter_name=parameter, x_name="phi_s",
-        progress=progress,
-    )  # fmt: skip
+    looked = search if search is not None else Search()
+    wanted = _wanted(orders)
+    about = _about(toy, parameter, chosen) | {"orders": wanted, "search": asdict(looked)}
+    with _journal(run, about, resume) as journal:
+        return whole_diagram(
+            labelled_map, samples, chosen, wanted, looked, parameter_name=parameter,
+            x_name="phi_s", progress=progress, journal=journal,
+        )  # fmt: skip
+
+
+def _about(toy: Toy, parameter: str, settings: Settings) -> Entry:
+    """What two runs must have in common, so that one can go on with the other's journal."""
+    fixed = {name: value for name, value in asdict(toy).items() if name != parameter}
+    return {"toy": _finite(fixed), "parameter": parameter, "settings": asdict(settings)}
+
+
+def _finite(values: dict[str, float]) -> Entry:
+    return {name: str(value) if math.isinf(value) else value for name, value in values.items()}
+
+
+@contextmanager
+def _journal(run: Path | None, about: Entry, resume: bool) -> Iterator[Journal | None]:
+    """A journal for the time of a run, or none."""
+    if run is None:
+        if resume:
+            raise ValueError("resuming needs the file of a run")
+        yield None
+        return
+    journal = Journal(run, about, resume=resume)
+    try:
+        yield journal
+    finally:
+        journal.close()
+
+
+def saved_diagram(run: Path) -> Diagram:
+    """The branches that a run has finished so far.
+
+    Raises
+    ------
+    ValueError
+        If the file is not that of a run.
+    """
+    about, entries = read_journal(run)
+    atlas = Atlas()
+    restore(atlas, entries)
+    return atlas.diagram(about["parameter"], "phi_s")
+
+
+def _wanted(orders: Sequence[int]) -> list[int]:
+    wanted = sorted(set(orders))
+    if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
+        raise ValueError(f"orders must be integers j >= 1, got {tuple(orders)}")
+    return wanted
 
 
 def whole_diagram(
@@ -138,20 +249,31 @@ def whole_diagram(
     parameter_name: str = "p",
     x_name: str = "x",
     progress: Progress | None = None,
-) -> Diagram:
-    """Every branch of some iterates of a labelled map; see :func:`bifurcation_diagram`."""
-    wanted = sorted(set(orders))
-    if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
-        raise ValueError(f"orders must be integers j >= 1, got {tuple(orders)}")
+    executor: Executor | None = None,
+    journal: Journal | None = None,
+) -> Found:
+    """Every branch of some iterates of a labelled map; see :func:`bifurcation_diagram`.
+
+    The result does not depend on the executor that computes the slices.
+    """
+    wanted = _wanted(orders)
     low, high = settings.window
     inside = windowed(labelled_map, (low - MARGIN, high + MARGIN))
-    explorer = Explorer(inside, settings, progress, wanted)
-    complete(explorer, samples, wanted, search if search is not None else Search())
-    return Diagram(
-        parameter_name=parameter_name,
-        x_name=x_name,
-        branches=tuple(explorer.branches),
-        points=explorer.special_points(),
+    calls = 0
+
+    def counted(x: float, p: float) -> Evaluation:
+        nonlocal calls
+        calls += 1
+        return inside(x, p)
+
+    explorer = Explorer(counted, settings, progress, wanted, journal)
+    reports = complete(
+        explorer, samples, wanted, search if search is not None else Search(), executor
+    )
+    return Found(
+        diagram=explorer.atlas.diagram(parameter_name, x_name),
+        reports=tuple(reports),
+        evaluations=calls + sum(report.evaluations for report in reports),
     )
 
 
@@ -163,13 +285,12 @@ def connected(
     parameter_name: str = "p",
     x_name: str = "x",
     progress: Progress | None = None,
+    journal: Journal | None = None,
 ) -> Diagram:
     """All branches of a labelled map that are connected with the cycle ``start``."""
-    explorer = Explorer(labelled_map, settings, progress)
-    explorer.explore_cycle(start)
-    return Diagram(
-        parameter_name=parameter_name,
-        x_name=x_name,
-        branches=tuple(explorer.branches),
-        points=explorer.special_points(),
-    )
+    explorer = Explorer(labelled_map, settings, progress, (), journal)
+    if explorer.atlas.branches:
+        explorer.go_on()
+    else:
+        explorer.explore_cycle(start)
+    return explorer.atlas.diagram(parameter_name, x_name)

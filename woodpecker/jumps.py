@@ -244,16 +244,16 @@ class _Track:
         edge is looked for to the last bit in the end; then the last place is given up.
         """
         marks = [_Mark(before.p, before.x), _Mark(near.p, near.x)]
-        if self.reach <= NARROWEST and self._bracket(p, *marks[::-1], NARROWEST) is None:
+        if self.reach <= NARROWEST and self._bracket(p, near, before, NARROWEST) is None:
             good, bad = near.p, p
             while abs(bad - good) > RESOLVED:
                 middle = 0.5 * (good + bad)
-                if self._bracket(middle, *marks[::-1], NARROWEST) is not None:
+                if self._bracket(middle, near, before, NARROWEST) is not None:
                     good = middle
                 else:
                     bad = middle
-            if self.at(bad, *marks[::-1]) is None:
-                return [*marks, _Mark(good, _predicted(good, *marks[::-1]))], bad
+            if self.at(bad, near, before) is None:
+                return [*marks, _Mark(good, _predicted(good, near, before))], bad
         ahead = p  # first it is looked for at p itself
         bad, exact = p + math.copysign(RESOLVED, p - near.p), len(marks) - 1
         while True:

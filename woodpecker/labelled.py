@@ -133,10 +133,9 @@ def _solved(cycle: Cycle, last_row: Floats, rhs: Floats) -> Floats:
     """
     if len(cycle.x) > 1:
         try:
-            solution: Floats = np.linalg.solve(jacobian(cycle, last_row), rhs)
+            return np.asarray(np.linalg.solve(jacobian(cycle, last_row), rhs), dtype=float)
         except np.linalg.LinAlgError:
-            solution = np.full(len(rhs), np.nan)
-        return solution
+            return np.full(len(rhs), np.nan)
     a, b = cycle.laps[0].slope - 1.0, cycle.laps[0].rate
     (c, d), (first, second) = last_row.tolist(), rhs.tolist()
     determinant = a * d - b * c

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from pwmap.plot import JUMP, STABLE, UNSTABLE
+from pwmap.diagram import BranchKind, Diagram
+from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, plot_diagram
 from woodpecker.arrays import Floats
 from woodpecker.labelled import iterate
+from woodpecker.local import LocalModel
 from woodpecker.returns import ReturnMap
 from woodpecker.shooting import toy_map
 from woodpecker.toy import Toy
@@ -186,3 +190,53 @@ def _refined(
         y.append(image)
         pending.pop()
     return np.array(x), np.array(y), jumps
+
+
+def plot_local(
+    model: LocalModel, diagram: Diagram, figure: Figure | None = None, *, reach: float = 2e-3
+) -> Figure:
+    """A diagram next to a border collision, beside what its local model predicts.
+
+    Parameters
+    ----------
+    model
+        From :func:`woodpecker.local_model`.
+    diagram
+        A diagram that holds the collision [Leine2001, Figs. 11, 12].
+    figure
+        Where to draw; a new one by default.
+    reach
+        Half width of the interval of the parameter.
+    """
+    figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.8), layout="constrained")
+    seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
+    p, x = model.edge.p, model.edge.x
+    plot_diagram(diagram, seen, legend=False)
+    seen.set_title("the toy", fontsize=10)
+    slopes = {"L": model.edge.left.slope, "R": model.edge.right.slope}
+    for start in model.starts:
+        multiplier = math.prod(slopes[letter] for letter in start.word.split("|")[0])
+        color, dash = (
+            (JUMP, (0, (1, 1.3)))
+            if start.kind is BranchKind.JUMP
+            else (STABLE, "-")
+            if abs(multiplier) < 1.0
+            else (UNSTABLE, (0, (4, 1.5)))
+        )
+        end = p + start.side * reach, x + start.side * start.slope * reach
+        predicted.plot([p, end[0]], [x, end[1]], color=color, linestyle=dash, linewidth=1.4)
+        name = f"$P_{start.order}$" if start.kind is BranchKind.JUMP else "fixed point"
+        middle = 0.5 * (p + end[0]), 0.5 * (x + end[1])
+        predicted.annotate(
+            name, middle, (3, 3), textcoords="offset points", fontsize=8, color=color
+        )
+    marker, color = MARKERS[model.point.kind]
+    predicted.scatter([p], [x], s=70, marker=marker, color=color, edgecolors="white", zorder=5)
+    predicted.set_title("its local model, solved exactly", fontsize=10)
+    predicted.set_xlabel(seen.get_xlabel())
+    predicted.grid(alpha=0.25, linewidth=0.5)
+    height = 1.1 * reach * max(abs(start.slope) for start in model.starts) or reach
+    seen.set_xlim(p - reach, p + reach)
+    seen.set_ylim(x - height, x + height)
+    seen.ticklabel_format(useOffset=False)
+    return figure

@@ -66,7 +66,7 @@ def numeric(name: str) -> tuple[Diagram, Diagram]:
     map_ = PiecewiseLinearMap(pieces)
     continued = labelled(map_)
     settings = Settings(span=(float(span[0]), float(span[1])), window=(-20.0, 20.0))
-    found = whole_diagram(continued, sampled(continued), settings, orders, SEARCH)
+    found = whole_diagram(continued, sampled(continued), settings, orders, SEARCH).diagram
     return found, bifurcation_diagram(map_, R, span, orders)
 
 

@@ -25,8 +25,9 @@ from maps import (
 )
 
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker.atlas import SAME_POINT
 from woodpecker.diagram import WINDOW, connected, continuation
-from woodpecker.explore import SAME_POINT
+from woodpecker.explore import Stage
 from woodpecker.follow import Settings
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
 from woodpecker.shooting import PeriodicOrbit, shoot, toy_map
@@ -306,15 +307,15 @@ def test_word_changes_close_together_stay_apart() -> None:
 
 
 def test_names_and_progress_are_passed_on() -> None:
-    seen: list[float] = []
+    seen: list[Stage] = []
     labelled = two_lines()
     diagram = connected(
         labelled, start(labelled, -1.0, -0.5), Settings(span=(-2.0, 2.0)),
         parameter_name="mu", x_name="phi", progress=seen.append,
     )  # fmt: skip
     assert (diagram.parameter_name, diagram.x_name) == ("mu", "phi")
-    assert min(seen) == -2.0
-    assert max(seen) == 2.0
+    assert min(stage.parameter for stage in seen) == -2.0
+    assert max(stage.parameter for stage in seen) == 2.0
 
 
 # --- the toy -------------------------------------------------------------------------------------

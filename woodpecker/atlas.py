@@ -1,0 +1,210 @@
+"""What a search has found: branches cut at special points, and where they hang together.
+
+Paths come in as runs of samples. They are cut at special points, so that each branch has one word
+and is one edge of the graph. Points at one place are one, whichever iterate they were reached in;
+a path that comes along a known branch adds nothing. At a border collision something is left to
+follow; these collisions wait in line.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker.edges import Edge
+from woodpecker.follow import CLOSED
+from woodpecker.jumps import JUMP_ENDS
+
+SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
+SAME_FLIP = 1e-3  # in x: near a flip the branch of twice the period leaves like a square root
+SAME_CHANGE = 1e-9  # changes of word, folds and flips closer than this are one, met twice
+ON_BRANCH = 0.05  # of a chord: how far a smooth branch strays from it, at most
+COLLISIONS = (PointKind.BC, PointKind.FF)
+PASSED = (PointKind.WC, PointKind.LP, PointKind.PD)  # by branches of fixed points
+
+
+@dataclass(eq=False)
+class Node:
+    """A special point under construction."""
+
+    id: str
+    kind: PointKind
+    p: float
+    x: float
+    note: str
+    order: int
+    branches: list[str] = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class Collision:
+    """A border collision in one iterate, and what of it was followed."""
+
+    node: Node
+    order: int
+    edge: Edge
+    inner: int
+    followed: set[BranchKind] = field(default_factory=set)
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One sample of either kind of branch.
+
+    At a border collision ``inner`` is the side of the edge on which the fixed point lives.
+    """
+
+    p: float
+    x: float
+    multiplier: float
+    word: str
+    kind: PointKind | None
+    note: str
+    edge: Edge | None
+    inner: int = 0
+
+
+class Atlas:
+    """Branches, special points, and border collisions at which something is left to follow."""
+
+    def __init__(self) -> None:
+        self.branches: list[Branch] = []
+        self.nodes: list[Node] = []
+        self.waiting: deque[Collision] = deque()
+        self._collisions: dict[tuple[str, int], Collision] = {}
+        self._near: dict[int, list[Node]] = {}  # nodes by their parameter, in steps of SAME_POINT
+        self._named: dict[str, Branch] = {}
+        self._counts: dict[str, int] = {}
+
+    def diagram(self, parameter_name: str, x_name: str) -> Diagram:
+        """Everything found so far."""
+        points = tuple(
+            SpecialPoint(
+                id=node.id, kind=node.kind, parameter=node.p, x=node.x,
+                branches=tuple(dict.fromkeys(node.branches)), order=node.order, note=node.note,
+            )
+            for node in self.nodes
+        )  # fmt: skip
+        return Diagram(
+            parameter_name=parameter_name,
+            x_name=x_name,
+            branches=tuple(self.branches),
+            points=points,
+        )
+
+    def finish(self, node: str, order: int) -> None:
+        """Nothing is left to follow at a collision."""
+        self.waiting.remove(self._collisions[node, order])
+
+    def add(self, samples: Sequence[Sample], kind: BranchKind, order: int) -> None:
+        """Cut a run of samples at its special points and keep the pieces as branches."""
+        first, start = 0, self._node(samples[0], kind, order)
+        for k in range(1, len(samples)):
+            if samples[k].kind is not None:
+                end = self._node(samples[k], kind, order)
+                self._add_branch(samples[first : k + 1], kind, order, start, end)
+                first, start = k, end
+
+    def _add_branch(
+        self, piece: Sequence[Sample], kind: BranchKind, order: int, start: Node, end: Node
+    ) -> None:
+        p, x = np.array([sample.p for sample in piece]), np.array([sample.x for sample in piece])
+        if start is end and max(np.ptp(p), np.ptp(x)) < SAME_POINT:
+            return  # it was met on its very end
+        middle = piece[len(piece) // 2]
+        if any(
+            (b.kind, b.order, b.word) == (kind, order, (piece[1:-1] or piece[-1:])[0].word)
+            and set(b.ends) == {start.id, end.id}
+            and passes(b, middle.p, middle.x)
+            for b in map(self._named.__getitem__, start.branches)
+        ):
+            return  # a path came along a known branch
+        inner = piece[1:-1] or piece[-1:]
+        multipliers = [sample.multiplier for sample in piece]
+        if piece[0].word != inner[0].word:  # the special point carries the slope before it
+            multipliers[0] = inner[0].multiplier
+        if piece[-1].word != inner[-1].word:
+            multipliers[-1] = inner[-1].multiplier
+        branch = Branch(
+            id=self._name("F" if kind is BranchKind.FIXED_POINT else "J"),
+            kind=kind,
+            order=order,
+            word=inner[0].word,
+            parameter=p,
+            x=x,
+            multiplier=np.array(multipliers),
+            ends=(start.id, end.id),
+        )
+        start.branches.append(branch.id)
+        end.branches.append(branch.id)
+        self.branches.append(branch)
+        self._named[branch.id] = branch
+
+    def _node(self, sample: Sample, kind: BranchKind, order: int) -> Node:
+        """The special point of a sample; one that was met before is found again."""
+        if sample.note == JUMP_ENDS:
+            sample = replace(sample, kind=PointKind.WC)
+        assert sample.kind is not None
+        x = sample.x if sample.edge is None else sample.edge.x
+        node = next((n for n in self._beside(sample.p) if _is_same(n, sample, x, order)), None)
+        if node is None:
+            node = Node(self._name(sample.kind.value), sample.kind, sample.p, x, sample.note, order)
+            self.nodes.append(node)
+            self._near.setdefault(math.floor(node.p / SAME_POINT), []).append(node)
+        elif order < node.order or (node.kind is PointKind.WC and sample.kind in COLLISIONS):
+            node.kind, node.note, node.order = sample.kind, sample.note, order
+        if sample.kind in COLLISIONS and sample.edge is not None:
+            self._collision(node, sample, order).followed.add(kind)
+        return node
+
+    def _collision(self, node: Node, sample: Sample, order: int) -> Collision:
+        key = node.id, order
+        if key not in self._collisions:
+            assert sample.edge is not None
+            self._collisions[key] = Collision(node, order, sample.edge, sample.inner)
+            self.waiting.append(self._collisions[key])
+        return self._collisions[key]
+
+    def _beside(self, p: float) -> Iterator[Node]:
+        """Nodes whose parameter may be the same."""
+        cell = math.floor(p / SAME_POINT)
+        for neighbour in (cell - 1, cell, cell + 1):
+            yield from self._near.get(neighbour, ())
+
+    def _name(self, prefix: str) -> str:
+        self._counts[prefix] = self._counts.get(prefix, 0) + 1
+        return f"{prefix}{self._counts[prefix]}"
+
+
+def passes(branch: Branch, p: float, x: float) -> bool:
+    """Whether a branch passes through (p, x), as far as its samples tell."""
+    p0, p1 = branch.parameter[:-1], branch.parameter[1:]
+    x0, x1 = branch.x[:-1], branch.x[1:]
+    run = np.where(p1 == p0, 1.0, p1 - p0)
+    along = np.clip((p - p0) / run, 0.0, 1.0)
+    off = np.hypot(p0 + along * (p1 - p0) - p, x0 + along * (x1 - x0) - x)
+    return bool((off <= ON_BRANCH * np.hypot(p1 - p0, x1 - x0) + SAME_POINT).any())
+
+
+def _is_same(node: Node, sample: Sample, x: float, order: int) -> bool:
+    """Whether a sample lies at a special point that is known already."""
+    if abs(node.p - sample.p) >= SAME_POINT:
+        return False
+    if (
+        sample.kind is node.kind in PASSED
+        and order == node.order
+        and not math.isnan(sample.multiplier)
+    ):
+        return math.hypot(node.p - sample.p, node.x - x) < SAME_CHANGE
+    both = (sample.kind, node.kind)
+    if PointKind.PD in both and PointKind.LP in both and order != node.order:
+        return abs(node.x - x) < SAME_FLIP  # a cycle of twice the period turns round at a flip
+    jumps_end = sample.note == JUMP_ENDS and (node.note == JUMP_ENDS or node.kind in COLLISIONS)
+    collide = sample.kind in COLLISIONS and (node.kind in COLLISIONS or node.note == JUMP_ENDS)
+    closes = sample.note == node.note == CLOSED or sample.kind is node.kind is PointKind.FALL
+    return abs(node.x - x) < SAME_POINT and (collide or closes or jumps_end)
