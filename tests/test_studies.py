@@ -116,7 +116,7 @@ def test_work_and_precision_of_the_peer() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
-    whole = importlib.import_module("whole_diagram")
+    whole = importlib.import_module("fig09_order_one")
     results = whole.main(fast=True, out=tmp_path)
     kinds = sorted(kind for kind, *_ in results["collisions"])
     assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1

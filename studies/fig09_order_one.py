@@ -1,6 +1,6 @@
 """Figure 9 of the paper, complete: every branch of P_1, with brute force underneath.
 
-    python studies/whole_diagram.py [--fast] [--out DIR]
+    python studies/fig09_order_one.py [--fast] [--out DIR]
 
 The branches come from slices and continuation; the grey points are orbits from many starts, which
 know nothing of them. What the orbits show must be a stable branch, or chaotic.
@@ -83,4 +83,4 @@ def draw(diagram: Diagram, orbits: OrbitDiagram) -> plt.Figure:
 
 
 if __name__ == "__main__":
-    command(main, "whole_diagram")
+    command(main, "fig09_order_one")
