@@ -194,7 +194,7 @@ class Diagram:
     branches, points
         In the order in which they were found; ends of branches refer to ids of points.
     given
-        Conditions on other, symbolic parameters under which the diagram holds.
+        Under which conditions on other, symbolic parameters the diagram holds, or how it was found.
     """
 
     parameter_name: str

@@ -64,7 +64,7 @@ def table_of_points(diagram: Diagram) -> Table:
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
         title=f"{len(diagram.branches)} branches, {len(diagram.points)} special points, "
         f"{changes} of them changes of word",
-        caption=f"holds for {', '.join(diagram.given)}" if diagram.given else None,
+        caption=f"given: {', '.join(diagram.given)}" if diagram.given else None,
     )  # fmt: skip
     for point in diagram.points:
         if point.kind is not PointKind.WC:

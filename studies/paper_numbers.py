@@ -47,7 +47,7 @@ CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/test_reference.py)"
 SIGNS, EXACT = "bisection to neighbouring doubles", "exact arithmetic"
 HEAVY = "left out of the fast run"
 NEAR_A = 0.05  # eps_N1: beside A of the stated model as 0.125 is beside the paper's A
-COLLISIONS = ROOT / "studies" / "results" / "whole_diagram.json"
+COLLISIONS = ROOT / "studies" / "results" / "fig09_order_one.json"
 # Read off Figures 9 and 10: eps_N1, phi_S [rad], kind and note of the point.
 POINTS = {
     "A, where fixed points turn into jumps": ("0.111", "-0.884", PointKind.FF, "fold"),
@@ -275,7 +275,7 @@ def island(toy: Toy, fast: bool) -> Iterator[Row]:
 
 
 def _kept() -> list[Collision]:
-    """What studies/whole_diagram.py found."""
+    """What studies/fig09_order_one.py found."""
     kept = json.loads(COLLISIONS.read_text(encoding="utf-8"))["collisions"]
     return [(kind, note, float(p), float(x)) for kind, note, p, x in kept]
 

@@ -60,7 +60,8 @@ def continuation(
     Returns
     -------
     Diagram
-        Fixed-point and jump branches of P_order with their special points.
+        Fixed-point and jump branches of P_order with their special points; ``given`` says how
+        derivatives in the parameter were found.
 
     Raises
     ------
@@ -82,10 +83,11 @@ def continuation(
         start, _, _ = correct(labelled_map, start.x, SMALLEST)
     about = _about(toy, parameter, chosen) | {"start": orbit.points}
     with _journal(run, about, resume) as journal:
-        return connected(
+        found = connected(
             labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s",
             progress=progress, journal=journal,
         )  # fmt: skip
+    return replace(found, given=(_derivatives(parameter),))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -149,7 +151,8 @@ def bifurcation_diagram(
     Returns
     -------
     Diagram
-        Fixed points of P_j are listed with their minimal period only.
+        Fixed points of P_j are listed with their minimal period only; ``given`` says how
+        derivatives in the parameter were found.
 
     Raises
     ------
@@ -187,10 +190,18 @@ def find_all(
     wanted = _wanted(orders)
     about = _about(toy, parameter, chosen) | {"orders": wanted, "search": asdict(looked)}
     with _journal(run, about, resume) as journal:
-        return whole_diagram(
+        found = whole_diagram(
             labelled_map, samples, chosen, wanted, looked, parameter_name=parameter,
             x_name="phi_s", progress=progress, journal=journal,
         )  # fmt: skip
+    return replace(found, diagram=replace(found.diagram, given=(_derivatives(parameter),)))
+
+
+def _derivatives(parameter: str) -> str:
+    """How the derivatives in a parameter were found, for the diagram to say."""
+    exact = parameter in RESTITUTIONS
+    way = "the variational flow" if exact else "central differences of the return map"
+    return f"derivatives in {parameter}: {way}"
 
 
 def _about(toy: Toy, parameter: str, settings: Settings) -> Entry:
@@ -229,7 +240,8 @@ def saved_diagram(run: Path) -> Diagram:
     about, entries = read_journal(run)
     atlas = Atlas()
     restore(atlas, entries)
-    return atlas.diagram(about["parameter"], "phi_s")
+    found = atlas.diagram(about["parameter"], "phi_s")
+    return replace(found, given=(_derivatives(about["parameter"]),))
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from pwmap import read_graph
 from woodpecker.cli import app
+from woodpecker.compiled import COMPILED
 
 runner = CliRunner()
 
@@ -124,3 +125,37 @@ def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
     assert flips == pytest.approx([0.6485492], abs=1e-6)
     assert len({row["id"] for row in rows(tmp_path / "branches.csv")}) == len(first.edges)
     assert (tmp_path / "diagram.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+def test_every_branch_with_pictures_of_each_order_and_of_fold_flips(tmp_path: Path) -> None:
+    """Order 1 and 2 next to A: diagram, one picture for each order, and A beside its model."""
+    arguments = [
+        "diagram", "--orders", "1,2", "--span", "0.0415", "0.043", "--window", "-0.9", "-0.87",
+        "--out", str(tmp_path),
+    ]  # fmt: skip
+    status, text = run(*arguments)
+    assert status == 0, text
+    pictures = {path.name for path in tmp_path.glob("*.png")}
+    assert {"diagram.png", "order_1.png", "order_2.png"} < pictures
+    assert any(name.startswith("local_FF") for name in pictures)
+    assert "P_1 was evaluated" in text
+    status, again = run(*arguments, "--resume")
+    assert status == 0
+    assert [line for line in again.splitlines() if "FF" in line] == [
+        line for line in text.splitlines() if "FF" in line
+    ]
+    status, text = run(*arguments[:-3], "-0.86", "--out", str(tmp_path), "--resume")
+    assert status == 2
+    assert "cannot resume" in " ".join(text.split())
+
+
+@pytest.mark.slow
+def test_animate_writes_a_picture_that_moves(tmp_path: Path) -> None:
+    status, text = run("animate", "--slow", "4", "--fps", "10", "--out", str(tmp_path))
+    assert status == 0, text
+    assert (tmp_path / "woodpecker.gif").stat().st_size > 10_000
+    status, text = run("animate", "--file", "toy.bmp", "--out", str(tmp_path))
+    assert status == 2
+    assert ".gif" in text

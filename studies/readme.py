@@ -1,0 +1,263 @@
+"""The numbers of the README, written from the results of the studies.
+
+    python studies/readme.py
+
+Blocks between ``<!-- results: NAME -->`` and ``<!-- end -->`` are made from
+``studies/results/*.json``; a test fails if the README says anything else.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from record import ROOT, Results
+from run_all import RESULTS, STUDIES
+
+README = ROOT / "README.md"
+BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
+All = Mapping[str, Results]
+
+
+def main() -> None:
+    """Rewrite the blocks of the README."""
+    README.write_text(filled(README.read_text(encoding="utf-8"), load(RESULTS)), encoding="utf-8")
+
+
+def load(folder: Path) -> dict[str, Results]:
+    """Results of all studies by name."""
+    return {
+        name: json.loads((folder / f"{name}.json").read_text(encoding="utf-8")) for name in STUDIES
+    }
+
+
+def filled(text: str, results: All) -> str:
+    """A text with its blocks made anew."""
+
+    def block(found: re.Match[str]) -> str:
+        return f"{found[1]}{BLOCKS[found[2]](results)}\n{found[3]}"
+
+    return BLOCK.sub(block, text)
+
+
+# --- Numbers and tables ---------------------------------------------------------------------------
+
+
+def number(value: float, digits: int = 2) -> str:
+    """A number with some significant digits, in powers of ten only if it is far from one."""
+    if value != 0.0 and not 1e-3 <= abs(value) < 1e6:
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        return minus(f"{mantissa}e{int(exponent)}")
+    if abs(value) >= 10 ** (digits - 1):
+        return minus(f"{value:.0f}")
+    return minus(f"{float(f'{value:.{digits - 1}e}'):g}")
+
+
+def minus(text: str) -> str:
+    """The minus sign of print, but in exponents."""
+    return re.sub(r"^-", "−", text)
+
+
+def seconds(value: float) -> str:
+    """A time in the unit that suits it, with three digits."""
+    for scale, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if value >= scale:
+            return f"{number(value / scale, 3)} {unit}"
+    return f"{number(value / 1e-9, 3)} ns"
+
+
+def rows(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    """A table."""
+    table = [header, ["---"] * len(header), *lines]
+    return "\n".join("| " + " | ".join(line) + " |" for line in table)
+
+
+def pretty(text: str) -> str:
+    """Names of quantities as the paper writes them."""
+    for plain, nice in (
+        ("phi_S", "φ_S"), ("phi_M", "φ_M"), ("eps_N1", "ε_N1"), ("mu_2", "μ_2"), ("c_phi", "c_φ"),
+        ("|", "\\|"),
+    ):  # fmt: skip
+        text = text.replace(plain, nice)
+    return text
+
+
+# --- Blocks ---------------------------------------------------------------------------------------
+
+
+def paper(results: All) -> str:
+    """What the paper prints, what the model gives."""
+    found = results["paper_numbers"]
+    lines = []
+    for row in found["rows"]:
+        ours = row["ours"]
+        shown = str(ours) if isinstance(ours, int) else shortest(ours, row["paper"])
+        verdict = {True: "yes", False: "**no**", None: "–"}[row["agrees"]]
+        lines.append(
+            [pretty(row["quantity"]), minus(row["paper"]), shown, verdict, row["checked_by"],
+             pretty(row["remark"])]
+        )  # fmt: skip
+    table = rows(["quantity", "paper", "here", "agrees", "checked by", "remark"], lines)
+    return f"{table}\n\n{found['agree']} of these numbers agree, {found['differ']} differ."
+
+
+def shortest(value: float, paper_text: str) -> str:
+    """A value with some digits more than the paper prints."""
+    if value == int(value) and "." not in paper_text:
+        return minus(f"{value:.0f}")
+    decimals = len(paper_text.partition(".")[2])
+    if abs(value) < 1e-3:
+        return number(value, 3)
+    return (
+        minus(f"{float(f'{value:.{max(decimals + 4, 6)}g}'):g}")
+        if abs(value) >= 1e3
+        else minus(f"{value:.{decimals + 4}f}".rstrip("0").rstrip("."))
+    )
+
+
+def sensitivities(results: All) -> str:
+    """How little would explain the period."""
+    found = results["sensitivities"]
+    ranked = sorted(
+        found["sensitivities"].items(), key=lambda item: -abs(item[1]["period"] or 0.0)
+    )[:5]
+    effects = ", ".join(f"`{name}` {number(row['period'])}" for name, row in ranked)
+    return (
+        f"The period differs by {number(100.0 * -found['missing'])} %. One percent more of a "
+        f"parameter changes it by so many percent: {effects}. {' '.join(found['result'])}"
+    )
+
+
+def precision(results: All) -> str:
+    """Which peer is cheapest at an error, relative to the kernel."""
+    found = results["work_precision"]
+    lines = []
+    for task, entries in found["table"].items():
+        cells = []
+        for entry in entries:
+            ratio = entry["ratio"]
+            cells.append("none" if ratio is None else f"{number(ratio)} ({entry['peer']})")
+        lines.append([task, seconds(entries[0]["kernel_cpu"]), *cells])
+    bounds = [f"{entry['error_below']:.0e}" for entry in next(iter(found["table"].values()))]
+    header = ["task", "kernel", *(f"error < {bound}" for bound in bounds)]
+    ahead = (
+        "The compiled kernel is ahead of every peer at every error below 1e-3 that was measured."
+        if found["kernel_ahead"]
+        else "The kernel is not ahead everywhere: ratios below one say where."
+    )
+    return f"{rows(header, lines)}\n\n{ahead}"
+
+
+def orders(results: All) -> str:
+    """Expected and fitted orders."""
+    lines = [
+        [
+            f"{row['method']} {row['variant']}".strip(), number(row["expected"]),
+            number(row["fitted"], 3), f"{row['errors'][0]:.0e} to {row['errors'][-1]:.0e}",
+            row["why"],
+        ]
+        for row in results["work_precision"]["orders"]
+        if row["fitted"] is not None and row["task"] == "cycle"
+    ]  # fmt: skip
+    return rows(["method", "expected", "fitted", "errors", "because"], lines)
+
+
+def failures(results: All) -> str:
+    """How many scenes each method resolves."""
+    found = results["failures"]["summary"]
+    kinds = list(dict.fromkeys(kind for counts in found.values() for kind in counts))
+    lines = [
+        [method, *(str(counts.get(kind, 0) or "") for kind in kinds)]
+        for method, counts in found.items()
+    ]
+    return rows(["scenes", *kinds], lines)
+
+
+def reductions(results: All) -> str:
+    """What each reduction buys."""
+    text: str = results["reductions"]["text"]
+    return text
+
+
+def kernel(results: All) -> str:
+    """Times of the kernel."""
+    found = results["benchmark"]
+    times = {name: timing["cpu_median"] for name, timing in found["timings"].items()}
+    unit = times["one return, compiled kernel"]
+    names = (
+        ("one return, compiled kernel", "one return of the cycle, compiled kernel"),
+        ("one return, first_return()", "the same through `first_return`"),
+        ("one return, plain Python kernel", "the same in plain Python"),
+        ("one return, DOP853 rtol 1e-10", "the same by `solve_ivp` (DOP853, rtol 1e-10, events)"),
+        ("map of 1000 points, one core", "map of 1000 points, one core"),
+        (
+            "continuation in eps_N1",
+            f"`continuation` over ε_N1 in (0, 1): {found['branches']} branches, "
+            f"{found['points']} special points",
+        ),
+        ("first call, compiling", "first call on a new machine, compiling (then cached)"),
+    )
+    lines = [
+        [text, seconds(times[name]), number(times[name] / unit) if "one return" in name else ""]
+        for name, text in names
+    ]
+    return (
+        f"{rows(['', 'CPU time', 'against the kernel'], lines)}\n\n"
+        f"The image of the cycle's return is in error by {number(found['error_kernel'])} rad "
+        f"(kernel) and {number(found['error_peer'])} rad (DOP853) against 30 digits."
+    )
+
+
+def symbolic(results: All) -> str:
+    """Times of symbolic composition."""
+    found = results["symbolic"]
+    times = {name: timing["cpu_median"] for name, timing in found["timings"].items()}
+    lines = [
+        ["P_1 to P_6 symbolic in a and r: pieces, ends and words", seconds(times["P1..P6 in a and r"])],
+        ["the same from the formula on", seconds(times["pwmap, order 6"])],
+        [
+            "the same by `sympy.Piecewise`, substituted and folded",
+            f"{seconds(times['sympy, order 6'])} ({number(found['ratio_order_6'])} times)",
+        ],
+        ["P_1 to P_12 at a = 5/4, r = 1", seconds(times["P1..P12 at a = 5/4, r = 1"])],
+        [
+            f"exact diagram of orders 1 to 5, a = 5/4, r in (−1, 12): {found['branches']} branches, "
+            f"{found['points']} points",
+            seconds(times["diagram, orders 1..5"]),
+        ],
+    ]  # fmt: skip
+    return rows(["", "CPU time"], lines)
+
+
+def machine(results: All) -> str:
+    """What the results were measured on."""
+    found = results["work_precision"]["environment"]
+    versions = ", ".join(f"{name} {found[name]}" for name in ("python", "numpy", "scipy", "numba"))
+    return (
+        f"All times are CPU times on {found['processor']}, {found['cores']} cores, {versions}; "
+        "machines are shared, ratios were measured in alternating rounds."
+    )
+
+
+BLOCKS: dict[str, Callable[[All], str]] = {
+    block.__name__: block
+    for block in (
+        paper, sensitivities, precision, orders, failures, reductions, kernel, symbolic, machine,
+    )
+}  # fmt: skip
+
+
+def unexplained(text: str, allowed: Sequence[str]) -> list[str]:
+    """Decimal numbers of a README that stand neither in a block, nor in code, nor on a list."""
+    bare: Any = re.sub(r"```.*?```", "", BLOCK.sub("", text), flags=re.DOTALL)
+    bare = re.sub(r"^    .*$", "", re.sub(r"`[^`]*`", "", bare), flags=re.MULTILINE)
+    bare = re.sub(r"\]\([^)]*\)", "]", bare)
+    found = re.findall(r"[−-]?\d+\.\d+(?:e-?\d+)?|\d+e-?\d+|\d+(?= ?(?:%|s\b|ms|µs|MB))", bare)
+    return [text for text in found if text not in allowed]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""All studies run in their small versions, and the README says what their results say."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import readme
+import record
+import run_all
+
+from woodpecker.compiled import COMPILED
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+GIVEN = ("3.11",)  # the version of Python
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes long without numba")
+@pytest.mark.parametrize("name", run_all.STUDIES)
+def test_study_runs_in_its_small_version(name: str, tmp_path: Path) -> None:
+    results = run_all.run_all(True, tmp_path, [name])[name]
+    saved = json.loads((tmp_path / f"{name}.json").read_text(encoding="utf-8"))
+    assert set(saved) == {*results, "environment"}
+    assert set(saved["environment"]) >= {"machine", "commit", "python", "numpy", "numba"}
+
+
+def test_every_study_is_run() -> None:
+    scripts = {
+        path.stem
+        for path in (ROOT / "studies").glob("*.py")
+        if "def main(fast" in path.read_text(encoding="utf-8")
+    }
+    peers = {name for name in scripts if name.startswith("peer_")}  # measured in work_precision
+    assert scripts - peers == set(run_all.STUDIES)
+
+
+def test_an_unknown_study_is_refused() -> None:
+    with pytest.raises(ValueError, match="no study 'fig99'"):
+        run_all.run_all(True, None, ["fig99"])
+
+
+def test_the_readme_says_what_the_results_say() -> None:
+    """Every block is written from studies/results by `python studies/readme.py`."""
+    results = readme.load(run_all.RESULTS)
+    assert readme.filled(README, results) == README
+    assert all(f"<!-- results: {name} -->" in README for name in readme.BLOCKS)
+
+
+def test_no_number_of_the_readme_is_typed() -> None:
+    assert readme.unexplained(README, GIVEN) == []
+    assert readme.unexplained("It takes 36 s, 0.25 of it idle.", GIVEN) == ["36", "0.25"]
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "shown"),
+    [(0.0123456, 3, "0.0123"), (-1234.5, 2, "−1234"), (4.31e-17, 2, "4.3e-17"), (2.0, 3, "2")],
+)
+def test_numbers_are_shown_with_the_digits_asked_for(value: float, digits: int, shown: str) -> None:
+    assert readme.number(value, digits) == shown
+
+
+def test_results_say_what_they_were_made_on(tmp_path: Path) -> None:
+    numbers: dict[str, Any] = {"value": 1.0}
+    path = record.save(numbers, "study", tmp_path)
+    saved = json.loads(path.read_text(encoding="utf-8"))
+    assert saved["value"] == 1.0
+    assert saved["environment"]["python"].startswith("3.")
+    with pytest.raises(ValueError, match="JSON"):
+        record.save({"value": float("nan")}, "study", tmp_path)
