@@ -83,8 +83,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ``collisions``: kind, note, eps_N1 and phi_S of every BC and FF; ``branches``, ``points``,
         ``samples`` of the diagram; ``slices``: how many for each order; ``evaluations`` of P_1 in
         all; ``not_followed``: eps_N1 and phi_S that a slice shows and no branch explains;
-        ``shortest_branch``: in eps_N1; ``tables``: see :class:`Table`; ``seconds`` of wall and CPU; ``orbits``, ``chaotic``,
-        ``lost``, ``unexplained``: what the orbits do.
+        ``shortest_branch``: in eps_N1; ``tables``: see :class:`Table`; ``seconds`` of wall and CPU;
+        ``orbits``, ``chaotic``, ``lost``, ``unexplained``: what the orbits do.
     """
     span, search = ((0.3, 0.4), Search(slices=8, quiet=4)) if fast else ((0.012, 1.0), Search())
     first_return(Toy(), -0.53)  # compiled

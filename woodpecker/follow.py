@@ -30,6 +30,8 @@ from woodpecker.pieces import Resolution, sampled, slice_of
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 CLOSED = "the branch closes"
+REPEATS = "the path repeats itself"  # caught between edges it cannot tell apart
+SAME_LANDING = 1e-10  # two landings this close are one
 NEARLY_UPRIGHT = 1e-3  # smallest cosine that a direction in (x, p) is divided by
 
 
@@ -158,6 +160,7 @@ class _Path:
         self.map, self.settings = labelled_map, settings
         self.step, self.travelled = settings.step, 0.0
         self.crossed: tuple[PathPoint, PathPoint] | None = None  # last word change, and beyond it
+        self.landings: list[PathPoint] = []  # where it went on beyond word changes
 
     def advance(self, point: PathPoint) -> Iterator[PathPoint]:
         """The special points up to the next regular one, then that one."""
@@ -328,9 +331,13 @@ class _Path:
                 landed = self._found_beside(last)
             if landed is None:
                 yield replace(special, kind=PointKind.EP, note="no branch beyond a word change")
+                return
+            self.step = max(100.0 * self.settings.tolerances.landing, self.step)
+            onward = self._onward(self._turned_away(landed, special), special)
+            if self._was_here(onward):
+                yield replace(special, kind=PointKind.EP, note=REPEATS)
             else:
-                self.step = max(100.0 * self.settings.tolerances.landing, self.step)
-                yield self._onward(self._turned_away(landed, special), special)
+                yield onward
         else:
             kind, note = classify(edge, -side, last.cycle.multiplier)
             yield replace(special, kind=kind, note=note)
@@ -349,6 +356,18 @@ class _Path:
                 self.crossed = None
                 return replace(start, tangent=-start.tangent)
         return landed
+
+    def _was_here(self, landed: PathPoint) -> bool:
+        """Whether the path went on from this point, in this direction, before."""
+        for known in self.landings:
+            if (
+                known.cycle.words == landed.cycle.words
+                and _distance(known, landed) <= SAME_LANDING
+                and float(known.tangent @ landed.tangent) > 0.0
+            ):
+                return True
+        self.landings.append(landed)
+        return False
 
     def _found_beside(self, last: PathPoint) -> PathPoint | None:
         """The nearest cycle of other words at a neighbouring parameter, from all that are there."""

@@ -26,7 +26,8 @@ RESOLVED = 1e-11  # a change of words is located this well in the parameter
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
 SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
-FASTEST = 100.0  # largest speed dx/dp of an edge, relative to where it is expected
+FASTEST = 100.0  # largest speed dx/dp of an edge of which nothing is known
+TURNED = 3.0  # largest speed relative to where the edge is expected from two places
 WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
 
 
@@ -274,7 +275,8 @@ class _Track:
 
     def _seen(self, p: float, near: _Mark, before: _Mark, fine: float) -> float | None:
         """Where the edge lies, to ``fine`` or the last bit; None if its words are not there."""
-        widest = min(WIDEST, max(FASTEST * abs(p - near.p), NARROWEST))
+        fastest = FASTEST if near.p == before.p else TURNED
+        widest = min(WIDEST, max(fastest * abs(p - near.p), NARROWEST))
         bracket = self._bracket(p, near, before, widest, 2.0 * fine)
         if bracket is None:
             return None

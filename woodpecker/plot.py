@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
 
 from pwmap.diagram import BranchKind, Diagram
 from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, plot_diagram
@@ -193,9 +194,15 @@ def _refined(
 
 
 def plot_local(
-    model: LocalModel, diagram: Diagram, figure: Figure | None = None, *, reach: float = 2e-3
-) -> Figure:
+    model: LocalModel,
+    diagram: Diagram,
+    figure: Figure | SubFigure | None = None,
+    *,
+    reach: float = 2e-3,
+) -> Figure | SubFigure:
     """A diagram next to a border collision, beside what its local model predicts.
+
+    Both panels have the same axes. The predicted lines are also drawn behind the diagram, in grey.
 
     Parameters
     ----------
@@ -206,37 +213,85 @@ def plot_local(
     figure
         Where to draw; a new one by default.
     reach
-        Half width of the interval of the parameter.
+        How far the parameter goes from the collision.
     """
-    figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.8), layout="constrained")
+    figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
-    p, x = model.edge.p, model.edge.x
-    plot_diagram(diagram, seen, legend=False)
-    seen.set_title("the toy", fontsize=10)
-    slopes = {"L": model.edge.left.slope, "R": model.edge.right.slope}
-    for start in model.starts:
-        multiplier = math.prod(slopes[letter] for letter in start.word.split("|")[0])
-        color, dash = (
-            (JUMP, (0, (1, 1.3)))
-            if start.kind is BranchKind.JUMP
-            else (STABLE, "-")
-            if abs(multiplier) < 1.0
-            else (UNSTABLE, (0, (4, 1.5)))
-        )
-        end = p + start.side * reach, x + start.side * start.slope * reach
-        predicted.plot([p, end[0]], [x, end[1]], color=color, linestyle=dash, linewidth=1.4)
-        name = f"$P_{start.order}$" if start.kind is BranchKind.JUMP else "fixed point"
-        middle = 0.5 * (p + end[0]), 0.5 * (x + end[1])
+    plot_diagram(diagram, seen, kinds=(model.point.kind,), legend=False)
+    lines = _predictions(model, reach)
+    for line in lines:
+        seen.plot(line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9)
+        predicted.plot(line.p, line.x, **BRANCH[line.style])
+        left = line.p[1] < line.p[0]
         predicted.annotate(
-            name, middle, (3, 3), textcoords="offset points", fontsize=8, color=color
-        )
+            line.name, (line.p[1], line.x[1]), (-4 if left else 4, 0), textcoords="offset points",
+            ha="right" if left else "left", va="center", fontsize=8,
+            color=BRANCH[line.style]["color"],
+        )  # fmt: skip
     marker, color = MARKERS[model.point.kind]
-    predicted.scatter([p], [x], s=70, marker=marker, color=color, edgecolors="white", zorder=5)
-    predicted.set_title("its local model, solved exactly", fontsize=10)
+    predicted.scatter(
+        [model.edge.p], [model.edge.x], s=70 if marker == "*" else 26, marker=marker, color=color,
+        edgecolors="white", linewidths=0.6, zorder=5,
+    )  # fmt: skip
+    _frame(seen, model, lines)
+    seen.set_title("the toy, with the prediction in grey", fontsize=9)
+    predicted.set_title("its local model, solved exactly", fontsize=9)
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
-    height = 1.1 * reach * max(abs(start.slope) for start in model.starts) or reach
-    seen.set_xlim(p - reach, p + reach)
-    seen.set_ylim(x - height, x + height)
-    seen.ticklabel_format(useOffset=False)
+    predicted.legend(
+        handles=[
+            Line2D([], [], label=name, **BRANCH[name])
+            for name in BRANCH
+            if name in {line.style for line in lines}
+        ],
+        fontsize=7, framealpha=0.9,
+    )  # fmt: skip
     return figure
+
+
+MARGIN = 0.12  # of the width and height of what is drawn
+BRANCH: dict[str, dict[str, Any]] = {
+    "stable": {"color": STABLE, "linestyle": "-", "linewidth": 1.6},
+    "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
+    "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
+}
+
+
+class _Prediction(NamedTuple):
+    """A straight line from a collision, as it is drawn."""
+
+    name: str
+    style: str
+    p: tuple[float, float]
+    x: tuple[float, float]
+
+
+def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
+    """All branches that start at a collision, as far as they are drawn."""
+    p, x = model.edge.p, model.edge.x
+    slopes = {"L": model.edge.left.slope, "R": model.edge.right.slope}
+    lines = []
+    for start in model.starts:
+        multiplier = math.prod(slopes[letter] for letter in start.word.split("|")[0])
+        style = (
+            "jump crossing"
+            if start.kind is BranchKind.JUMP
+            else "stable"
+            if abs(multiplier) < 1.0
+            else "unstable"
+        )
+        end = p + start.side * reach, x + start.side * start.slope * reach
+        lines.append(_Prediction(f"$P_{start.order}$", style, (p, end[0]), (x, end[1])))
+    return lines
+
+
+def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:
+    """Limits around what is predicted, with a margin for the names."""
+    for values, set_limits in (
+        ([model.edge.p, *(line.p[1] for line in lines)], ax.set_xlim),
+        ([model.edge.x, *(line.x[1] for line in lines)], ax.set_ylim),
+    ):
+        margin = MARGIN * (max(values) - min(values)) or SEEN
+        set_limits(min(values) - margin, max(values) + margin)
+    ax.ticklabel_format(useOffset=False)
+    ax.locator_params(axis="x", nbins=4)

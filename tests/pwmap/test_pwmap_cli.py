@@ -46,7 +46,7 @@ def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
     )
     assert code == 0
     assert "r/(a + 1)" in text
-    assert "holds for a > 1" in text
+    assert "given: a > 1" in text
 
 
 @pytest.mark.parametrize(
