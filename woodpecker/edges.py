@@ -79,7 +79,11 @@ def edge_between(
     They are read at a distance of at least ``near`` from it.
     """
     x, beyond = bisect(labelled_map, p, inside, outside)
-    near = max(near, NEAR * math.ulp(x))
+    return _read(labelled_map, p, x, beyond, max(near, NEAR * math.ulp(x)))
+
+
+def _read(labelled_map: LabelledMap, p: float, x: float, beyond: float, near: float) -> Edge:
+    """The edge between neighbouring doubles, its limits read from a distance ``near``."""
     left, left_limit = one_sided(labelled_map, min(x, beyond), p, -1, near)
     right, right_limit = one_sided(labelled_map, max(x, beyond), p, +1, near)
     return Edge(x=x, p=p, left=left, right=right, left_limit=left_limit, right_limit=right_limit)
@@ -92,7 +96,7 @@ def nearest_edge(
 
     Near an edge rounding mixes the words of its two sides, and the steeper the map the further. The
     words at growing distances on both sides of x tell where the piece really is, once two distances
-    agree.
+    agree. If the same words show right next to the edge, its limits are read there.
     """
     distance = NEAR * math.ulp(x)
     while distance < WIDEST:
@@ -103,7 +107,14 @@ def nearest_edge(
         if (all(left) and not any(right)) or (all(right) and not any(left)):
             side = 1 if all(left) else -1
             inside, outside = x - side * distance, x + side * distance
-            return edge_between(labelled_map, p, inside, outside, distance), side
+            edge = edge_between(labelled_map, p, inside, outside, distance)
+            near = NEAR * math.ulp(x)
+            if distance > near:
+                closer = _read(labelled_map, p, edge.x, math.nextafter(edge.x, outside), near)
+                words = closer.left.word, closer.right.word
+                if words == (edge.left.word, edge.right.word):
+                    edge = closer
+            return edge, side
         if not any(left) and not any(right):  # a thin piece: both its ends are near
             ends = [
                 (edge_between(labelled_map, p, x, x + side * distance), side) for side in (-1, 1)

@@ -430,6 +430,9 @@ class _Path:
     def _which_lap(self, point: PathPoint) -> tuple[int, tuple[Edge, int] | None]:
         """The lap whose point lies closest to an edge, and that edge of the iterate."""
         order = len(point.cycle.x)
+        if order == 1:
+            x = float(point.cycle.x[0])
+            return 0, nearest_edge(self.map, x, point.p, point.cycle.words[0])
         best: tuple[float, int] = (math.inf, 0)
         for lap, x in enumerate(point.cycle.x):
             met = nearest_edge(self.map, float(x), point.p, point.cycle.words[lap])
@@ -438,10 +441,6 @@ class _Path:
         lap = best[1]
         if best[0] == math.inf:
             return lap, None
-        if order == 1:
-            return lap, nearest_edge(
-                self.map, float(point.cycle.x[0]), point.p, point.cycle.words[0]
-            )
         whole = iterate(self.map, order)
         x = float(point.cycle.x[lap])
         return lap, nearest_edge(whole, x, point.p, whole(x, point.p).word)
@@ -523,7 +522,7 @@ def _bracketed(
         near = edge.x - side * 100.0 * delta
         if whole(far, p).word != word or whole(near, p).word == word:
             continue
-        first = _first_inside(whole, near, far, p, word)
+        first = _first_inside(whole, near, far, p, word, 1e-4 * delta)
         f_first = whole(first, p).value - first
         reach = 1e-3 * delta
         previous = first
@@ -542,15 +541,17 @@ def _bracketed(
 WIDEST_LANDING = 0.01  # a fixed point further than this from the edge is not the branch's
 
 
-def _first_inside(whole: LabelledMap, outside: float, inside: float, p: float, word: str) -> float:
-    while True:
+def _first_inside(
+    whole: LabelledMap, outside: float, inside: float, p: float, word: str, fine: float
+) -> float:
+    """A point of a piece no further than ``fine`` from its end."""
+    while abs(outside - inside) > fine:
         middle = 0.5 * (inside + outside)
-        if middle in (inside, outside):
-            return inside
         if whole(middle, p).word == word:
             inside = middle
         else:
             outside = middle
+    return inside
 
 
 def _orbit(labelled_map: LabelledMap, x: float, p: float, order: int) -> Floats | None:
