@@ -144,7 +144,10 @@ def draw(diagram: Diagram, orbits: OrbitDiagram) -> plt.Figure:
     plot_diagram(diagram, ax, kinds=MARKED)
     band, top = ends(Toy()).band, -0.15
     ax.axhspan(*band, color=PALE, linewidth=0.0)
-    ax.text(1.0, band[1] + 0.01, "centres", fontsize=7, ha="right", va="bottom")
+    ax.text(
+        0.99, band[1] + 0.01, "centres", fontsize=7, ha="right", va="bottom",
+        transform=ax.get_yaxis_transform(),
+    )  # fmt: skip
     name_points(diagram, ax)
     ax.set_ylim(WINDOW[0] - 0.04, top)
     return figure

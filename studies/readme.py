@@ -20,6 +20,8 @@ from run_all import RESULTS, STUDIES
 README = ROOT / "README.md"
 BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
 All = Mapping[str, Results]
+SPAN = "(0.012, 1)"
+NAMED = (0.04216433, 0.06981780, 0.18512695, 0.32103615, 0.34192345, 0.38834959)  # eps_N1
 
 
 def main() -> None:
@@ -211,6 +213,39 @@ def kernel(results: All) -> str:
     )
 
 
+def diagrams(results: All) -> str:
+    """What the searches for everything found, and what they cost."""
+    one, two = results["fig09_order_one"], results["fig10_order_two"]
+    coarse, fine = sorted(one["tables"], key=lambda table: -table["spacing"])
+    inner = two["residuals"]
+    lines = [
+        [kind, note, f"{p:.9f}", minus(f"{x:.9f}")]
+        for kind, note, p, x in sorted(one["collisions"], key=lambda place: place[2])
+        if kind == "FF" or any(abs(p - named) < 1e-6 for named in NAMED)
+    ]
+    by_kind = ", ".join(f"{count} {name}" for name, count in two["branches"].items())
+    return "\n\n".join(
+        [
+            rows(["point of P_1", "", "ε_N1", "φ_S [rad]"], lines),
+            f"P_1 over ε_N1 in {SPAN}, φ_S in (−2.5, −0.24): {one['branches']} branches and "
+            f"{one['points']} special points from {one['slices']['P_1']} slices, in "
+            f"{number(one['seconds']['wall'])} s of wall time and {number(one['seconds']['cpu'])} s of CPU. "
+            f"P_1 was evaluated {number(one['evaluations'] / 1e6)} million times; a table with a column "
+            f"at every parameter of the diagram would take {number(coarse['ratio'])} times as many "
+            f"at a spacing of {coarse['spacing']:g} rad, {number(fine['ratio'])} times at {fine['spacing']:g}. "
+            f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
+            f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos.",
+            f"P_1 and P_2 over the same span: {by_kind}, in {number(two['seconds']['wall'])} s of wall "
+            f"time. In {len(two['pairs'])} slices between special points the fixed points of period 2 "
+            f"pair up in {len(two['pairs']) - len(two['odd'])}; the number of jump crossings is odd in "
+            f"{len(two['odd_jumps'])}. Simulated once more, {inner['above']} of {inner['samples']} samples "
+            f"inside branches have |P_j(x) − x| above 1e-11, {inner['beyond_rounding']} of them by more "
+            f"than four times what rounding of one point of the orbit grows to; "
+            f"{inner['lost']} do not return.",
+        ]
+    )
+
+
 def symbolic(results: All) -> str:
     """Times of symbolic composition."""
     found = results["symbolic"]
@@ -245,7 +280,8 @@ def machine(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        paper, sensitivities, precision, orders, failures, reductions, kernel, symbolic, machine,
+        paper, sensitivities, precision, orders, failures, reductions, kernel, diagrams, symbolic,
+        machine,
     )
 }  # fmt: skip
 

@@ -1,10 +1,14 @@
-"""Composing P1^L symbolically: pwmap against sympy's own Piecewise, and Figure 12 of the paper.
+"""Composing P1^L symbolically: pwmap against sympy's own Piecewise, and P1^L beyond the paper.
 
     python studies/symbolic.py [--fast] [--out DIR]
 
 Both compose the same map, symbolic in a and r, and run in turn, round after round. The naive way
 substitutes one ``Piecewise`` into the other and folds the result; it keeps dead pieces. That both
 mean the same map is checked at rational points.
+
+The paper stops at r = 2. Beyond it orbits of P1^L settle on longer cycles; the second picture shows
+one on its way, the exact diagram of orders 1 to 5, and the cells of the plane of a and r by the
+periods that attract. Figure 12 itself is drawn by ``fig12_local_model.py``.
 """
 
 from __future__ import annotations
@@ -15,10 +19,11 @@ import matplotlib.pyplot as plt
 import sympy
 from clocks import Seconds, Timing, clocked, ratio, summary
 from record import Results, command
+from style import STABLE, UNSTABLE, canvas
 from sympy import Rational
 
-from pwmap import Diagram, PiecewiseLinearMap, bifurcation_diagram, parameter_plane
-from pwmap.plot import plot_cobweb, plot_diagram, plot_map, plot_plane
+from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram, parameter_plane
+from pwmap.plot import plot_cobweb, plot_diagram, plot_plane
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))
@@ -62,9 +67,9 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     timings = measured(1 if fast else 15)
     found = diagram()
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
         draw_times(timings).savefig(out / "symbolic.png", dpi=200)
-        draw_figure_12().savefig(out / "figure_12.png", dpi=200)
+        draw_beyond().savefig(out / "symbolic_plane.png", dpi=200)
+        plt.close("all")
     return {
         "ratio_order_6": ratio(timings, "sympy, order 6", "pwmap, order 6", "cpu"),
         "agree": agreement(),
@@ -112,36 +117,37 @@ def agreement() -> int:
 
 def draw_times(timings: dict[str, Timing]) -> plt.Figure:
     """Time over order, for both ways."""
-    figure = plt.figure(figsize=(5.6, 3.8), layout="constrained")
-    ax = figure.gca()
-    for name, color, marker in (("sympy", "#d95f0e", "s"), ("pwmap", "#08306b", "o")):
+    figure, (ax,) = canvas(3.8)
+    for name, color, marker in (("sympy", UNSTABLE, "s"), ("pwmap", STABLE, "o")):
         times = [1e3 * timings[f"{name}, order {j}"]["cpu_median"] for j in ORDERS]
         label = {"sympy": "sympy.Piecewise, folded", "pwmap": "pwmap, formula to pieces"}[name]
         ax.semilogy(list(ORDERS), times, marker=marker, color=color, label=label)
     only = 1e3 * timings[SYMBOLIC]["cpu_median"]
-    ax.plot(6, only, "v", color="#08306b", label="pwmap, composing alone")
+    ax.plot(6, only, "v", color=STABLE, label="pwmap, composing alone")
     ax.set_xlabel("order of the last iterate")
     ax.set_ylabel("CPU time for $P_1$ to $P_j$ [ms]")
     ax.set_xticks(list(ORDERS))
-    ax.grid(alpha=0.25, linewidth=0.5, which="both")
     ax.legend(fontsize=8)
     return figure
 
 
-def draw_figure_12() -> plt.Figure:
-    """Figure 12 of the paper, beyond it in r and in the order, and the plane of a and r."""
-    figure, axes = plt.subplots(2, 3, figsize=(13.0, 7.6), layout="constrained")
+def draw_beyond() -> plt.Figure:
+    """P1^L beyond r = 2: an orbit, the diagram of more orders, and the plane of a and r."""
+    figure, axes = canvas(3.2, 1, 3)
     map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1])
-    at_one, window = map_.at(NUMERIC), (-1.5, 1.5)
-    plot_map(at_one, axes[0, 0], window=window).set_title("$P_1^L$, $a = 5/4$, $r = 1$")
-    plot_map(at_one.iterate(2), axes[0, 1], window=window).set_title("$P_2^L$")
-    paper = bifurcation_diagram(map_.at({A: Rational(5, 4)}), R, (Rational(-1, 2), Rational(5, 2)))
-    plot_diagram(paper, axes[0, 2]).set_title("Figure 12: orders 1 and 2")
-    chaotic = map_.at({A: Rational(5, 4), R: Rational(4)})
-    plot_cobweb(chaotic, Rational(1, 10), 40, axes[1, 0]).set_title("an orbit at $r = 4$")
-    plot_diagram(diagram(), axes[1, 1]).set_title("orders 1 to 5, $a = 5/4$")
+    beyond = map_.at({A: Rational(5, 4), R: Rational(4)})
+    plot_cobweb(beyond, Rational(1, 10), 40, axes[0]).set_title("an orbit, $a = 5/4$, $r = 4$")
+    plot_diagram(diagram(), axes[1], kinds=(PointKind.BC, PointKind.FF))
+    axes[1].set_title("orders 1 to 5, $a = 5/4$")
     plane = parameter_plane(map_, A, R, (1, 4), (-1, 12), range(1, 8))
-    plot_plane(plane, axes[1, 2]).set_title("cells of orders 1 to 7")
+    plot_plane(plane, axes[2]).set_title("attracting, orders 1 to 7")
+    axes[1].set(xlabel="$r$", ylabel="$x$", ylim=(-3.5, 12.5))
+    axes[2].set(xlabel="$a$", ylabel="$r$")
+    for ax in axes:
+        ax.tick_params(labelsize=7)
+        ax.title.set_fontsize(8)
+        legend = ax.get_legend()
+        plt.setp([*legend.get_texts(), legend.get_title()], fontsize=5.5)
     return figure
 
 

@@ -13,7 +13,7 @@ from woodpecker.compiled import COMPILED
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-GIVEN = ("3.11",)  # the version of Python
+GIVEN = ("3.11", "0.5")  # the version of Python, the eps_N1 of the paper's data set
 
 
 @pytest.mark.slow

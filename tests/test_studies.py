@@ -122,4 +122,11 @@ def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
     assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
     assert results["unexplained"] == []
     assert results["orbits"] + results["lost"] == 10 * 12
-    assert (tmp_path / "figure_9.png").stat().st_size > 20_000
+    assert (tmp_path / "fig09.png").stat().st_size > 20_000
+    assert results["not_followed"] == []
+    assert results["slices"] == {"P_1": 8}
+    fine, coarse = results["tables"]
+    assert fine["parameters"] == coarse["parameters"] <= results["samples"]
+    assert (fine["spacing"], coarse["spacing"]) == (1e-6, 2e-3)
+    assert fine["evaluations"] == fine["parameters"] * 2_260_001  # 2.26 rad and both ends
+    assert fine["ratio"] == pytest.approx(fine["evaluations"] / results["evaluations"])

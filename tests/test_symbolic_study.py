@@ -29,5 +29,5 @@ def test_both_ways_agree_and_are_timed(measured: tuple[dict[str, Any], Path]) ->
 
 @pytest.mark.slow
 def test_pictures_are_written(measured: tuple[dict[str, Any], Path]) -> None:
-    for name in ("symbolic.png", "figure_12.png"):
+    for name in ("symbolic.png", "symbolic_plane.png"):
         assert (measured[1] / name).stat().st_size > 20_000

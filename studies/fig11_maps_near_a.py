@@ -1,0 +1,194 @@
+"""Figure 11 of the paper: P_1 and P_2 next to their jump at -0.8848, on both sides of A.
+
+    python studies/fig11_maps_near_a.py [--fast] [--out DIR]
+
+At A the upper limit of the jump comes to lie on the diagonal. Below A the map passes under it.
+Above A there are a fixed point of P_1 and a jump crossing of P_1 and of P_2 each; that of P_2 lies
+where P_1 leads back to its jump, and it is single. The paper draws this at eps_N1 = 0.125, between
+its A (0.111) and C (0.185). In the stated model A is at 0.0422, so 0.05 is the picture to compare.
+At 0.125 the fixed point has met the other jump, at -0.7578, and has become a jump crossing there.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from record import Results, command
+from style import GREY, JUMP, STABLE, UNSTABLE, canvas
+
+from pwmap.plot import axis_label
+from woodpecker import Partition, Resolution, Toy, iterated, partition, slice_of, toy_samples
+from woodpecker.edges import Edge
+
+POINT_A = (0.0421643309, -0.8847733440)  # eps_N1, phi_S [rad]
+VALUES = (0.036, POINT_A[0], 0.05, 0.125)
+PAPER = 0.125  # where the paper draws P_1 and P_2
+ORDERS = (1, 2)
+INSIDE = (-2.5, -0.24)  # rad: orbits must stay in it
+WINDOW = (-1.0, -0.68)  # rad: starts
+SHOWN = (-1.62, -0.4)  # rad: images
+SEEN = 0.01  # rad: a jump that shows in the picture
+SAME = 1e-6  # rad: a jump that is found twice
+DRAWN = Resolution(spacing=1e-3, smallest=1e-7, bend=1e-5)
+LOOK = Resolution(spacing=2e-3, smallest=1e-6, bend=1e-5)
+DOTS = (0, (1, 1.3))
+
+
+class Fixed(NamedTuple):
+    """A fixed point of P_j."""
+
+    phi_s: float
+    slope: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether it attracts."""
+        return abs(self.slope) < 1.0
+
+
+class Scene(NamedTuple):
+    """What P_j shows in the window of the picture, at one parameter."""
+
+    eps_n1: float
+    order: int
+    map: Partition
+    fixed_points: tuple[Fixed, ...]
+    crossings: tuple[Edge, ...]
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Cut the maps into pieces, list what lies on the diagonal, draw.
+
+    Parameters
+    ----------
+    fast
+        Makes no difference: it takes two seconds.
+    out
+        Folder for ``fig11.png``.
+
+    Returns
+    -------
+    dict
+        ``scenes``: for each parameter and order the fixed points (phi_S and slope) and the jump
+        crossings (phi_S and both limits); ``gap``: how far the upper limit of the jump of P_1 is
+        above the diagonal, by parameter; ``paper``: what the paper draws at 0.125, and what all of
+        P_1 shows there.
+    """
+    del fast
+    scenes = [scene(p, order) for p in VALUES for order in ORDERS]
+    if out is not None:
+        draw(scenes).savefig(out / "fig11.png", dpi=200)
+        plt.close("all")
+    return {
+        "scenes": [described(each) for each in scenes],
+        "gap": {f"{each.eps_n1:g}": gap(each) for each in scenes if each.order == 1},
+        "paper": {
+            "eps_n1": PAPER,
+            "drawn": {"stable": 1, "unstable": 1, "jump crossings of P_1": 1},
+            "ours": described(scene(PAPER, 1, INSIDE)),
+        },
+    }
+
+
+def scene(eps_n1: float, order: int, window: tuple[float, float] = WINDOW) -> Scene:
+    """P_order over a window: its pieces, its fixed points and its jump crossings."""
+    whole = iterated(toy_samples(Toy(eps_n1=eps_n1)), order, INSIDE)
+    found = slice_of(whole, eps_n1, window, LOOK)
+    points = np.array([x for x, _ in found.fixed_points])
+    slopes = whole.sweep(points, eps_n1).slope.tolist() if len(points) else []
+    fixed = tuple(map(Fixed, points.tolist(), slopes))
+    return Scene(eps_n1, order, partition(whole, eps_n1, window, DRAWN), fixed, found.crossings)
+
+
+def described(each: Scene) -> Results:
+    """A scene in numbers."""
+    return {
+        "eps_n1": each.eps_n1,
+        "order": each.order,
+        "fixed_points": [tuple(point) for point in each.fixed_points],
+        "stable": sum(point.stable for point in each.fixed_points),
+        "unstable": sum(not point.stable for point in each.fixed_points),
+        "crossings": [(edge.x, edge.left_limit, edge.right_limit) for edge in each.crossings],
+    }
+
+
+def gap(each: Scene) -> float:
+    """Upper limit of the jump at -0.8848, less its place [rad]."""
+    edge = min(jumps(each), key=lambda jump: abs(jump.x - POINT_A[1]))
+    return edge.right_limit - edge.x
+
+
+def jumps(each: Scene) -> list[Edge]:
+    """Jumps that show in the picture."""
+    return [edge for edge in each.map.edges if abs(edge.jump) > SEEN]
+
+
+# --- Picture --------------------------------------------------------------------------------------
+
+
+def draw(scenes: list[Scene]) -> Figure:
+    """P_1 above P_2, a column for each parameter."""
+    figure, axes = canvas(5.0, len(ORDERS), len(VALUES))
+    for each in scenes:
+        row, column = ORDERS.index(each.order), VALUES.index(each.eps_n1)
+        ax = axes[row * len(VALUES) + column]
+        panel(each, ax)
+        if row == 0:
+            at = " (A)" if each.eps_n1 == POINT_A[0] else ""
+            ax.set_title(rf"$\varepsilon_{{N1}} = {each.eps_n1:.3g}${at}", fontsize=9)
+        else:
+            ax.set_xlabel(axis_label("phi_s"), fontsize=9)
+        if column == 0:
+            ax.set_ylabel(rf"$P_{each.order}(\varphi_S)$ [rad]", fontsize=9)
+        ax.tick_params(labelsize=7, labelbottom=row == 1, labelleft=column == 0)
+    figure.legend(
+        handles=legend(), loc="outside lower center", ncols=6, fontsize=7, columnspacing=1.2
+    )
+    return figure
+
+
+def panel(each: Scene, ax: Axes) -> None:
+    """One map with the diagonal and what lies on it."""
+    ax.plot(WINDOW, WINDOW, color=GREY, linewidth=0.8)
+    for piece in each.map.pieces:
+        ax.plot(piece.samples.x, piece.samples.value, color="#252525", linewidth=1.2)
+    crossed = [edge.x for edge in each.crossings]
+    for edge in jumps(each):
+        limits = (edge.left_limit, edge.right_limit)
+        if crossed and min(abs(edge.x - x) for x in crossed) < SAME:
+            continue  # drawn below
+        ax.plot([edge.x, edge.x], limits, color=GREY, linestyle=DOTS, linewidth=0.9)
+    for edge in each.crossings:
+        limits = (edge.left_limit, edge.right_limit)
+        ax.plot([edge.x, edge.x], limits, color=JUMP, linestyle=DOTS, linewidth=1.5)
+        ax.plot(edge.x, edge.x, "o", color=JUMP, mfc="none", markersize=5, mew=1.2, zorder=4)
+    for point in each.fixed_points:
+        color = STABLE if point.stable else UNSTABLE
+        face = color if point.stable else "white"
+        ax.plot(
+            point.phi_s, point.phi_s, "o", color=color, mfc=face, markersize=5, mew=1.3, zorder=5
+        )
+    ax.set(xlim=WINDOW, ylim=SHOWN, xticks=(-0.9, -0.7), yticks=(-1.5, -1.0, -0.5))
+
+
+def legend() -> list[Line2D]:
+    """What lines and markers mean."""
+    dot = {"linestyle": "none", "marker": "o", "markersize": 5, "markeredgewidth": 1.3}
+    return [
+        Line2D([], [], color="#252525", linewidth=1.2, label="map"),
+        Line2D([], [], color=GREY, linewidth=0.8, label="diagonal"),
+        Line2D([], [], color=GREY, linewidth=0.9, linestyle=DOTS, label="jump"),
+        Line2D([], [], color=JUMP, mfc="none", label="jump crossing", **dot),
+        Line2D([], [], color=STABLE, label="stable fixed point", **dot),
+        Line2D([], [], color=UNSTABLE, mfc="white", label="unstable fixed point", **dot),
+    ]
+
+
+if __name__ == "__main__":
+    command(main, "fig11_maps_near_a")

@@ -1,0 +1,215 @@
+"""The paper's Figures 9 to 12: the diagrams of P_1 and P_2, the maps near A and the local model."""
+
+import importlib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+mpl.use("Agg")
+from pwmap import Branch, BranchKind, Diagram, SpecialPoint
+from woodpecker import Found, Start, Toy, local_model, shoot, toy_map
+from woodpecker.compiled import COMPILED
+
+fig09, fig10, fig11, fig12 = (
+    importlib.import_module(name)
+    for name in ("fig09_order_one", "fig10_order_two", "fig11_maps_near_a", "fig12_local_model")
+)
+pytestmark = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+
+A = (0.0421643309, -0.8847733440)  # eps_N1, phi_S; sign change and 30 digits
+SLOPE = -1.265150782  # of P_1 right of A
+PHI_S = -0.52947197  # rad: the cycle at eps_N1 = 0.5
+
+
+def is_picture(path: Path) -> bool:
+    """Whether it is a PNG with something on it: an empty one of this size has 5 kB."""
+    return path.read_bytes()[:4] == b"\x89PNG" and path.stat().st_size > 20_000
+
+
+def flat(branch_id: str, order: int, x: list[float], eps_n1: float = 0.5) -> Branch:
+    """A branch of fixed points at one parameter."""
+    n = len(x)
+    return Branch(
+        id=branch_id, kind=BranchKind.FIXED_POINT, order=order, word="", ends=("EP1", "EP1"),
+        parameter=np.full(n, eps_n1), x=np.array(x), multiplier=np.full(n, -0.8),
+    )  # fmt: skip
+
+
+def diagram_of(*branches: Branch) -> Diagram:
+    return Diagram(
+        parameter_name="eps_n1", x_name="phi_s", branches=branches,
+        points=(SpecialPoint(id="EP1", kind="EP", parameter=0.5, x=0.0),),  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+# --- Figure 9 -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("spacing", "points"), [(1e-3, 2261), (2e-2, 114)])
+def test_a_table_has_a_column_at_every_parameter(spacing: float, points: int) -> None:
+    """2.26 rad hold 2260 spacings of 1e-3, and 113 of 2e-2; two of three parameters differ."""
+    branches = flat("F1", 1, [0.0]), flat("F2", 1, [0.1]), flat("F3", 1, [0.2], 0.6)
+    found = Found(diagram=diagram_of(*branches), reports=(), evaluations=100)
+    cost = fig09.table(found, spacing)
+    assert cost.parameters == 2
+    assert abs(cost.evaluations - 2 * points) <= 2  # floor of a quotient of doubles
+    assert cost.ratio == cost.evaluations / 100
+
+
+# --- Figure 10 ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def second(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
+    folder = tmp_path_factory.mktemp("fig10")
+    return fig10.main(fast=True, out=folder), folder
+
+
+@pytest.mark.slow
+def test_fixed_points_of_order_two_pair_up(second: tuple[dict[str, Any], Path]) -> None:
+    results, folder = second
+    assert is_picture(folder / "fig10.png")
+    assert results["odd"] == []
+    counts = [pairs["fixed_points"] for pairs in results["pairs"]]
+    assert len(counts) == fig10.FAST.slices
+    assert counts[0] == 0  # left of the first collision of period 2, at 0.05595
+    assert counts[-1] == 2
+    # brentq ends within 1e-15; the slope of P_1 on these branches is below 20
+    assert max(pairs["distance"] for pairs in results["pairs"]) < 1e-13
+
+
+@pytest.mark.slow
+def test_jump_crossings_of_order_two_are_single(second: tuple[dict[str, Any], Path]) -> None:
+    """The jump branch of P_2 that starts at A is alone, and starts the cycle of period 2."""
+    results, _ = second
+    assert results["odd_jumps"]
+    kinds = [(kind, note) for kind, note, *_ in results["from_a"]]
+    assert ("BC", "persistence") in kinds
+    (_, _, eps_n1, phi_s) = next(end for end in results["from_a"] if end[0] == "BC")
+    orbit = shoot(Toy(eps_n1=eps_n1 + 1e-6), phi_s, order=2)
+    assert orbit.success
+    assert max(orbit.points) == pytest.approx(phi_s, abs=1e-4)  # it moves by 8 rad per eps_N1
+
+
+@pytest.mark.slow
+def test_samples_are_fixed_points(second: tuple[dict[str, Any], Path]) -> None:
+    """No flank here is steeper than 100, so 1e-11 is far above rounding."""
+    inside = second[0]["residuals"]
+    assert inside["samples"] > 100
+    assert inside["lost"] == inside["above"] == 0
+    assert inside["largest"]["size"] < 1e-12
+
+
+def test_a_wrong_sample_is_seen() -> None:
+    """Off the cycle by 1e-6, P_1 is off by 1.84e-6: its slope there is -0.83916."""
+    x = shoot(Toy(), PHI_S).phi_s
+    branch = flat("F1", 1, [x, x + 1e-6, x])
+    (off,) = fig10.residuals(diagram_of(branch), ends=False)
+    assert off.size == pytest.approx(1.83916e-6, rel=1e-4)  # curvature times 1e-6
+    assert off.slope == pytest.approx(0.83916, rel=1e-4)
+    assert off.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4)
+    assert fig10.summary([off])["above"] == fig10.summary([off])["beyond_kernel"] == 1
+    assert fig10.summary(fig10.residuals(diagram_of(branch), ends=True))["above"] == 0
+
+
+def test_rounding_grows_with_the_slopes_that_are_left() -> None:
+    """For P_2 of the same cycle: slope m**2 from the first point, m from the second."""
+    x = shoot(Toy(), PHI_S).phi_s
+    (there,) = fig10.residuals(diagram_of(flat("F1", 2, [x] * 3)), ends=False)
+    assert there.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4)
+    assert there.size < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("fixed_points", "drawn", "distance", "good"),
+    [(2, 2, 0.0, True), (3, 3, 0.0, False), (2, 1, 0.0, False), (2, 2, 1e-6, False)],
+)
+def test_what_pairs_up(fixed_points: int, drawn: int, distance: float, good: bool) -> None:
+    assert fig10.Pairs(0.1, fixed_points, drawn, distance, 0).pairs_up is good
+
+
+# --- Figure 11 ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def maps(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
+    folder = tmp_path_factory.mktemp("fig11")
+    return fig11.main(fast=True, out=folder), folder
+
+
+@pytest.mark.slow
+def test_the_map_rises_through_the_diagonal_at_a(maps: tuple[dict[str, Any], Path]) -> None:
+    results, folder = maps
+    assert is_picture(folder / "fig11.png")
+    below, at, above, beyond = results["gap"].values()
+    assert below < -0.1 < 0.09 < above < beyond
+    assert abs(at) < 1e-9  # A has ten digits, and the limit rises by 14.4 rad per unit of eps_N1
+
+
+@pytest.mark.slow
+def test_what_starts_at_a(maps: tuple[dict[str, Any], Path]) -> None:
+    """Nothing below A; above it a fixed point, and one crossing of P_1 and of P_2 each."""
+    scenes = {(each["eps_n1"], each["order"]): each for each in maps[0]["scenes"]}
+    for order in (1, 2):
+        assert scenes[0.036, order]["fixed_points"] == scenes[0.036, order]["crossings"] == []
+    one, two = scenes[0.05, 1], scenes[0.05, 2]
+    ((x, slope),), ((again, squared),) = one["fixed_points"], two["fixed_points"]
+    assert again == pytest.approx(x, abs=1e-13)  # both by brentq, to 1e-15 over a slope of 0.5
+    assert squared == pytest.approx(slope**2, rel=1e-11)
+    ((jump, *_),), ((preimage, *_),) = one["crossings"], two["crossings"]
+    assert jump == pytest.approx(A[1], abs=1e-9)
+    image = fig11.toy_samples(Toy(eps_n1=0.05)).sweep(np.array([preimage]), 0.05).value[0]
+    assert image == pytest.approx(jump, abs=1e-13)  # P_1 leads back to its jump
+
+
+@pytest.mark.slow
+def test_at_the_papers_parameter_the_fixed_point_is_gone(maps: tuple[dict[str, Any], Path]) -> None:
+    scenes = {(each["eps_n1"], each["order"]): each for each in maps[0]["scenes"]}
+    there = scenes[fig11.PAPER, 1]
+    assert there["fixed_points"] == []
+    places = [x for x, *_ in there["crossings"]]
+    assert places == pytest.approx([-0.8847733440, -0.7577872573], abs=1e-9)
+    assert maps[0]["paper"]["ours"]["stable"] == 0
+
+
+# --- Figure 12 ------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_the_toy_agrees_with_its_local_model(tmp_path: Path) -> None:
+    """Slopes of preimages of the jump, x* (1 - m**(1 - j)) [Leine2001, Eq. 15 for j = 2]."""
+    results = fig12.main(fast=True, out=tmp_path)
+    assert is_picture(tmp_path / "fig12.png")
+    assert results["a"]["eps_n1"] == pytest.approx(A[0], abs=1e-10)
+    assert results["a"]["slope"] == pytest.approx(SLOPE, abs=1e-8)
+    fixed = results["agreements"]["fixed-point of P_1"]["predicted"]
+    for j in range(1, 5):
+        jump = results["agreements"][f"jump of P_{j}"]
+        expected = fixed * (1.0 - SLOPE ** (1 - j))
+        assert jump["predicted"] == pytest.approx(expected, rel=1e-8, abs=1e-12)
+    # The third order shows: c q**3 is up to a tenth of c q**2 at the largest distance
+    powers = [each["power"] for each in results["agreements"].values() if each["power"]]
+    assert len(powers) == 4
+    assert powers == pytest.approx([results["expected_power"]] * 4, abs=0.35)
+    assert results["largest_relative_error"] < 1e-4  # q**2 times curvatures of 1e5 or so
+    assert (results["branches"], results["points"]) == (5, 6)
+
+
+def test_a_wrong_slope_gives_another_power() -> None:
+    model = local_model(toy_map(Toy()), A[1], A[0])
+    right: Start = next(each for each in model.starts if each.kind is BranchKind.FIXED_POINT)
+    wrong = replace(right, slope=1.01 * right.slope)
+    assert fig12.agreement(model, right).power == pytest.approx(2.0, abs=0.1)
+    assert fig12.agreement(model, wrong).power == pytest.approx(1.0, abs=0.1)
+    measured = [fig12.agreement(model, each).measured for each in (right, wrong)]
+    assert measured[0] == pytest.approx(measured[1], abs=1e-7)  # shooting to 1e-12 over q = 1e-5
+
+
+def test_the_papers_figure_12() -> None:
+    """Fixed points r / (1 + a) and r - 2, jumps 0 and r / a [Leine2001, Eqs. 14 and 15]."""
+    hits = {round(hit.x, 9) for hit in fig12.papers_diagram().at(1.0)}
+    assert hits == {round(1.0 / 2.25, 9), -1.0, 0.0, 0.8}
