@@ -111,7 +111,7 @@ def test_a_wrong_sample_is_seen() -> None:
     (off,) = fig10.residuals(diagram_of(branch), ends=False)
     assert off.size == pytest.approx(1.83916e-6, rel=1e-4)  # curvature times 1e-6
     assert off.slope == pytest.approx(0.83916, rel=1e-4)
-    assert off.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4)
+    assert off.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4, abs=0.0)
     assert fig10.summary([off])["above"] == fig10.summary([off])["beyond_kernel"] == 1
     assert fig10.summary(fig10.residuals(diagram_of(branch), ends=True))["above"] == 0
 
@@ -120,7 +120,7 @@ def test_rounding_grows_with_the_slopes_that_are_left() -> None:
     """For P_2 of the same cycle: slope m**2 from the first point, m from the second."""
     x = shoot(Toy(), PHI_S).phi_s
     (there,) = fig10.residuals(diagram_of(flat("F1", 2, [x] * 3)), ends=False)
-    assert there.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4)
+    assert there.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4, abs=0.0)
     assert there.size < 1e-14
 
 
