@@ -151,6 +151,8 @@ class Explorer:
                 if met is not None:
                     edge, inner = met[0], -met[1]
                     kind, note = classify(edge, inner, point.cycle.multiplier)
+            elif order > 1:  # the edge is that of one lap, and x that of the first
+                edge = None
             samples.append(
                 Sample(
                     float(point.p), x, point.cycle.multiplier, point.cycle.word, kind, note, edge,

@@ -27,7 +27,7 @@ JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and othe
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
 SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
 FASTEST = 100.0  # largest speed dx/dp of an edge of which nothing is known
-TURNED = 3.0  # largest speed relative to where the edge is expected from two places
+TURNED = 3.0  # the same, once it has been seen on the way
 WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
 
 
@@ -66,6 +66,7 @@ def follow_jump(
     track = _Track(labelled_map, settings, start)
     step = FIRST_STEP
     previous, current = start, start
+    kink: Edge | None = None
     for _ in range(settings.max_points):
         low, high = settings.span
         p = min(max(current.p + direction * step, low), high)
@@ -97,6 +98,10 @@ def follow_jump(
         yield JumpPoint(edge=found)
         if abs(found.p - current.p) > settings.tolerances.edge:
             previous = current  # else their rounding would spoil the prediction
+        elif not _same_words(found, current):
+            kink = found  # the edge may turn here; what lies before says nothing
+        if kink is not None and abs(found.p - kink.p) > settings.tolerances.edge:
+            previous, kink = kink, None
         current = found
         rate = (current.x - previous.x) / (current.p - previous.p) if current is not start else 0.0
         step = min(1.5 * step, settings.max_step / math.hypot(1.0, rate))
@@ -260,7 +265,8 @@ class _Track:
         while True:
             while abs(bad - marks[-1].p) > RESOLVED:
                 fine = 0.0 if len(marks) == exact else COARSE * abs(bad - marks[-1].p)
-                x = self._seen(ahead, marks[-1], marks[-2], fine)
+                fastest = FASTEST if len(marks) == 2 else TURNED
+                x = self._seen(ahead, marks[-1], marks[-2], fine, fastest)
                 if x is None:
                     bad = ahead
                 else:
@@ -273,9 +279,10 @@ class _Track:
             exact = len(marks)
             ahead = 0.5 * (marks[-1].p + bad)
 
-    def _seen(self, p: float, near: _Mark, before: _Mark, fine: float) -> float | None:
+    def _seen(
+        self, p: float, near: _Mark, before: _Mark, fine: float, fastest: float
+    ) -> float | None:
         """Where the edge lies, to ``fine`` or the last bit; None if its words are not there."""
-        fastest = FASTEST if near.p == before.p else TURNED
         widest = min(WIDEST, max(fastest * abs(p - near.p), NARROWEST))
         bracket = self._bracket(p, near, before, widest, 2.0 * fine)
         if bracket is None:
