@@ -9,7 +9,6 @@ respect to phi_S and eps_N1; the peer (:mod:`peer_ode`) does not.
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tempfile
@@ -17,12 +16,12 @@ from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from decimal import Decimal
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 from clocks import Job, Seconds, Timing, clocked, race, ratio, summary
+from peer_kernel import PlainPython
 from peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
-from record import Results, command
+from record import Results, command, environ
 
 from pwmap.diagram import Diagram
 from woodpecker import Toy, continuation, first_return, kernel, return_map, shoot
@@ -40,16 +39,7 @@ PLAIN_RETURN, PEER_RETURN = "one return, plain Python kernel", "one return, DOP8
 MAP, MAIN_JOB = "map of 1000 points, one core", "continuation in eps_N1"
 IMPORT, COLD, WARM = "import woodpecker", "first call, compiling", "first call, from the cache"
 
-# Programs of other processes. The first measures ten returns for each line it reads, the second
-# its own start.
-SERVE = """
-import sys
-from benchmark import Toy, equal_starts
-from clocks import clocked
-job = clocked(equal_starts(Toy(), 10), units=10)
-for line in sys.stdin:
-    print(*job(), flush=True)
-"""
+# The program of a fresh process: it measures its own start.
 START = """
 import sys, time
 clocks = [(time.perf_counter(), time.process_time())]
@@ -122,10 +112,10 @@ def distance(value: float, reference: str) -> float:
 def returns(rounds: int) -> dict[str, Timing]:
     """One return in every way, and the map, in turn; the first round does not count."""
     toy = Toy()
-    with ThreadPoolExecutor(1) as one_core, PlainKernel() as plain:
+    with ThreadPoolExecutor(1) as one_core, PlainPython() as plain:
         jobs: dict[str, Job] = {
             CALLED_RETURN: clocked(lambda: first_return(toy, PHI_S), 200 if COMPILED else 10),
-            PLAIN_RETURN: plain.job,
+            PLAIN_RETURN: plain_job(plain),
             PEER_RETURN: clocked(lambda: first_return_ode(toy, PHI_S, rtol=RTOL)),
             MAP: clocked(lambda: map_window(toy, one_core)),
         }
@@ -152,34 +142,20 @@ def map_window(toy: Toy, executor: Executor) -> None:
     return_map(toy, np.linspace(*WINDOW, 1000), executor=executor)
 
 
-class PlainKernel:
-    """The kernel without numba, in a process of its own."""
+def plain_job(plain: PlainPython) -> Job:
+    """Job of one return in plain Python, the mean of ten."""
 
-    def __enter__(self) -> PlainKernel:
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", SERVE],
-            env=environ(NUMBA_DISABLE_JIT="1"),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        return self
+    def job() -> Seconds:
+        _, seconds = plain.ask("benchmark:listed_starts", 10)
+        return Seconds(seconds.wall / 10, seconds.cpu / 10)
 
-    def job(self) -> Seconds:
-        """Time of one return, the mean of ten."""
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        self.process.stdin.write("\n")
-        self.process.stdin.flush()
-        return _seconds(self.process.stdout.readline())
+    return job
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.process.communicate()
+
+def listed_starts(n: int) -> Callable[[], list[float]]:
+    """Like :func:`equal_starts`, for another process."""
+    work = equal_starts(Toy(), n)
+    return lambda: work().tolist()
 
 
 def _seconds(line: str) -> Seconds:
@@ -207,12 +183,6 @@ def _start(variables: dict[str, str]) -> str:
     return subprocess.run(
         command, env=variables, stdout=subprocess.PIPE, text=True, check=True
     ).stdout
-
-
-def environ(**changes: str) -> dict[str, str]:
-    """Environment of a process that imports what this one imports."""
-    folders = [str(Path(__file__).resolve().parent), *filter(None, sys.path)]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(folders), **changes}
 
 
 def main_job(rounds: int) -> tuple[Timing, Diagram]:

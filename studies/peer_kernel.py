@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import reference_mpmath
-from benchmark import environ
 from clocks import Seconds, clocked
 from mpmath import nstr
 from peers import LostError, PeerReturn
+from record import environ
 
 from woodpecker import Toy, first_return, return_map, shoot
 

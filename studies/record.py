@@ -7,6 +7,7 @@ import json
 import os
 import platform
 import subprocess
+import sys
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
@@ -53,6 +54,12 @@ def environment() -> dict[str, str]:
         "python": platform.python_version(),
         **{package: version(package) for package in PACKAGES},
     }
+
+
+def environ(**changes: str) -> dict[str, str]:
+    """Environment of a process that imports what this one imports."""
+    folders = [str(Path(__file__).resolve().parent), *filter(None, sys.path)]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(folders), **changes}
 
 
 def version(package: str) -> str:
