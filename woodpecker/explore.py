@@ -24,6 +24,7 @@ from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, LabelledMap, iterate
 
 SAME_CYCLE = 1e-9  # points of a cycle closer than this are one: its minimal period is shorter
+SAME_PLACE = 1e-6  # an edge of P_j further off is not the one that a cycle has met
 MOST_BRANCHES = 100_000
 FASTEST = 100.0  # largest speed dx/dp of an edge that is expected next to a border collision
 
@@ -145,14 +146,14 @@ class Explorer:
             self._tell(point.p, order)
             kind, note, edge, inner = point.kind, point.note, point.edge, -point.side
             x = float(point.cycle.x[0])
+            if order > 1:  # the edge that was met is that of one lap, and x that of the first
+                edge = None
             if kind in COLLISIONS and order > 1:  # the jump of P_order next to the first point
                 whole = self.iterate(order)
                 met = nearest_edge(whole, x, point.p, whole(x, point.p).word)
-                if met is not None:
+                if met is not None and abs(met[0].x - x) < SAME_PLACE:
                     edge, inner = met[0], -met[1]
                     kind, note = classify(edge, inner, point.cycle.multiplier)
-            elif order > 1:  # the edge is that of one lap, and x that of the first
-                edge = None
             samples.append(
                 Sample(
                     float(point.p), x, point.cycle.multiplier, point.cycle.word, kind, note, edge,
