@@ -153,6 +153,19 @@ def precision(results: All) -> str:
     return f"{rows(header, lines)}\n\n{ahead}"
 
 
+def siconos(results: All) -> str:
+    """The same motion by an established program."""
+    found = results["peer_siconos"]["cycle"]["2e-05"]
+    unit = results["benchmark"]["timings"]["one return, compiled kernel"]["cpu_median"]
+    period = results["sensitivities"]["period"]
+    return (
+        f"Siconos, at a step of 2e-05 s, gives the cycle a period of {found['period_mean']:.5f} ± "
+        f"{found['period_spread']:.5f} s (the kernel: {period:.8f} s) and computes "
+        f"{number(found['seconds_per_second'])} s for each simulated second, the kernel "
+        f"{seconds(unit / period)}."
+    )
+
+
 def orders(results: All) -> str:
     """Expected and fitted orders."""
     lines = [
@@ -287,7 +300,7 @@ def machine(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        paper, sensitivities, precision, orders, failures, reductions, kernel, diagrams, symbolic,
+        paper, sensitivities, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
         machine,
     )
 }  # fmt: skip

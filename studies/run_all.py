@@ -22,6 +22,8 @@ from rich.console import Console
 STUDIES = (
     "benchmark",
     "symbolic",
+    "peer_moreau",
+    "peer_siconos",
     "work_precision",
     "failures",
     "reductions",
