@@ -252,7 +252,7 @@ def diagrams(results: All) -> str:
             f"time and {number(two['evaluations'] / 1e6)} million evaluations. Checked in {len(two['pairs'])} "
             f"slices between special points: in {len(two['pairs']) - len(two['odd'])} of them the "
             f"diagram has exactly the fixed points of period 2 that the slice shows, in pairs that P_1 maps "
-            f"to each other to 1e-9; the others lie where branches crowd next to the dips. The number of "
+            f"to each other to 1e-9; the others lie between ε_N1 = {min(two['odd']):.3f} and {max(two['odd']):.3f}. The number of "
             f"jump crossings is odd in {len(two['odd_jumps'])}. The jump branches of P_2 that start at A end at "
             f"{places(two['from_a'])}. Simulated once more, {inner['above']} of {inner['samples']} samples "
             f"inside branches have |P_j(x) − x| above 1e-11, {inner['beyond_kernel']} of them more than the "
