@@ -40,7 +40,7 @@ from style import STABLE, VIOLET, WIDTH, grid
 from woodpecker import Toy, free_frequency, kernel, return_map
 from woodpecker.arrays import Floats, Ints
 from woodpecker.compiled import COMPILED, jit
-from woodpecker.contact import contact_problem, one_contact, rates
+from woodpecker.contact import one_contact, rates, two_contacts
 from woodpecker.guards import bracketed, value
 from woodpecker.lcp import solve_contact_lcp
 from woodpecker.modes import (
@@ -51,6 +51,7 @@ from woodpecker.modes import (
     KAPPA,
     MU,
     OMEGA,
+    PAIR,
     SECTION,
     A,
     B,
@@ -93,6 +94,7 @@ class Impacts(NamedTuple):
     free: Floats  # (k, 4) relative velocities [m/s]
     mu: Floats  # (k, 2)
     floor: Floats  # (k, 2) smallest normal impulses [N s]
+    pair: Ints  # (k,) where the table of the two contacts begins in the model; 0 for one contact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -215,7 +217,7 @@ def _padded(table: Floats, impacts: Sequence[tuple[Ints, Floats, Floats]]) -> Im
     k = len(impacts)
     out = Impacts(
         np.zeros(k, np.int64), np.zeros((k, 4, 4)), np.zeros((k, 4)), np.zeros((k, 2)),
-        np.zeros((k, 2)),
+        np.zeros((k, 2)), np.zeros(k, np.int64),
     )  # fmt: skip
     for row, (hit, free, floor) in enumerate(impacts):
         n = len(hit)
@@ -224,6 +226,7 @@ def _padded(table: Floats, impacts: Sequence[tuple[Ints, Floats, Floats]]) -> Im
         out.delassus[row, : 2 * n, : 2 * n] = table[DELASSUS + pick][:, pick]
         out.free[row, : 2 * n], out.floor[row, :n] = free, floor
         out.mu[row, :n] = table[CONTACT + hit, MU]
+        out.pair[row] = PAIR + 36 * (hit[1] - 1) if n == 2 else 0
     return out
 
 
@@ -367,7 +370,7 @@ def contacts(impacts: Impacts, other: PlainPython, plan: Plan) -> Results:
 def direct(impacts: Impacts) -> Floats:
     """Impulses (N, T) of each contact in turn by trying index combinations."""
     out = np.zeros((len(impacts.size), 4))
-    _direct(*impacts, out)
+    _direct(model(Toy()), *impacts, out)
     return out
 
 
@@ -379,8 +382,9 @@ def direct_work(*columns: list[Any]) -> Work:
 
 @jit
 def _direct(
-    size: Ints, delassus: Floats, free: Floats, mu: Floats, floor: Floats, out: Floats
-) -> None:
+    table: Floats, size: Ints, delassus: Floats, free: Floats, mu: Floats, floor: Floats,
+    pair: Ints, out: Floats,
+) -> None:  # fmt: skip
     cases, feeds = np.zeros((2, 2), dtype=np.int64), np.zeros(2, dtype=np.int64)
     for k in range(len(size)):
         if size[k] == 1:
@@ -389,7 +393,9 @@ def _direct(
                 g[0, 0], g[0, 1], g[1, 1], free[k, 0], free[k, 1], mu[k, 0], floor[k, 0]
             )
         else:
-            contact_problem(delassus[k], free[k], mu[k], floor[k], feeds, cases, out[k])
+            two_contacts(
+                table, pair[k], delassus[k], free[k], mu[k], floor[k], feeds, cases, out[k]
+            )
 
 
 def lemke(impacts: Impacts) -> Floats:

@@ -7,10 +7,10 @@ Lambda with
     0 <= g_N  perp  Lambda_N - floor >= 0      (floor = 0, or eps_N Lambda_NC in expansion),
     |Lambda_T| <= mu Lambda_N,  Lambda_T = -mu Lambda_N sign(g_T) where g_T != 0.
 
-With one contact the six index combinations have closed forms; with two, all 36 are tried by
-elimination. Either way a missing solution or a second one is seen. :mod:`woodpecker.lcp` solves
-the same problem by Lemke's method for any number of contacts and is what this file is tested
-against.
+With one contact the six index combinations have closed forms; with two, all 36 are tried from a
+table of :mod:`woodpecker.cases`. Either way a missing solution or a second one is seen.
+:mod:`woodpecker.lcp` solves the same problem by Lemke's method for any number of contacts and is
+what this file is tested against.
 
 Two sticking contacts have four impulses for three equations: a compression that ends with the
 whole toy at rest fixes the velocities but leaves the normal impulses on a segment, and the
@@ -25,6 +25,7 @@ import math
 import numpy as np
 
 from woodpecker.arrays import Floats, Ints
+from woodpecker.cases import FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.compiled import jit
 from woodpecker.modes import (
     ANGLE,
@@ -34,6 +35,7 @@ from woodpecker.modes import (
     FORCE,
     LEVER,
     MU,
+    PAIR,
     RESPONSE_N,
     RESPONSE_T,
     SIGN,
@@ -43,9 +45,6 @@ from woodpecker.modes import (
 # Outcome of a contact problem.
 SOLVED, NO_SOLUTION, AMBIGUOUS, INDETERMINATE = 0, 1, 2, 3
 
-# Index combination of one contact: 3 * normal + tangential.
-REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
-HOLD, FORWARD, BACKWARD = 0, 1, 2  # tangential velocity zero / positive / negative
 UNSOLVED = -1
 
 # A mark tells index combinations of one contact apart: compression + 3 * expansion, where
@@ -53,8 +52,6 @@ UNSOLVED = -1
 # impulse, stays if not) and slides or is missing, 1 as usual and sticks, 2 and 3 the other way.
 MARKS = 12
 
-SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-deficient: rounding of G
-# is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
 SLACK = 1e-11  # used only where strict signs leave no combination: a solution on a boundary
 SAME = 1e-8  # velocities closer than this (relative) are one solution found twice
 
@@ -116,133 +113,52 @@ def one_contact(
 
 
 @jit
-def solve_case(
-    case: Ints, delassus: Floats, free: Floats, mu: Floats, floor: Floats, impulse: Floats
-) -> bool:
-    """Impulses of one index combination by elimination; False if it is rank-deficient.
-
-    Order of rows and unknowns: (N, T) of the first contact, then of the second. The map from
-    (free, floor) to impulses is linear, so derivatives come from the same function.
-    """
-    n = 2 * len(case)
-    system = np.zeros((4, 5))
-    for k in range(len(case)):
-        row_n, row_t = 2 * k, 2 * k + 1
-        normal, tangential = case[k] // 3, case[k] % 3
-        if normal == REST:
-            for j in range(n):
-                system[row_n, j] = delassus[row_n, j]
-            system[row_n, 4] = -free[row_n]
-        else:
-            system[row_n, row_n] = 1.0
-            system[row_n, 4] = floor[k]
-        if tangential == HOLD:
-            for j in range(n):
-                system[row_t, j] = delassus[row_t, j]
-            system[row_t, 4] = -free[row_t]
-        else:
-            system[row_t, row_t] = 1.0
-            system[row_t, row_n] = mu[k] if tangential == FORWARD else -mu[k]
-    return _eliminate(system, n, impulse)
-
-
-@jit
-def _eliminate(system: Floats, n: int, solution: Floats) -> bool:
-    """Gauss elimination of n rows (right-hand side in column 4), scaled partial pivoting."""
-    for i in range(n):
-        norm = 0.0
-        for j in range(n):
-            norm = max(norm, abs(system[i, j]))
-        for j in range(5):
-            system[i, j] /= norm
-    for i in range(n):
-        pivot = i
-        for j in range(i + 1, n):
-            if abs(system[j, i]) > abs(system[pivot, i]):
-                pivot = j
-        if abs(system[pivot, i]) < SINGULAR:
-            return False
-        if pivot != i:
-            for j in range(5):
-                system[i, j], system[pivot, j] = system[pivot, j], system[i, j]
-        for k in range(i + 1, n):
-            factor = system[k, i] / system[i, i]
-            for j in range(i, 5):
-                system[k, j] -= factor * system[i, j]
-    for i in range(n - 1, -1, -1):
-        total = system[i, 4]
-        for j in range(i + 1, n):
-            total -= system[i, j] * solution[j]
-        solution[i] = total / system[i, i]
-    return True
-
-
-@jit
-def _violation(
-    case: Ints, velocity: Floats, impulse: Floats, mu: Floats, floor: Floats,
-    scale_v: float, scale_i: float,
-) -> float:  # fmt: skip
-    """Largest relative violation of the inequalities of an index combination."""
-    worst = 0.0
-    for k in range(len(case)):
-        normal, tangential = case[k] // 3, case[k] % 3
-        if normal == REST:
-            worst = max(worst, (floor[k] - impulse[2 * k]) / scale_i)
-        else:
-            worst = max(worst, -velocity[2 * k] / scale_v)
-        if tangential == HOLD:
-            worst = max(worst, (abs(impulse[2 * k + 1]) - mu[k] * impulse[2 * k]) / scale_i)
-        elif tangential == FORWARD:
-            worst = max(worst, -velocity[2 * k + 1] / scale_v)
-        else:
-            worst = max(worst, velocity[2 * k + 1] / scale_v)
-    return worst
-
-
-@jit
-def contact_problem(
-    delassus: Floats, free: Floats, mu: Floats, floor: Floats, feeds: Ints, cases: Ints,
-    impulse: Floats,
+def two_contacts(
+    table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, floor: Floats,
+    feeds: Ints, cases: Ints, impulse: Floats,
 ) -> int:  # fmt: skip
-    """Try every index combination of one or two contacts.
+    """Try every index combination of two contacts.
 
     Parameters
     ----------
+    table, first
+        Impulses of the index combinations, see :mod:`woodpecker.cases`, from row ``first`` on.
     delassus
-        (2n, 2n), (N, T) of each contact in turn; free is (2n,), mu and floor are (n,).
+        (4, 4), (N, T) of each contact in turn; free is (4,), mu and floor are (2,).
     feeds
-        (n,) nonzero where the normal impulse itself matters afterwards (it feeds the expansion).
+        (2,) nonzero where the normal impulse itself matters afterwards (it feeds the expansion).
     cases
-        (2, n) output: the index combination, twice; if indeterminate both ends of the segment.
+        (2, 2) output: the index combination, twice; if indeterminate both ends of the segment.
     impulse
-        (2n,) output: the impulses, or the middle of the segment.
+        (4,) output: the impulses, or the middle of the segment.
 
     Returns
     -------
     SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
     they give the same velocities but different normal impulses where these matter.
     """
-    n = len(free) // 2
     scale_v, scale_i = 1e-300, 1e-300
-    for k in range(2 * n):
-        scale_v = max(scale_v, abs(free[k]))
-        scale_i = max(scale_i, abs(free[k]) / delassus[k, k])
-    for k in range(n):
+    for i in range(4):
+        scale_v = max(scale_v, abs(free[i]))
+        scale_i = max(scale_i, abs(free[i]) / delassus[i, i])
+    for k in range(2):
         scale_i = max(scale_i, floor[k])
         scale_v = max(scale_v, floor[k] * delassus[2 * k, 2 * k])
-    found, impulses = np.zeros((36, n), dtype=np.int64), np.zeros((36, 2 * n))
-    velocities, violations = np.zeros((36, 2 * n)), np.zeros(36)
+    found, violations = np.empty(36, dtype=np.int64), np.empty(36)
+    impulses, velocities = np.empty((36, 4)), np.empty((36, 4))
     count = 0
-    for index in range(36 if n == 2 else 6):
-        trial, solution, velocity = found[count], impulses[count], velocities[count]
-        trial[0] = index % 6
-        if n == 2:
-            trial[1] = index // 6
-        if not solve_case(trial, delassus, free, mu, floor, solution):
-            continue
-        _velocities(trial, delassus, free, solution, velocity)
-        violations[count] = _violation(trial, velocity, solution, mu, floor, scale_v, scale_i)
-        if violations[count] <= SLACK:
+    for index in range(36):
+        p, v = impulses[count], velocities[count]
+        impulse_of(table, first + index, free, floor, p)
+        velocity_of(index, delassus, free, p, v)
+        worst = _violation(index % 6, p[0], p[1], v[0], v[1], mu[0], floor[0], scale_v, scale_i)
+        if worst <= SLACK:
+            second = _violation(
+                index // 6, p[2], p[3], v[2], v[3], mu[1], floor[1], scale_v, scale_i
+            )
+            worst = max(worst, second)
+        if worst <= SLACK:
+            found[count], violations[count] = index, worst
             count += 1
     if count == 0:
         return NO_SOLUTION
@@ -252,20 +168,36 @@ def contact_problem(
             best = s
     status = SOLVED
     for s in range(count):
-        for k in range(2 * n):
-            if abs(velocities[s, k] - velocities[best, k]) > SAME * scale_v:
+        for i in range(4):
+            if abs(velocities[s, i] - velocities[best, i]) > SAME * scale_v:
                 return AMBIGUOUS
-        for k in range(n):
+        for k in range(2):
             if feeds[k] and abs(impulses[s, 2 * k] - impulses[best, 2 * k]) > SAME * scale_i:
                 status = INDETERMINATE
     low = high = best
     if status == INDETERMINATE:
         low, high = _ends(impulses, count)
-    for k in range(n):
-        cases[0, k], cases[1, k] = found[low, k], found[high, k]
-    for k in range(2 * n):
-        impulse[k] = 0.5 * (impulses[low, k] + impulses[high, k])
+    cases[0, 0], cases[0, 1] = found[low] % 6, found[low] // 6
+    cases[1, 0], cases[1, 1] = found[high] % 6, found[high] // 6
+    for i in range(4):
+        impulse[i] = 0.5 * (impulses[low, i] + impulses[high, i])
     return status
+
+
+@jit
+def _violation(
+    case: int, p_n: float, p_t: float, v_n: float, v_t: float, mu: float, floor: float,
+    scale_v: float, scale_i: float,
+) -> float:  # fmt: skip
+    """Largest relative violation of the inequalities of one contact; inf for no impulses at all."""
+    normal = (floor - p_n) / scale_i if case // 3 == REST else -v_n / scale_v
+    if case % 3 == HOLD:
+        tangential = (abs(p_t) - mu * p_n) / scale_i
+    else:
+        tangential = (-v_t if case % 3 == FORWARD else v_t) / scale_v
+    if not (normal <= SLACK and tangential <= SLACK):
+        return math.inf
+    return max(0.0, normal, tangential)
 
 
 @jit
@@ -286,20 +218,20 @@ def _ends(points: Floats, count: int) -> tuple[int, int]:
 
 
 @jit
-def _velocities(
-    case: Ints, delassus: Floats, free: Floats, impulse: Floats, velocity: Floats
+def velocity_of(
+    index: int, delassus: Floats, free: Floats, impulse: Floats, velocity: Floats
 ) -> None:
     """G Lambda + free, with exact zeros where the index combination says zero."""
-    n = 2 * len(case)
-    for i in range(n):
+    for i in range(4):
         total = free[i]
-        for j in range(n):
+        for j in range(4):
             total += delassus[i, j] * impulse[j]
         velocity[i] = total
-    for k in range(len(case)):
-        if case[k] // 3 == REST:
+    for k in range(2):
+        case = index // 6 if k else index % 6
+        if case // 3 == REST:
             velocity[2 * k] = 0.0
-        if case[k] % 3 == HOLD:
+        if case % 3 == HOLD:
             velocity[2 * k + 1] = 0.0
 
 
@@ -422,12 +354,14 @@ def _double_impact(
         mu[k], eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
         feeds[k] = 1 if eps[k] > 0.0 else 0
         free[2 * k], free[2 * k + 1] = rates(model, i, z)
+    table = PAIR + 36 * (contacts[1] - 1)
     floor, zero = np.zeros(2), np.zeros(2)
     first, second = np.zeros((2, 2), dtype=np.int64), np.zeros((2, 2), dtype=np.int64)
-    outcome = contact_problem(delassus, free, mu, zero, feeds, first, impulses[0])
+    outcome = two_contacts(model, table, delassus, free, mu, zero, feeds, first, impulses[0])
     if outcome in (NO_SOLUTION, AMBIGUOUS):
         return outcome
-    _velocities(first[0], delassus, free, impulses[0], middle)
+    begun = first[0, 0] + 6 * first[0, 1]
+    velocity_of(begun, delassus, free, impulses[0], middle)
     expands = False
     for k in range(2):
         floor[k] = eps[k] * impulses[0, 2 * k]
@@ -435,7 +369,7 @@ def _double_impact(
         case[k] = first[0, k]
         feeds[k] = 0
     if expands:
-        status = contact_problem(delassus, middle, mu, floor, feeds, second, impulses[1])
+        status = two_contacts(model, table, delassus, middle, mu, floor, feeds, second, impulses[1])
         if status != SOLVED:
             return status
         for k in range(2):
@@ -448,16 +382,16 @@ def _double_impact(
     for m in range(len(tangents)):
         for k in range(2):
             free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangents[m])
-        solve_case(first[0], delassus, free, mu, zero, change)
-        solve_case(first[1], delassus, free, mu, zero, part)
+        impulse_of(model, table + begun, free, zero, change)
+        impulse_of(model, table + first[1, 0] + 6 * first[1, 1], free, zero, part)
         for k in range(4):
             change[k], more[k] = 0.5 * (change[k] + part[k]), 0.0
         if expands:
             for k in range(2):
                 dfloor = seed[m, contacts[k]] * impulses[0, 2 * k]
                 floor[k] = eps[k] * change[2 * k] + dfloor
-            _velocities(first[0], delassus, free, change, middle)
-            solve_case(case, delassus, middle, mu, floor, more)
+            velocity_of(begun, delassus, free, change, middle)
+            impulse_of(model, table + case[0] + 6 * case[1], middle, floor, more)
         for k in range(2):
             p_n, p_t = change[2 * k] + more[2 * k], change[2 * k + 1] + more[2 * k + 1]
             _kick(model, contacts[k], p_n, p_t, tangents[m])

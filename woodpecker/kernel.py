@@ -16,14 +16,13 @@ from typing import cast
 import numpy as np
 
 from woodpecker.arrays import Codes, Floats, Ints
+from woodpecker.cases import HOLD, REST
 from woodpecker.compiled import jit
 from woodpecker.contact import (
     AMBIGUOUS,
-    HOLD,
     INDETERMINATE,
     MARKS,
     NO_SOLUTION,
-    REST,
     SOLVED,
     hold,
     impact,

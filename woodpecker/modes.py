@@ -19,6 +19,7 @@ from functools import lru_cache
 import numpy as np
 
 from woodpecker.arrays import Floats
+from woodpecker.cases import case_table
 from woodpecker.mechanics import (
     force_at_rest,
     force_per_stretch,
@@ -49,7 +50,8 @@ LIMIT, MU, EPS, TANGENT, RESPONSE_N, RESPONSE_T = 0, 1, 2, 3, 6, 9
 DELASSUS = 31  # rows and columns N1, T1, N2, T2, N3, T3 of W^T M^-1 W
 FORCE = 37  # h_0, h_1, then the length of the pole, then the lever arms of the gaps
 POLE, LEVER = 6, 7
-SHAPE = (38, 29)
+PAIR = 38  # impulses of the beak with contact 2, then with contact 3: 36 index combinations each
+SHAPE = (110, 29)
 
 SIGN = (-1.0, 1.0, -1.0)  # how the angle enters the gap of contacts 1, 2, 3
 ANGLE = (2, 1, 1)  # which coordinate closes it: phi_S, phi_M, phi_M
@@ -77,7 +79,7 @@ def consistent(states: tuple[int, ...]) -> bool:
 
 
 def model(toy: Toy) -> Floats:
-    """All numbers the kernel needs, shape (38, 29); a copy, to be changed at will."""
+    """All numbers the kernel needs, shape (110, 29); a copy, to be changed at will."""
     numbers = _model(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
     numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
     return numbers
@@ -105,6 +107,10 @@ def _model(toy: Toy) -> Floats:
     contacts[:, RESPONSE_N : RESPONSE_N + 3] = responses[0::2]
     contacts[:, RESPONSE_T : RESPONSE_T + 3] = responses[1::2]
     numbers[DELASSUS : DELASSUS + 6, :6] = directions @ responses.T
+    for k in (1, 2):
+        chosen = [0, 1, 2 * k, 2 * k + 1]
+        table = case_table((directions @ responses.T)[np.ix_(chosen, chosen)], mu[[0, k]])
+        numbers[PAIR + 36 * (k - 1) : PAIR + 36 * k, : table.shape[1]] = table
     numbers[FORCE, :6], numbers[FORCE, POLE] = forces.T.ravel(), toy.pole
     numbers[FORCE, LEVER : LEVER + 3] = lever
     return numbers
