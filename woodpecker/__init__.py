@@ -11,7 +11,7 @@ from woodpecker.diagram import (
     whole_diagram,
 )
 from woodpecker.explore import Stage
-from woodpecker.follow import PathPoint, Settings, follow
+from woodpecker.follow import PathPoint, follow
 from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, iterate
 from woodpecker.local import LocalModel, Start, local_model
@@ -29,6 +29,7 @@ from woodpecker.pieces import (
     slice_of,
 )
 from woodpecker.returns import Return, ReturnMap, first_return, return_map
+from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot, toy_map, toy_samples
 from woodpecker.status import Status
 from woodpecker.tolerances import Tolerances

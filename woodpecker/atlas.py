@@ -207,4 +207,6 @@ def _is_same(node: Node, sample: Sample, x: float, order: int) -> bool:
     jumps_end = sample.note == JUMP_ENDS and (node.note == JUMP_ENDS or node.kind in COLLISIONS)
     collide = sample.kind in COLLISIONS and (node.kind in COLLISIONS or node.note == JUMP_ENDS)
     closes = sample.note == node.note == CLOSED or sample.kind is node.kind is PointKind.FALL
+    if sample.kind is node.kind is PointKind.EP and order == node.order:  # one end, met twice
+        return sample.note == node.note and abs(node.x - x) < SAME_POINT
     return abs(node.x - x) < SAME_POINT and (collide or closes or jumps_end)

@@ -21,9 +21,9 @@ from pwmap.files import write_figure, write_table
 from pwmap.results import FILES, table_of_points, write_results
 from woodpecker.diagram import WINDOW, Found, continuation, find_all, saved_diagram
 from woodpecker.explore import Stage
-from woodpecker.follow import Settings
 from woodpecker.local import local_model
 from woodpecker.returns import CHUNK, ReturnMap, return_map
+from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, shoot, toy_map
 from woodpecker.toy import Toy, known_parameter
 from woodpecker.trajectory import simulate as run_simulation

@@ -20,10 +20,10 @@ from pwmap.diagram import Branch, BranchKind
 from woodpecker.atlas import ON_BRANCH, Atlas
 from woodpecker.edges import NEAR, Edge, edge_between
 from woodpecker.explore import Explorer
-from woodpecker.follow import Settings
 from woodpecker.journal import SLICE, Entry
 from woodpecker.labelled import LabelledMap, correct
 from woodpecker.pieces import Resolution, SampledMap, Slice, iterated, slice_of
+from woodpecker.settings import Settings
 
 AT_END = 1e-9  # in the parameter: a slice can fall on the very end of a branch
 AHEAD = 4  # slices that are prepared while branches are followed

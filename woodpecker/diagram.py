@@ -13,11 +13,11 @@ from pwmap.diagram import Diagram
 from woodpecker.atlas import Atlas
 from woodpecker.complete import Report, Search, complete
 from woodpecker.explore import Explorer, Progress, restore
-from woodpecker.follow import Settings
 from woodpecker.journal import Entry, Journal, read_journal
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, windowed
 from woodpecker.pieces import SampledMap
 from woodpecker.returns import RESTITUTIONS
+from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map, toy_samples
 from woodpecker.toy import Toy
 

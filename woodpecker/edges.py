@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from woodpecker.labelled import Evaluation, LabelledMap
+from woodpecker.labelled import Cycle, Evaluation, LabelledMap, composed
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 NEAR = 64  # spacings of doubles between an edge and the first point a limit is read from
@@ -122,6 +122,41 @@ def nearest_edge(
             return min(ends, key=lambda end: abs(end[0].x - x))
         distance *= 4.0
     return None
+
+
+def edge_of_iterate(
+    labelled_map: LabelledMap, cycle: Cycle, lap: int, edge: Edge, side: int, first: int
+) -> tuple[Edge, int]:
+    """The edge of P_j next to a point of a cycle one lap of which has met an edge of P_1.
+
+    Parameters
+    ----------
+    lap, edge, side
+        Which lap, and the edge, on this side (-1 or +1) of its point.
+    first
+        The point from which P_j starts.
+
+    Returns
+    -------
+    tuple
+        The edge of P_j, and on which side of the point it lies. One limit is the point itself.
+    """
+    j, x = len(cycle.x), float(cycle.x[first])
+    before = [cycle.laps[(first + k) % j] for k in range((lap - first) % j)]
+    laps = [*before, edge.right if side > 0 else edge.left]
+    limit = edge.right_limit if side > 0 else edge.left_limit
+    while len(laps) < j and laps[-1].defined:
+        laps.append(labelled_map(limit, cycle.p))
+        limit = laps[-1].value
+    inside = composed(cycle.laps[(first + k) % j] for k in range(j))._replace(value=x)
+    outside = composed(laps)._replace(value=limit)
+    turns = sum(each.slope < 0.0 for each in before)
+    turned = -side if turns % 2 else side
+    left, right = (inside, outside) if turned > 0 else (outside, inside)
+    met = Edge(
+        x=x, p=cycle.p, left=left, right=right, left_limit=left.value, right_limit=right.value
+    )
+    return met, turned
 
 
 def edges_between(labelled_map: LabelledMap, p: float, low: float, high: float) -> list[Edge]:

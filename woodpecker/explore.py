@@ -17,11 +17,13 @@ import numpy as np
 
 from pwmap.diagram import BranchKind, PointKind
 from woodpecker.atlas import COLLISIONS, Atlas, Collision, Sample
-from woodpecker.edges import Edge, edges_between, is_continuous, nearest_edge
-from woodpecker.follow import CLOSED, PathPoint, Settings, classify, follow_from, start_beside
+from woodpecker.edges import Edge, edge_of_iterate, edges_between, is_continuous, nearest_edge
+from woodpecker.follow import CLOSED, PathPoint, classify, follow_from
 from woodpecker.journal import DONE, PATH, Entry, Journal, of_samples, to_samples
 from woodpecker.jumps import JumpPoint, follow_jump
-from woodpecker.labelled import Cycle, LabelledMap, iterate
+from woodpecker.labelled import SEPARATOR, Cycle, LabelledMap, iterate
+from woodpecker.landing import beside, orbit_beside
+from woodpecker.settings import Settings
 
 SAME_CYCLE = 1e-9  # points of a cycle closer than this are one: its minimal period is shorter
 SAME_PLACE = 1e-6  # an edge of P_j further off is not the one that a cycle has met
@@ -85,13 +87,15 @@ class Explorer:
         order = len(start.x)
         along = np.zeros(order + 1)
         along[-1] = 1.0
-        ahead = self._fixed(follow_from(self.map, start, along, self.settings), order)
-        if ahead[-1].note == CLOSED:  # an island: cut where it closes
-            ahead[0] = ahead[-1] = replace(ahead[-1], p=ahead[0].p, x=ahead[0].x)
-            behind = []
-        else:
-            behind = self._fixed(follow_from(self.map, start, -along, self.settings), order)
-        self._add([*reversed(behind[1:]), *ahead], BranchKind.FIXED_POINT, order)
+        ahead = self._points(follow_from(self.map, start, along, self.settings))
+        closes = ahead[-1].note == CLOSED  # an island
+        behind = [] if closes else self._points(follow_from(self.map, start, -along, self.settings))
+        for first in range(order):
+            samples = [self._fixed(point, first) for point in ahead]
+            if closes:  # cut where it does
+                samples[0] = samples[-1] = replace(samples[-1], p=samples[0].p, x=samples[0].x)
+            rest = [self._fixed(point, first) for point in behind[1:]]
+            self._add([*reversed(rest), *samples], BranchKind.FIXED_POINT, order)
         self.go_on()
 
     def explore_jump(self, edge: Edge, order: int) -> None:
@@ -140,27 +144,25 @@ class Explorer:
     def _tell(self, p: float, order: int) -> None:
         self._progress(Stage(p, order, self.slices, len(self.atlas.branches)))
 
-    def _fixed(self, path: Iterable[PathPoint], order: int) -> list[Sample]:
-        samples = []
+    def _points(self, path: Iterable[PathPoint]) -> list[PathPoint]:
+        points = []
         for point in path:
-            self._tell(point.p, order)
-            kind, note, edge, inner = point.kind, point.note, point.edge, -point.side
-            x = float(point.cycle.x[0])
-            if order > 1:  # the edge that was met is that of one lap, and x that of the first
-                edge = None
-            if kind in COLLISIONS and order > 1:  # the jump of P_order next to the first point
-                whole = self.iterate(order)
-                met = nearest_edge(whole, x, point.p, whole(x, point.p).word)
-                if met is not None and abs(met[0].x - x) < SAME_PLACE:
-                    edge, inner = met[0], -met[1]
-                    kind, note = classify(edge, inner, point.cycle.multiplier)
-            samples.append(
-                Sample(
-                    float(point.p), x, point.cycle.multiplier, point.cycle.word, kind, note, edge,
-                    inner,
-                )
-            )  # fmt: skip
-        return samples
+            self._tell(point.p, len(point.cycle.x))
+            points.append(point)
+        return points
+
+    def _fixed(self, point: PathPoint, first: int) -> Sample:
+        """A cycle as a fixed point of P_j: one of its points, and the edge of P_j that it meets."""
+        cycle, kind, note = point.cycle, point.kind, point.note
+        edge, inner = point.edge, -point.side
+        if edge is not None and len(cycle.x) > 1:
+            whole, side = edge_of_iterate(self.map, cycle, point.lap, edge, point.side, first)
+            edge, inner = (whole if kind in COLLISIONS else None), -side
+        if edge is not None and kind in COLLISIONS:
+            kind, note = classify(edge, inner, cycle.multiplier)
+        words = SEPARATOR.join((*cycle.words[first:], *cycle.words[:first]))
+        x = float(cycle.x[first])
+        return Sample(float(point.p), x, cycle.multiplier, words, kind, note, edge, inner)
 
     def _jumps(self, path: Iterable[JumpPoint], order: int) -> list[Sample]:
         samples = []
@@ -198,15 +200,39 @@ class Explorer:
     def _fixed_from(self, collision: Collision) -> None:
         """Follow the fixed-point branch that starts at a border collision."""
         node, inner, order = collision.node, collision.inner, collision.order
-        point = start_beside(self.map, collision.edge, inner, order, self.settings)
-        if point is None or self.is_known(point.cycle):
+        landed = beside(self.map, collision.edge, inner, order, self.settings)
+        if landed is None or self.is_known(landed.cycle):
             return
-        path = self._fixed(follow_from(self.map, point.cycle, point.tangent, self.settings), order)
+        path = self._points(follow_from(self.map, landed.cycle, landed.tangent, self.settings))
         side = collision.edge.right if inner > 0 else collision.edge.left
-        first = Sample(
-            node.p, node.x, side.slope, path[0].word, node.kind, node.note, collision.edge, inner
+        start = Sample(
+            node.p, node.x, side.slope, path[0].cycle.word, node.kind, node.note, collision.edge,
+            inner,
+        )  # fmt: skip
+        self._add(
+            [start, *(self._fixed(point, 0) for point in path)], BranchKind.FIXED_POINT, order
         )
-        self._add([first, *path], BranchKind.FIXED_POINT, order)
+        met = self._met(collision) if order > 1 else None
+        for first in range(1, order) if met is not None else ():
+            assert met is not None
+            samples = [self._fixed(point, first) for point in (met, *path)]
+            self._add(samples, BranchKind.FIXED_POINT, order)
+
+    def _met(self, collision: Collision) -> PathPoint | None:
+        """The cycle of P_j at a collision, with the edge of P_1 that one of its laps meets."""
+        edge, inner = collision.edge, collision.inner
+        cycle = orbit_beside(self.map, edge, inner, collision.order)
+        if cycle is None:
+            return None
+        words = zip(*(side.word.split(SEPARATOR) for side in (edge.left, edge.right)), strict=False)
+        lap = next((k for k, (left, right) in enumerate(words) if left != right), 0)
+        met = nearest_edge(self.map, float(cycle.x[lap]), edge.p, cycle.words[lap])
+        if met is None:
+            return None
+        return PathPoint(
+            cycle=cycle, tangent=np.zeros(collision.order + 1), kind=collision.node.kind,
+            note=collision.node.note, edge=met[0], side=met[1], lap=lap,
+        )  # fmt: skip
 
 
 def minimal_period(cycle: Cycle) -> int:

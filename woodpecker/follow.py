@@ -9,70 +9,25 @@ instead of hopping over it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from pwmap.diagram import PointKind
 from woodpecker.arrays import Floats
-from woodpecker.edges import Edge, is_continuous, nearest_edge
-from woodpecker.labelled import (
-    Cycle,
-    LabelledMap,
-    correct,
-    evaluate,
-    iterate,
-    tangent,
-)
-from woodpecker.pieces import Resolution, sampled, slice_of
-from woodpecker.tolerances import DEFAULT, Tolerances
+from woodpecker.edges import Edge, edge_of_iterate, is_continuous, nearest_edge
+from woodpecker.labelled import Cycle, LabelledMap, correct, evaluate, tangent
+from woodpecker.landing import beside, beyond, found_beside
+from woodpecker.settings import Settings
 
 CLOSED = "the branch closes"
 REPEATS = "the path repeats itself"  # caught between edges it cannot tell apart
 SAME_LANDING = 1e-10  # two landings this close are one
-NEARLY_UPRIGHT = 1e-3  # smallest cosine that a direction in (x, p) is divided by
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
-    """How far and how finely to follow a branch.
-
-    Parameters
-    ----------
-    span
-        Interval of the parameter; the branch ends (EP) at its ends.
-    window
-        Interval of x; the branch ends (EP) where it leaves it.
-    step, max_step
-        First and largest step in arclength of (x, p).
-    max_turn
-        Largest angle [rad] between the tangents of neighbouring points.
-    probe
-        Largest distance along a step at which the word is looked at: a stretch of another word
-        shorter than this can be missed.
-    max_points
-        The branch ends (EP) after this many points.
-    """
-
-    span: tuple[float, float] = (0.0, 1.0)
-    window: tuple[float, float] = (-math.inf, math.inf)
-    step: float = 0.005
-    max_step: float = 0.02
-    max_turn: float = 0.1
-    probe: float = 0.001
-    max_points: int = 5000
-    tolerances: Tolerances = field(default=DEFAULT)
-
-    def __post_init__(self) -> None:
-        for name in ("span", "window"):
-            low, high = getattr(self, name)
-            if not low < high:
-                raise ValueError(f"{name} must ascend, got ({low}, {high})")
-            object.__setattr__(self, name, (float(low), float(high)))
-        if not 0.0 < self.step <= self.max_step:
-            raise ValueError(f"step must lie in (0, {self.max_step}], got {self.step}")
+ROUGHLY = 1.0 / 64.0  # how well an edge ahead is located while a branch comes near it
+LAST_BIT = 0.25 * math.ulp(1.0)  # in arclength
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,7 +38,7 @@ class PathPoint:
     tangent: Floats
     kind: PointKind | None = None
     note: str = ""
-    edge: Edge | None = None  # at WC, BC and FF: the edge that was met, of the iterate
+    edge: Edge | None = None  # at WC, BC and FF: the edge of P_1 that was met
     side: int = 0  # on which side of the branch the edge lies: -1 or +1
     lap: int = 0  # which lap met it
 
@@ -153,6 +108,14 @@ def follow_from(
     yield replace(point, kind=PointKind.EP, note="limit on the number of points")
 
 
+class _Ahead(NamedTuple):
+    """A change of word ahead of a point, on its tangent."""
+
+    clear: float  # so far the words are the same
+    beyond: float
+    lap: int  # that has another word there
+
+
 class _Path:
     """Step control along one branch: its state is the step, and the last change of word."""
 
@@ -184,7 +147,7 @@ class _Path:
             if self.step <= self.settings.tolerances.edge:
                 yield from self._meet_edge(point)
                 return
-            self.step *= 0.25
+            self.step = self._shorter(point, step)
         yield from self._specials(point, target, step)
         x = target.cycle.x
         if not (self.settings.window[0] <= x.min() and x.max() <= self.settings.window[1]):
@@ -215,6 +178,33 @@ class _Path:
         off = float(np.linalg.norm(sought - first - along / length**2 * chord))
         return off <= self.settings.max_turn * length
 
+    def _shorter(self, point: PathPoint, step: float) -> float:
+        """The step after one that failed: to just before an edge ahead, or a quarter."""
+        ahead = self._ahead(point, step, ROUGHLY)
+        shorter = 0.25 * step if ahead is None else (1.0 - ROUGHLY) * ahead.clear
+        return max(shorter, 0.25 * self.settings.tolerances.edge)
+
+    def _ahead(self, point: PathPoint, step: float, fine: float) -> _Ahead | None:
+        """Where words change on the tangent, to a part ``fine`` or the last bit; None if not."""
+        laps = self._changed(point, step, range(len(point.cycle.x)))
+        if not laps:
+            return None
+        clear, beyond = 0.0, step
+        while beyond - clear > max(fine * beyond, LAST_BIT):
+            middle = 0.5 * (clear + beyond)
+            changed = self._changed(point, middle, laps)
+            if changed:
+                beyond, laps = middle, changed
+            else:
+                clear = middle
+        return _Ahead(clear, beyond, laps[0])
+
+    def _changed(self, point: PathPoint, step: float, laps: Iterable[int]) -> list[int]:
+        """Laps that have another word a step further on the tangent."""
+        p = float(point.p + step * point.tangent[-1])
+        x = point.cycle.x + step * point.tangent[:-1]
+        return [k for k in laps if self.map(float(x[k]), p).word != point.cycle.laps[k].word]
+
     def _correct(self, point: PathPoint, step: float, bound: float = math.nan) -> PathPoint | None:
         """The point one step on, if it lies on the same piece and the branch bends gently."""
         x = point.cycle.x + step * point.tangent[:-1]
@@ -222,7 +212,7 @@ class _Path:
         fixed = not math.isnan(bound)
         cycle, good, _ = correct(
             self.map, x, bound if fixed else p, None if fixed else point.tangent,
-            self.settings.tolerances,
+            self.settings.tolerances, point.cycle.words,
         )  # fmt: skip
         if not good or cycle.words != point.cycle.words:
             return None
@@ -302,11 +292,56 @@ class _Path:
 
     def _meet_edge(self, point: PathPoint) -> Iterator[PathPoint]:
         """The branch cannot go on with its word: find out what stops it."""
+        met = self._met(point)
+        if met is None:
+            yield replace(point, kind=PointKind.EP, note="continuation stalls inside a piece")
+            return
+        edge, side = met.edge, met.side
+        assert edge is not None
+        if math.isnan(edge.jump):
+            outside = edge.right if side > 0 else edge.left
+            yield replace(met, kind=PointKind.FALL, note=outside.word)
+        elif is_continuous(edge, self.settings.tolerances):
+            yield replace(met, kind=PointKind.WC)
+            landed = self._landed(met)
+            if landed is None:
+                yield replace(met, kind=PointKind.EP, note="no branch beyond a word change")
+                return
+            self.step = max(100.0 * self.settings.tolerances.landing, self.step)
+            onward = self._onward(self._turned_away(landed, met), met)
+            if self._was_here(onward):
+                yield replace(met, kind=PointKind.EP, note=REPEATS)
+            else:
+                yield onward
+        else:
+            whole = edge_of_iterate(self.map, met.cycle, met.lap, edge, side, met.lap)
+            kind, note = classify(whole[0], -side, met.cycle.multiplier)
+            yield replace(met, kind=kind, note=note)
+
+    def _met(self, point: PathPoint) -> PathPoint | None:
+        """The last point before the edge that stops the branch, with that edge of P_1."""
+        for reach in (4.0, 64.0, 1024.0):
+            ahead = self._ahead(point, reach * self.step, 0.0)
+            if ahead is None:
+                continue
+            for back in (0.0, 4.0, 64.0):  # rounding may put the very last point beyond
+                last = self._correct(point, ahead.clear - back * LAST_BIT)
+                if last is None:
+                    continue
+                x, word = float(last.cycle.x[ahead.lap]), last.cycle.laps[ahead.lap].word
+                met = nearest_edge(self.map, x, last.p, word)
+                if met is not None:
+                    return replace(last, edge=met[0], side=met[1], lap=ahead.lap)
+            break
+        return self._crept(point)
+
+    def _crept(self, point: PathPoint) -> PathPoint | None:
+        """The same for a branch that bends towards the edge, as next to a square root."""
         good, bad = 0.0, 4.0 * self.step
         while self._correct(point, bad) is not None:
             good, bad = bad, 2.0 * bad
         last = point
-        while bad - good > math.ulp(1.0) * 0.25:
+        while bad - good > LAST_BIT:
             middle = 0.5 * (good + bad)
             if middle in (good, bad):
                 break
@@ -315,32 +350,25 @@ class _Path:
                 bad = middle
             else:
                 good, last = middle, trial
-        lap, met = self._which_lap(last)
-        if met is None:
-            yield replace(last, kind=PointKind.EP, note="continuation stalls inside a piece")
-            return
-        edge, side = met
-        special = replace(last, edge=edge, side=side, lap=lap)
-        if math.isnan(edge.jump):
-            outside = edge.right if side > 0 else edge.left
-            yield replace(special, kind=PointKind.FALL, note=outside.word)
-        elif is_continuous(edge, self.settings.tolerances):
-            yield replace(special, kind=PointKind.WC)
-            landed = start_beside(self.map, edge, side, len(last.cycle.x), self.settings, lap)
-            if landed is None or landed.cycle.words == last.cycle.words:
-                landed = self._found_beside(last)
-            if landed is None:
-                yield replace(special, kind=PointKind.EP, note="no branch beyond a word change")
-                return
-            self.step = max(100.0 * self.settings.tolerances.landing, self.step)
-            onward = self._onward(self._turned_away(landed, special), special)
-            if self._was_here(onward):
-                yield replace(special, kind=PointKind.EP, note=REPEATS)
-            else:
-                yield onward
-        else:
-            kind, note = classify(edge, -side, last.cycle.multiplier)
-            yield replace(special, kind=kind, note=note)
+        nearest: PathPoint | None = None
+        distance = math.inf
+        for lap, (x, word) in enumerate(zip(last.cycle.x, last.cycle.words, strict=True)):
+            met = nearest_edge(self.map, float(x), last.p, word)
+            if met is not None and abs(met[0].x - x) < distance:
+                distance = abs(met[0].x - x)
+                nearest = replace(last, edge=met[0], side=met[1], lap=lap)
+        return nearest
+
+    def _landed(self, met: PathPoint) -> PathPoint | None:
+        """A point of the branch beyond a continuous change of word."""
+        assert met.edge is not None
+        cycle = met.cycle
+        landed = beyond(self.map, cycle, met.lap, met.edge, met.side, self.settings)
+        if landed is None and len(cycle.x) == 1:
+            landed = beside(self.map, met.edge, met.side, 1, self.settings)
+        if landed is None or landed.cycle.words == cycle.words:
+            landed = found_beside(self.map, cycle, met.tangent, self.settings)
+        return None if landed is None else PathPoint(cycle=landed.cycle, tangent=landed.tangent)
 
     def _onward(self, landed: PathPoint, met: PathPoint) -> PathPoint:
         """The landed point; after a bounce, the one before it, looking the other way.
@@ -369,32 +397,6 @@ class _Path:
         self.landings.append(landed)
         return False
 
-    def _found_beside(self, last: PathPoint) -> PathPoint | None:
-        """The nearest cycle of other words at a neighbouring parameter, from all that are there."""
-        order, x = len(last.cycle.x), float(last.cycle.x[0])
-        whole = sampled(iterate(self.map, order))
-        speed = np.linalg.norm(last.tangent[:-1]) / max(abs(last.tangent[-1]), NEARLY_UPRIGHT)
-        for scale in (0.1, 1.0, 10.0, 100.0):
-            delta = scale * self.settings.tolerances.landing
-            half = 10.0 * delta * (1.0 + float(speed))
-            found: list[tuple[float, PathPoint]] = []
-            for p in (last.p + delta, last.p - delta):
-                if not self.settings.span[0] <= p <= self.settings.span[1]:
-                    continue
-                look = Resolution(spacing=half / 50.0, smallest=1e-3 * delta, bend=1e-3 * half)
-                for root, _ in slice_of(whole, p, (x - half, x + half), look).fixed_points:
-                    orbit = _orbit(self.map, root, p, order)
-                    if orbit is None:
-                        continue
-                    cycle, good, _ = correct(self.map, orbit, p, None, self.settings.tolerances)
-                    if good and cycle.words != last.cycle.words:
-                        away = np.append(cycle.x - last.cycle.x, p - last.p)
-                        point = PathPoint(cycle=cycle, tangent=tangent(cycle, away))
-                        found.append((float(np.linalg.norm(away)), point))
-            if found:
-                return min(found, key=lambda item: item[0])[1]
-        return None
-
     def _turned_away(self, landed: PathPoint, met: PathPoint) -> PathPoint:
         """The landed point, looking away from the edge along its branch.
 
@@ -403,7 +405,7 @@ class _Path:
         """
         assert met.edge is not None
         outside = met.edge.right if met.side > 0 else met.edge.left
-        m = landed.cycle.multiplier
+        m = landed.cycle.laps[met.lap].slope
         if abs(outside.slope - m) <= 0.5 * max(1.0, abs(m)):  # the branch is straight so far
             return landed
         if self._leads_back(landed, met):
@@ -426,24 +428,6 @@ class _Path:
             if near < 0.3 * reach or near > 2.0 * reach:
                 return near < reach
         return False
-
-    def _which_lap(self, point: PathPoint) -> tuple[int, tuple[Edge, int] | None]:
-        """The lap whose point lies closest to an edge, and that edge of the iterate."""
-        order = len(point.cycle.x)
-        if order == 1:
-            x = float(point.cycle.x[0])
-            return 0, nearest_edge(self.map, x, point.p, point.cycle.words[0])
-        best: tuple[float, int] = (math.inf, 0)
-        for lap, x in enumerate(point.cycle.x):
-            met = nearest_edge(self.map, float(x), point.p, point.cycle.words[lap])
-            if met is not None and abs(met[0].x - x) < best[0]:
-                best = abs(met[0].x - x), lap
-        lap = best[1]
-        if best[0] == math.inf:
-            return lap, None
-        whole = iterate(self.map, order)
-        x = float(point.cycle.x[lap])
-        return lap, nearest_edge(whole, x, point.p, whole(x, point.p).word)
 
 
 def classify(edge: Edge, inner: int, m: float) -> tuple[PointKind, str]:
@@ -468,97 +452,3 @@ def classify(edge: Edge, inner: int, m: float) -> tuple[PointKind, str]:
 
 def _distance(a: PathPoint, b: PathPoint) -> float:
     return math.hypot(a.p - b.p, float(np.abs(a.cycle.x - b.cycle.x).max()))
-
-
-def start_beside(
-    labelled_map: LabelledMap, edge: Edge, side: int, order: int, settings: Settings, lap: int = 0
-) -> PathPoint | None:
-    """A point of the branch that leaves an edge of P_order into the piece at ``side``.
-
-    First along the tangent of that piece, then, if its slope is infinite at the edge (a grazing),
-    by bracketing the fixed point at a neighbouring parameter. None if there is no such branch.
-    """
-    whole = iterate(labelled_map, order)
-    outside = edge.right if side > 0 else edge.left
-    delta = settings.tolerances.landing
-    for scale in (1.0, 10.0, 100.0):
-        for x, p in (
-            *_along_tangent(edge, outside.slope, outside.rate, delta * scale),
-            *_bracketed(whole, edge, side, outside.word, delta * scale),
-        ):
-            if not settings.span[0] <= p <= settings.span[1]:
-                continue
-            orbit = _orbit(labelled_map, x, p, order)
-            if orbit is None:
-                continue
-            cycle, good, _ = correct(labelled_map, orbit, p, None, settings.tolerances)
-            if good and cycle.word == outside.word and abs(cycle.x[0] - x) <= delta * scale:
-                chord = np.zeros(order + 1)
-                chord[0], chord[-1] = cycle.x[0] - edge.x, p - edge.p
-                direction = tangent(cycle, chord)
-                cycle = evaluate(labelled_map, np.roll(cycle.x, lap), p)
-                direction[:-1] = np.roll(direction[:-1], lap)
-                return PathPoint(cycle=cycle, tangent=direction)
-    return None
-
-
-def _along_tangent(
-    edge: Edge, slope: float, rate: float, delta: float
-) -> Iterator[tuple[float, float]]:
-    """Steps both ways along the tangent of the outer piece at the edge."""
-    norm = math.hypot(rate, 1.0 - slope)
-    if not 0.0 < norm < 1e4:
-        return
-    for sign in (1.0, -1.0):
-        yield edge.x + sign * delta * rate / norm, edge.p + sign * delta * (1.0 - slope) / norm
-
-
-def _bracketed(
-    whole: LabelledMap, edge: Edge, side: int, word: str, delta: float
-) -> Iterator[tuple[float, float]]:
-    """Fixed points on the outer piece at parameters next to the edge's."""
-    for p in (edge.p + delta, edge.p - delta):
-        far = edge.x + side * 100.0 * delta
-        near = edge.x - side * 100.0 * delta
-        if whole(far, p).word != word or whole(near, p).word == word:
-            continue
-        first = _first_inside(whole, near, far, p, word, 1e-4 * delta)
-        f_first = whole(first, p).value - first
-        reach = 1e-3 * delta
-        previous = first
-        while reach < WIDEST_LANDING:
-            x = first + side * reach
-            here = whole(x, p)
-            if here.word != word:
-                break
-            if (here.value - x) * f_first <= 0.0:
-                low, high = sorted((previous, x))
-                yield float(brentq(lambda t: whole(t, p).value - t, low, high, xtol=1e-16)), p  # noqa: B023
-                break
-            previous, reach = x, 2.0 * reach
-
-
-WIDEST_LANDING = 0.01  # a fixed point further than this from the edge is not the branch's
-
-
-def _first_inside(
-    whole: LabelledMap, outside: float, inside: float, p: float, word: str, fine: float
-) -> float:
-    """A point of a piece no further than ``fine`` from its end."""
-    while abs(outside - inside) > fine:
-        middle = 0.5 * (inside + outside)
-        if whole(middle, p).word == word:
-            inside = middle
-        else:
-            outside = middle
-    return inside
-
-
-def _orbit(labelled_map: LabelledMap, x: float, p: float, order: int) -> Floats | None:
-    values = [x]
-    for _ in range(order - 1):
-        lap = labelled_map(values[-1], p)
-        if not lap.defined:
-            return None
-        values.append(lap.value)
-    return np.array(values)

@@ -16,8 +16,8 @@ from scipy.optimize import brentq
 
 from pwmap.diagram import PointKind
 from woodpecker.edges import NEAR, Edge, edge_between, is_continuous
-from woodpecker.follow import Settings
 from woodpecker.labelled import BELOW, LabelledMap
+from woodpecker.settings import Settings
 
 FIRST_STEP = 2.5e-4  # in the parameter
 NARROWEST = 1e-10  # half width within which a straight edge is predicted

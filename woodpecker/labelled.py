@@ -7,7 +7,7 @@ used. Nothing here knows the toy: :mod:`woodpecker.follow` continues the cycles 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -99,11 +99,13 @@ def correct(
     p: float,
     direction: Floats | None = None,
     tolerances: Tolerances = DEFAULT,
+    words: tuple[str, ...] | None = None,
 ) -> tuple[Cycle, bool, int]:
     """Newton's method for a cycle near (x, p), in the hyperplane normal to ``direction``.
 
     Without a direction the parameter is held. Returns the last iterate, whether its residual is
-    small enough, and the number of steps. Iterates that the map does not take stop it.
+    small enough, and the number of steps. Iterates that the map does not take, or whose words
+    differ from ``words`` if these are given, stop it.
     """
     start = np.atleast_1d(np.asarray(x, dtype=float))
     j = len(start)
@@ -111,7 +113,7 @@ def correct(
     cycle = evaluate(labelled_map, start, p)
     rhs = np.zeros(j + 1)
     for step in range(NEWTON_STEPS):
-        if not all(lap.defined for lap in cycle.laps):
+        if not all(lap.defined for lap in cycle.laps) or words not in (None, cycle.words):
             return cycle, False, step
         accepted = cycle.residual <= allowed(cycle, tolerances)
         rhs[:j] = -gaps(cycle)
@@ -174,14 +176,21 @@ def iterate(labelled_map: LabelledMap, order: int) -> LabelledMap:
     if order == 1:
         return labelled_map
 
-    def iterated(x: float, p: float) -> Evaluation:
-        slope, rate, words = 1.0, 0.0, []
+    def laps(x: float, p: float) -> Iterator[Evaluation]:
         for _ in range(order):
             lap = labelled_map(x, p)
-            words.append(lap.word)
-            if not lap.defined:
-                return lap._replace(word=SEPARATOR.join(words))
-            x, slope, rate = lap.value, slope * lap.slope, lap.slope * rate + lap.rate
-        return Evaluation(x, slope, rate, SEPARATOR.join(words))
+            yield lap
+            x = lap.value
 
-    return iterated
+    return lambda x, p: composed(laps(x, p))
+
+
+def composed(laps: Iterable[Evaluation]) -> Evaluation:
+    """Several laps as one, by the chain rule, up to the first that is not defined."""
+    slope, rate, words, value = 1.0, 0.0, [], math.nan
+    for lap in laps:
+        words.append(lap.word)
+        if not lap.defined:
+            return lap._replace(word=SEPARATOR.join(words))
+        value, slope, rate = lap.value, slope * lap.slope, lap.slope * rate + lap.rate
+    return Evaluation(value, slope, rate, SEPARATOR.join(words))

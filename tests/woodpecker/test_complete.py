@@ -13,9 +13,9 @@ import sympy
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
 from woodpecker.complete import Search, van_der_corput
 from woodpecker.diagram import whole_diagram
-from woodpecker.follow import Settings
 from woodpecker.labelled import Evaluation, LabelledMap
 from woodpecker.pieces import Resolution, sampled
+from woodpecker.settings import Settings
 
 R = sympy.Symbol("r")
 SEARCH = Search(slices=16, quiet=8, resolution=Resolution(spacing=0.02, smallest=1e-6))

@@ -28,8 +28,8 @@ from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.atlas import SAME_POINT
 from woodpecker.diagram import WINDOW, connected, continuation
 from woodpecker.explore import Stage
-from woodpecker.follow import Settings
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
+from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, shoot, toy_map
 from woodpecker.toy import Toy
 
@@ -217,15 +217,17 @@ def test_fall_ends_a_branch() -> None:
     assert [point.note for point in diagram.points if point.kind is PointKind.FALL] == ["lost"]
 
 
-def test_flip_cuts_a_branch_of_period_two() -> None:
+def test_flip_cuts_both_branches_of_period_two() -> None:
+    """A cycle is followed once; each of its points has a branch."""
     diagram = explore(logistic, list(logistic_pair(3.2)), 3.2, (3.1, 3.6))
     assert_sound(diagram)
-    assert_graph(diagram, chain("EP F PD F EP"))
+    once = chain("EP F PD F EP")
+    assert_graph(diagram, nx.disjoint_union(once, once))
     assert {branch.order for branch in diagram.branches} == {2}
-    flip = places(diagram)["PD"][0]
-    assert flip[0] == pytest.approx(1.0 + math.sqrt(6.0), abs=1e-10)
-    for branch in diagram.branches:
-        assert_curve(branch, lambda p: logistic_pair(p)[0])
+    for parameter, _ in places(diagram)["PD"]:
+        assert parameter == pytest.approx(1.0 + math.sqrt(6.0), abs=1e-10)
+    for k, branch in enumerate(diagram.branches):
+        assert_curve(branch, lambda p, k=k: logistic_pair(p)[k // 2])
 
 
 def test_island_is_drawn_once() -> None:

@@ -24,10 +24,10 @@ from woodpecker.compiled import COMPILED
 from woodpecker.complete import Search
 from woodpecker.diagram import whole_diagram
 from woodpecker.edges import Edge
-from woodpecker.follow import Settings
 from woodpecker.journal import Journal, of_samples, read_journal, to_samples
 from woodpecker.labelled import Evaluation
 from woodpecker.pieces import Resolution, sampled
+from woodpecker.settings import Settings
 
 SEARCH = Search(slices=12, quiet=6, resolution=Resolution(spacing=0.02, smallest=1e-6))
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))

@@ -11,9 +11,9 @@ from maps import A, moving_edge, paper, staircase, two_lines
 
 from pwmap.diagram import PointKind
 from woodpecker.edges import Edge, edge_between
-from woodpecker.follow import Settings
 from woodpecker.jumps import RESOLVED, JumpPoint, follow_jump
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
+from woodpecker.settings import Settings
 
 BC, EP, FALL, WC = PointKind.BC, PointKind.EP, PointKind.FALL, PointKind.WC
 

@@ -1,0 +1,48 @@
+"""How far and how finely branches are followed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from woodpecker.tolerances import DEFAULT, Tolerances
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How far and how finely to follow a branch.
+
+    Parameters
+    ----------
+    span
+        Interval of the parameter; the branch ends (EP) at its ends.
+    window
+        Interval of x; the branch ends (EP) where it leaves it.
+    step, max_step
+        First and largest step in arclength of (x, p).
+    max_turn
+        Largest angle [rad] between the tangents of neighbouring points.
+    probe
+        Largest distance along a step at which the word is looked at: a stretch of another word
+        shorter than this can be missed.
+    max_points
+        The branch ends (EP) after this many points.
+    """
+
+    span: tuple[float, float] = (0.0, 1.0)
+    window: tuple[float, float] = (-math.inf, math.inf)
+    step: float = 0.005
+    max_step: float = 0.02
+    max_turn: float = 0.1
+    probe: float = 0.001
+    max_points: int = 5000
+    tolerances: Tolerances = field(default=DEFAULT)
+
+    def __post_init__(self) -> None:
+        for name in ("span", "window"):
+            low, high = getattr(self, name)
+            if not low < high:
+                raise ValueError(f"{name} must ascend, got ({low}, {high})")
+            object.__setattr__(self, name, (float(low), float(high)))
+        if not 0.0 < self.step <= self.max_step:
+            raise ValueError(f"step must lie in (0, {self.max_step}], got {self.step}")
