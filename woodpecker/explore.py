@@ -100,9 +100,8 @@ class Explorer:
 
     def explore_jump(self, edge: Edge, order: int) -> None:
         """Follow a jump of P_order that crosses the diagonal both ways, then what hangs on it."""
-        whole = self.iterate(order)
         ahead, behind = (
-            self._jumps(follow_jump(whole, edge, self.settings, direction), order)
+            self._jumps(follow_jump(self.map, edge, self.settings, direction, order), order)
             for direction in (1, -1)
         )
         word = f"{edge.left.word} / {edge.right.word}"
@@ -188,7 +187,8 @@ class Explorer:
                 if not edge.crosses or is_continuous(edge, self.settings.tolerances):
                     continue
                 path = self._jumps(
-                    follow_jump(whole, edge, self.settings, direction), collision.order
+                    follow_jump(self.map, edge, self.settings, direction, collision.order),
+                    collision.order,
                 )
                 word = f"{edge.left.word} / {edge.right.word}"
                 first = Sample(

@@ -1,34 +1,40 @@
 """Continuation of jump crossings: discontinuities whose limits lie on both sides of the diagonal.
 
-There is no periodic solution on such a branch, but it connects branches that end in it. The
-discontinuity x_d(p) is followed by bisecting the change of word at each parameter; the branch ends
-where a one-sided limit meets the diagonal (a border collision) and a fixed point appears there.
+There is no periodic solution on such a branch, but it connects branches that end in it. P_j jumps
+where an orbit passes a jump of P_1: so a jump branch of P_j is an orbit that leads to an edge of
+P_1, and the two orbits that go on from its limits. All of them are smooth in the parameter, and
+their slopes are known. The branch ends where a one-sided limit meets the diagonal (a border
+collision) and a fixed point appears there; words change where one of the orbits meets another edge.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from scipy.optimize import brentq
 
 from pwmap.diagram import PointKind
-from woodpecker.edges import NEAR, Edge, edge_between, is_continuous
-from woodpecker.labelled import BELOW, LabelledMap
+from woodpecker.edges import NEAR, Edge, is_continuous, nearest_edge
+from woodpecker.labelled import (
+    BELOW,
+    NEWTON_STEPS,
+    SEPARATOR,
+    Evaluation,
+    LabelledMap,
+    composed,
+    iterate,
+)
 from woodpecker.settings import Settings
+from woodpecker.tracking import RESOLVED, SAME_LIMITS, Track, same_words, shift
 
 FIRST_STEP = 2.5e-4  # in the parameter
-NARROWEST = 1e-10  # half width within which a straight edge is predicted
-COARSE = 1e-4  # of a distance in the parameter: how well an edge has to be known to halve it
-RESOLVED = 1e-11  # a change of words is located this well in the parameter
+ROUGHLY = 1.0 / 64.0  # how well a change of words ahead is located while a branch comes near it
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
-SAME_LIMITS = 1e-3  # a jump keeps its limits where its words change; another jump has others
-FASTEST = 100.0  # largest speed dx/dp of an edge of which nothing is known
-TURNED = 3.0  # the same, once it has been seen on the way
-WIDEST = 0.02  # largest half width of the interval in x in which the edge is looked for
+SAME_ORBIT = 1e-6  # an orbit that leads to an edge stays this close where its words change
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,65 +61,219 @@ class JumpPoint:
 
 
 def follow_jump(
-    labelled_map: LabelledMap, start: Edge, settings: Settings, direction: int
+    labelled_map: LabelledMap, start: Edge, settings: Settings, direction: int, order: int = 1
 ) -> Iterator[JumpPoint]:
-    """Follow a crossing jump from ``start`` towards larger (+1) or smaller (-1) parameters.
+    """Follow a crossing jump of P_order from ``start`` towards larger (+1) or smaller parameters.
 
     Yields the points after the start; the last one ends the branch: BC where a limit meets the
     diagonal, WC where the words beside the jump change, FALL where the map is lost beside it, EP at
     the end of the span or the window, or where the jump itself vanishes.
     """
-    track = _Track(labelled_map, settings, start)
+    first = jump_of(labelled_map, start, order)
+    if first is None:  # it is not one of P_1, as far as rounding can tell
+        labelled_map, order = iterate(labelled_map, order), 1
+        first = jump_of(labelled_map, start, 1)
+    assert first is not None
+    course = _Course(labelled_map, settings, first, order)
+    low, high = settings.span
     step = FIRST_STEP
-    previous, current = start, start
-    kink: Edge | None = None
+    previous, current = first, first
+    kink: Jump | None = None
     for _ in range(settings.max_points):
-        low, high = settings.span
         p = min(max(current.p + direction * step, low), high)
         if p == current.p:
-            yield JumpPoint(edge=current, kind=PointKind.EP, note="end of the parameter span")
+            yield JumpPoint(edge=current.whole, kind=PointKind.EP, note="end of the parameter span")
             return
-        p = track.probed(p, current, previous)
-        found = track.at(p, current, previous)
+        p = course.probed(p, current, previous)
+        found = course.at(p, current, previous)
         if found is None:
-            last, beyond, p = track.word_change(current, previous, p)
+            change = course.change(p, current, previous)
+            if change.last is None:
+                step = abs(change.p - current.p)
+                continue
+            last, found = change.last, change.beyond
             side = _collided(current, last)
             if side != 0:
-                yield track.collision(current, last, previous, side)
+                yield course.collision(current, last, previous, side)
                 return
-            if beyond is None:
-                yield track.end(last, p)
+            if found is None:
+                yield course.end(last, change.p)
                 return
-            found, step = beyond, FIRST_STEP
-            if not _same_words(beyond, last):
-                yield JumpPoint(edge=last, kind=PointKind.WC)
+            step = FIRST_STEP
+            course.track.take(found.edge)
+            if found.words != last.words:
+                yield JumpPoint(edge=last.whole, kind=PointKind.WC)
         side = _collided(current, found)
         if side != 0:
-            yield track.collision(current, found, previous, side)
+            yield course.collision(current, found, previous, side)
             return
-        ending = track.ending(current, found, previous)
+        ending = course.ending(current, found, previous)
         if ending is not None:
             yield ending
             return
-        yield JumpPoint(edge=found)
+        yield JumpPoint(edge=found.whole)
         if abs(found.p - current.p) > settings.tolerances.edge:
             previous = current  # else their rounding would spoil the prediction
-        elif not _same_words(found, current):
+        elif found.words != current.words:
             kink = found  # the edge may turn here; what lies before says nothing
         if kink is not None and abs(found.p - kink.p) > settings.tolerances.edge:
             previous, kink = kink, None
         current = found
-        rate = (current.x - previous.x) / (current.p - previous.p) if current is not start else 0.0
-        step = min(1.5 * step, settings.max_step / math.hypot(1.0, rate))
-    yield JumpPoint(edge=current, kind=PointKind.EP, note="limit on the number of points")
+        speed = (current.x - previous.x) / (current.p - previous.p) if current is not first else 0.0
+        step = min(1.5 * step, settings.max_step / math.hypot(1.0, speed))
+    yield JumpPoint(edge=current.whole, kind=PointKind.EP, note="limit on the number of points")
 
 
-def _distance(edge: Edge, side: int) -> float:
+# --- The orbits of a jump -------------------------------------------------------------------------
+
+
+class _Place(NamedTuple):
+    """A point of one of the orbits, how fast it moves with the parameter, and its word."""
+
+    x: float
+    speed: float
+    word: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Jump:
+    """A jump of P_j at one parameter.
+
+    Attributes
+    ----------
+    points, before
+        The orbit that leads to an edge of P_1, and its laps.
+    edge
+        The edge of P_1.
+    left, right
+        The laps that follow from its limits.
+    whole
+        The same as an edge of P_j.
+    """
+
+    points: tuple[float, ...]
+    before: tuple[Evaluation, ...]
+    edge: Edge
+    left: tuple[Evaluation, ...]
+    right: tuple[Evaluation, ...]
+    whole: Edge
+
+    @property
+    def p(self) -> float:
+        """Parameter."""
+        return self.edge.p
+
+    @property
+    def x(self) -> float:
+        """Where P_j jumps."""
+        return self.whole.x
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Of all laps, on both sides."""
+        return (
+            *(lap.word for lap in self.before), self.edge.left.word, self.edge.right.word,
+            *(lap.word for lap in self.left), *(lap.word for lap in self.right),
+        )  # fmt: skip
+
+    def places(self, speed: float) -> list[_Place]:
+        """The points whose words may change, if the edge moves with a speed."""
+        found, back = [], speed
+        for x, lap in zip(reversed(self.points), reversed(self.before), strict=True):
+            back = (back - lap.rate) / lap.slope if lap.slope != 0.0 else 0.0
+            found.append(_Place(x, back, lap.word))
+        for side, limit, laps in (
+            (self.edge.left, self.edge.left_limit, self.left),
+            (self.edge.right, self.edge.right_limit, self.right),
+        ):
+            x, ahead = limit, side.slope * speed + side.rate
+            for lap in laps:
+                found.append(_Place(x, ahead, lap.word))
+                x, ahead = lap.value, lap.slope * ahead + lap.rate
+        return found
+
+
+def _made(
+    labelled_map: LabelledMap, points: Iterable[float], before: Iterable[Evaluation], edge: Edge,
+    order: int,
+) -> Jump:  # fmt: skip
+    """A jump of P_order from the orbit that leads to an edge of P_1."""
+    points, before = tuple(points), tuple(before)
+
+    def beyond(side: Evaluation, limit: float) -> tuple[tuple[Evaluation, ...], Evaluation, float]:
+        laps, value = [side], limit
+        while len(before) + len(laps) < order and laps[-1].defined:
+            laps.append(labelled_map(value, edge.p))
+            value = laps[-1].value
+        return tuple(laps[1:]), composed((*before, *laps)), value
+
+    left, outer, outer_limit = beyond(edge.left, edge.left_limit)
+    right, other, other_limit = beyond(edge.right, edge.right_limit)
+    ends = (outer, outer_limit), (other, other_limit)
+    if sum(lap.slope < 0.0 for lap in before) % 2:  # the orbit turns round
+        ends = ends[1], ends[0]
+    (first, low), (last, high) = ends
+    x = points[0] if points else edge.x
+    whole = Edge(x=x, p=edge.p, left=first, right=last, left_limit=low, right_limit=high)
+    return Jump(points, before, edge, left, right, whole)
+
+
+def jump_of(labelled_map: LabelledMap, edge: Edge, order: int) -> Jump | None:
+    """The orbits of a jump of P_order; None if its words do not tell where P_1 jumps."""
+    if order == 1:
+        return _made(labelled_map, (), (), edge, 1)
+    pairs = zip(edge.left.word.split(SEPARATOR), edge.right.word.split(SEPARATOR), strict=False)
+    lap = next((k for k, (left, right) in enumerate(pairs) if left != right), 0)
+    points = [edge.x]
+    for _ in range(lap):
+        points.append(labelled_map(points[-1], edge.p).value)
+    word = labelled_map(points[lap], edge.p).word
+    met = nearest_edge(labelled_map, points[lap], edge.p, word)
+    if met is None or is_continuous(met[0]):
+        return None
+    before: list[Evaluation] = []
+    target = met[0].x
+    for k in reversed(range(lap)):
+        found = _preimage(labelled_map, target, points[k], edge.p, None)
+        if found is None:
+            return None
+        target, points[k] = found[0], found[0]
+        before.insert(0, found[1])
+    jump = _made(labelled_map, points[:lap], before, met[0], order)
+    same = same_words(jump.whole, edge) and shift(jump.whole, edge) < SAME_LIMITS
+    return jump if same and jump.whole.crosses == edge.crosses else None
+
+
+def _preimage(
+    labelled_map: LabelledMap, target: float, guess: float, p: float, word: str | None
+) -> tuple[float, Evaluation] | None:
+    """Where the map takes a value, by Newton's method on the piece of a word.
+
+    Any word will do if none is given, but then not far from the guess.
+    """
+    x = guess
+    for _ in range(NEWTON_STEPS):
+        lap = labelled_map(x, p)
+        if not lap.defined or word not in (None, lap.word) or lap.slope == 0.0:
+            return None
+        miss = target - lap.value
+        x += miss / lap.slope
+        if word is None and not abs(x - guess) <= SAME_ORBIT:
+            return None
+        if abs(miss / lap.slope) <= NEAR * math.ulp(x):
+            return x, lap._replace(value=target)
+    return None
+
+
+# --- Following them -------------------------------------------------------------------------------
+
+
+def _distance(jump: Jump, side: int) -> float:
     """Signed distance of a one-sided limit from the diagonal."""
-    return (edge.left_limit if side < 0 else edge.right_limit) - edge.x
+    return (jump.whole.left_limit if side < 0 else jump.whole.right_limit) - jump.x
 
 
-def _collided(a: Edge, b: Edge) -> int:
+def _collided(a: Jump, b: Jump) -> int:
     """Side whose limit passes the diagonal between two points of a branch; 0 if none does."""
     for side in (-1, 1):
         if a is not b and _distance(a, side) * _distance(b, side) <= 0.0:
@@ -121,235 +281,160 @@ def _collided(a: Edge, b: Edge) -> int:
     return 0
 
 
-def _same_words(a: Edge, b: Edge) -> bool:
-    return (a.left.word, a.right.word) == (b.left.word, b.right.word)
+class _Change(NamedTuple):
+    """A change of words: the last jump before it, the first beyond it if any, and where that is.
 
-
-class _Mark(NamedTuple):
-    """Where an edge was seen, as well as it had to be known."""
-
-    p: float
-    x: float
-
-
-_Place = Edge | _Mark
-
-
-def _predicted(p: float, near: _Place, before: _Place) -> float:
-    """Where an edge lies at p, by the line through two known places."""
-    rate = (near.x - before.x) / (near.p - before.p) if near.p != before.p else 0.0
-    return near.x + rate * (p - near.p)
-
-
-class _Track:
-    """Finds the same edge again at another parameter: same words on both sides.
-
-    Its memory is how well the last prediction was: a straight edge is predicted to the last bit,
-    and then two evaluations tell whether it is still there.
+    Without a last jump: nothing but where to look first.
     """
 
-    def __init__(self, labelled_map: LabelledMap, settings: Settings, start: Edge) -> None:
-        self.map, self.settings = labelled_map, settings
-        self.left, self.right = start.left.word, start.right.word
-        self.reach = WIDEST  # half width that held the last prediction, with a margin
+    last: Jump | None
+    beyond: Jump | None
+    p: float
 
-    def at(self, p: float, near: _Place, before: _Place) -> Edge | None:
-        """The edge at p, predicted from two known ones; None if its words are not found."""
-        for widest in dict.fromkeys((self.reach, WIDEST)):
-            bracket = self._bracket(p, near, before, widest)
-            faced = self._faced(p, *bracket) if bracket is not None else None
-            if bracket is not None and faced is not None:
-                miss = abs(faced[0] - 0.5 * (bracket[0] + bracket[1]))
-                self.reach = min(max(1e4 * miss, NARROWEST), WIDEST)
-                return edge_between(self.map, p, *faced)
-        return None
 
-    def _faced(
-        self, p: float, low: float, high: float, fine: float = 0.0
-    ) -> tuple[float, float] | None:
-        """Neighbours, ``fine`` apart or next doubles, where the left word faces the right one.
+class _Course:
+    """Finds the same jump again at another parameter: same words in all laps."""
 
-        There may be thin pieces of other words between low and high, on either side of the edge:
-        first they are taken to lie right of it, then left.
-        """
-        for others in (self.right, self.left):
-            inside, outside = low, high
-            while outside - inside > 2.0 * fine:
-                middle = 0.5 * (inside + outside)
-                if middle in (inside, outside):
-                    break
-                word = self.map(middle, p).word
-                if word == self.left or (word != self.right and others == self.left):
-                    inside = middle
-                else:
-                    outside = middle
-            beside = NEAR * math.ulp(inside) if fine == 0.0 else 0.0
-            if (
-                self.map(inside - beside, p).word == self.left
-                and self.map(outside + beside, p).word == self.right
-            ):
-                return inside, outside
-        return None
+    def __init__(
+        self, labelled_map: LabelledMap, settings: Settings, start: Jump, order: int
+    ) -> None:
+        self.map, self.settings, self.order = labelled_map, settings, order
+        self.track = Track(labelled_map, settings, start.edge)
 
-    def probed(self, p: float, near: Edge, before: Edge) -> float:
-        """p, or the first probe on the way to it at which the words differ."""
+    def at(self, p: float, near: Jump, before: Jump) -> Jump | None:
+        """The jump at p, from two known ones; None if its words are not found."""
+        edge = self.track.at(p, near.edge, before.edge)
+        found = None if edge is None else self._around(edge, near, before)
+        return found if found is not None and found.words == near.words else None
+
+    def _around(self, edge: Edge, near: Jump, before: Jump, same: bool = True) -> Jump | None:
+        """The jump whose orbit leads to an edge of P_1 as another does, with its words or any."""
+        points: list[float] = []
+        laps: list[Evaluation] = []
+        target = edge.x
+        places = near.places(_speed(near, before))
+        for place, lap in zip(places, reversed(near.before), strict=False):
+            guess = place.x + place.speed * (edge.p - near.p)
+            found = _preimage(self.map, target, guess, edge.p, place.word if same else None)
+            if found is None or found[1].slope * lap.slope <= 0.0:  # beyond a fold
+                return None
+            target = found[0]
+            points.insert(0, target)
+            laps.insert(0, found[1])
+        return _made(self.map, points, laps, edge, self.order)
+
+    def probed(self, p: float, near: Jump, before: Jump) -> float:
+        """p, or the first probe on the way to it at which words differ."""
         parts = math.ceil(abs(p - near.p) / self.settings.probe)
+        places = near.places(_speed(near, before))
         for k in range(1, parts):
             middle = near.p + (p - near.p) * k / parts
-            if self._bracket(middle, near, before, self.reach) is None:
+            if not self.track.sees(middle, near.edge, before.edge) or self._changed(
+                middle, near.p, places
+            ):
                 return middle
         return p
 
-    def _bracket(
-        self, p: float, near: _Place, before: _Place, widest: float, half: float = 0.0
-    ) -> tuple[float, float] | None:
-        """Neighbours of the predicted edge, at most ``widest`` off, that carry its two words.
+    def change(self, p: float, near: Jump, before: Jump) -> _Change:
+        """Why the jump is not found at p: a change of words, or where to look first."""
+        places = self._changed(p, near.p, near.places(_speed(near, before)))
+        if places:
+            return self._nearer(self._clear(p, near.p, places), near, before)
+        if self.track.at(p, near.edge, before.edge) is not None:
+            return self._nearer(near.p + 0.25 * (p - near.p), near, before)
+        known, beyond, p = self.track.word_change(near.edge, before.edge, p)
+        last = self._around(known, near, before)
+        if last is None or last.words != near.words:  # a lap changes its word first
+            return self._nearer(near.p + (1.0 - ROUGHLY) * (known.p - near.p), near, before)
+        found = None if beyond is None else self._around(beyond, last, before, same=False)
+        return _Change(last, found if found and self._goes_on(found, last) else None, p)
 
-        They are looked for from a distance ``half`` on, if it is given.
-        """
-        guess = _predicted(p, near, before)
-        half = max(half, 8.0 * NEAR * math.ulp(guess))  # a neighbouring piece may be just as thin
-        while half <= widest:
-            left, right = guess - half, guess + half
-            if self.map(left, p).word == self.left and self.map(right, p).word == self.right:
-                return left, right
-            half = min(10.0 * half, WIDEST) if half < WIDEST else math.inf
-        return None
-
-    def word_change(self, near: Edge, before: Edge, p: float) -> tuple[Edge, Edge | None, float]:
-        """The last edge with these words on the way to p, the next beyond it, and where that is."""
-        marks, bad = self._narrowed(near, before, p)
-        good, last = marks[-1].p, near
-        for back in (0.0, 1e-10, 1e-8, 1e-6):  # right at the change a piece is too thin to see
-            edge = self.at(good + math.copysign(back, near.p - p), marks[-1], marks[-2])
-            if edge is not None:
-                last = edge
-                break
-        self.reach = WIDEST
-        if good == p:
-            return last, last, p
-        reach, beyond = 4.0 * (bad - good), None
+    def _nearer(self, p: float, near: Jump, before: Jump) -> _Change:
+        """Look at p first, unless that is right beside the known jump already."""
+        if abs(p - near.p) > RESOLVED:
+            return _Change(None, None, p)
+        found: Jump | None = None
+        reach = math.copysign(4.0 * RESOLVED, p - near.p)
         while abs(reach) <= self.settings.tolerances.edge:
-            found = self._change_words(last, marks[-2], good + reach)
-            beyond = found or beyond
-            if found is not None and not _same_words(found, last):
-                break  # as long as they are the same, what comes between is too thin to see
+            p = near.p + reach
+            edge = self.track.at(p, near.edge, before.edge)
+            jump = None if edge is None else self._around(edge, near, before, same=False)
+            if jump is not None and self._goes_on(jump, near):
+                found = jump
+                if jump.words != near.words:
+                    break  # as long as they are the same, what comes between is too thin to see
             reach *= 8.0
-        if beyond is not None:
-            self.left, self.right = beyond.left.word, beyond.right.word
-            return last, beyond, beyond.p
-        return last, None, good + reach
+        return _Change(near, found, p)
 
-    def _narrowed(self, near: Edge, before: Edge, p: float) -> tuple[list[_Mark], float]:
-        """Where the edge was seen on the way to p, in order, and the first place where it is not.
+    def _clear(self, p: float, known: float, places: list[_Place]) -> float:
+        """Just before the first of some points changes its word on the way to p."""
+        good, bad = known, p
+        while abs(bad - good) > max(ROUGHLY * abs(bad - known), 0.25 * RESOLVED):
+            middle = 0.5 * (good + bad)
+            changed = self._changed(middle, known, places)
+            if changed:
+                bad, places = middle, changed
+            else:
+                good = middle
+        return known + (1.0 - ROUGHLY) * (good - known)
 
-        If the last edge was where it was predicted, two evaluations tell whether it still is.
-        Otherwise: a piece beside it closes there, about linearly in the parameter. So where p is
-        known to a distance, the edge has to be known to a small part of that distance only, and is
-        predicted the better the closer the last two places are. What that overlooks shows when the
-        edge is looked for to the last bit in the end; then the last place is given up.
-        """
-        marks = [_Mark(before.p, before.x), _Mark(near.p, near.x)]
-        if self.reach <= NARROWEST and self._bracket(p, near, before, NARROWEST) is None:
-            good, bad = near.p, p
-            while abs(bad - good) > RESOLVED:
-                middle = 0.5 * (good + bad)
-                if self._bracket(middle, near, before, NARROWEST) is not None:
-                    good = middle
-                else:
-                    bad = middle
-            if self.at(bad, near, before) is None:
-                return [*marks, _Mark(good, _predicted(good, near, before))], bad
-        ahead = p  # first it is looked for at p itself
-        bad, exact = p + math.copysign(RESOLVED, p - near.p), len(marks) - 1
-        while True:
-            while abs(bad - marks[-1].p) > RESOLVED:
-                fine = 0.0 if len(marks) == exact else COARSE * abs(bad - marks[-1].p)
-                fastest = FASTEST if len(marks) == 2 else TURNED
-                x = self._seen(ahead, marks[-1], marks[-2], fine, fastest)
-                if x is None:
-                    bad = ahead
-                else:
-                    marks.append(_Mark(ahead, x))
-                ahead = 0.5 * (marks[-1].p + bad)
-            if len(marks) == 2 or self.at(marks[-1].p, marks[-1], marks[-2]) is not None:
-                return marks, bad
-            while len(marks) > 2 and self.at(marks[-1].p, marks[-1], marks[-2]) is None:
-                bad = marks.pop().p
-            exact = len(marks)
-            ahead = 0.5 * (marks[-1].p + bad)
+    def _changed(self, p: float, known: float, places: Iterable[_Place]) -> list[_Place]:
+        """The points that have another word at p."""
+        return [
+            place
+            for place in places
+            if self.map(place.x + place.speed * (p - known), p).word != place.word
+        ]
 
-    def _seen(
-        self, p: float, near: _Mark, before: _Mark, fine: float, fastest: float
-    ) -> float | None:
-        """Where the edge lies, to ``fine`` or the last bit; None if its words are not there."""
-        widest = min(WIDEST, max(fastest * abs(p - near.p), NARROWEST))
-        bracket = self._bracket(p, near, before, widest, 2.0 * fine)
-        if bracket is None:
-            return None
-        faced = self._faced(p, *bracket, fine)
-        return faced[0] if faced is not None else None
+    def _goes_on(self, jump: Jump, last: Jump) -> bool:
+        low, high = self.settings.span
+        same = shift(jump.whole, last.whole) < SAME_LIMITS
+        return same and jump.whole.crosses and low <= jump.p <= high
 
-    def end(self, last: Edge, p: float) -> JumpPoint:
+    def end(self, last: Jump, p: float) -> JumpPoint:
         """Why there is no jump with other words beyond the last one seen."""
         for side in (-1, 1):
             if abs(_distance(last, side)) <= CLOSED:  # its piece closes as it meets the diagonal
-                return JumpPoint(edge=last, kind=PointKind.BC, side=side)
+                return JumpPoint(edge=last.whole, kind=PointKind.BC, side=side)
+        whole = iterate(self.map, self.order)
         for side in (-1, 1):
-            beside = self.map(last.x + side * 100.0 * abs(p - last.p), p)
+            beside = whole(last.x + side * 100.0 * abs(p - last.p), p)
             if not beside.defined or beside.word == BELOW:
-                return JumpPoint(edge=last, kind=PointKind.FALL, note=beside.word)
-        return JumpPoint(edge=last, kind=PointKind.EP, note=JUMP_ENDS)
+                return JumpPoint(edge=last.whole, kind=PointKind.FALL, note=beside.word)
+        return JumpPoint(edge=last.whole, kind=PointKind.EP, note=JUMP_ENDS)
 
-    def _change_words(self, near: Edge, before: _Mark, p: float) -> Edge | None:
-        """The jump with new words at p, if it still crosses the diagonal, and can be kept."""
-        guess = _predicted(p, near, before)
-        half = 8.0 * NEAR * math.ulp(guess)
-        for _ in range(5):
-            low, high = guess - half, guess + half
-            for inside, outside in ((low, high), (high, low)):
-                if self.map(inside, p).word == self.map(outside, p).word:
-                    break
-                edge = edge_between(self.map, p, inside, outside)
-                shift = max(
-                    abs(edge.left_limit - near.left_limit), abs(edge.right_limit - near.right_limit)
-                )
-                if edge.crosses and shift < SAME_LIMITS:
-                    return edge
-            half = max(10.0 * half, 100.0 * abs(p - near.p))
-        return None
-
-    def ending(self, a: Edge, b: Edge, before: Edge) -> JumpPoint | None:
+    def ending(self, a: Jump, b: Jump, before: Jump) -> JumpPoint | None:
         """The end of the branch at b, if it ends there for another reason than a collision."""
         low, high = self.settings.window
-        if math.isnan(b.jump):
-            lost = b.left if math.isnan(b.left_limit) else b.right
-            return JumpPoint(edge=b, kind=PointKind.FALL, note=lost.word)
-        if is_continuous(b, self.settings.tolerances):
-            return JumpPoint(edge=b, kind=PointKind.EP, note="the jump closes")
+        whole = b.whole
+        if math.isnan(whole.jump):
+            lost = whole.left if math.isnan(whole.left_limit) else whole.right
+            return JumpPoint(edge=whole, kind=PointKind.FALL, note=lost.word)
+        if is_continuous(whole, self.settings.tolerances):
+            return JumpPoint(edge=whole, kind=PointKind.EP, note="the jump closes")
         if not low <= b.x <= high:
             bound = low if b.x < low else high
-            edge = self.locate(a, b, before, lambda edge: edge.x - bound)
+            edge = self.locate(a, b, before, lambda jump: jump.x - bound).whole
             return JumpPoint(edge=edge, kind=PointKind.EP, note="end of the window")
         if b.p in self.settings.span:
-            return JumpPoint(edge=b, kind=PointKind.EP, note="end of the parameter span")
+            return JumpPoint(edge=whole, kind=PointKind.EP, note="end of the parameter span")
         return None
 
-    def collision(self, a: Edge, b: Edge, before: Edge, side: int) -> JumpPoint:
+    def collision(self, a: Jump, b: Jump, before: Jump, side: int) -> JumpPoint:
         """Where the limit on one side meets the diagonal between two points of the branch."""
-        edge = self.locate(a, b, before, lambda edge: _distance(edge, side))
+        edge = self.locate(a, b, before, lambda jump: _distance(jump, side)).whole
         return JumpPoint(edge=edge, kind=PointKind.BC, side=side)
 
-    def locate(self, a: Edge, b: Edge, before: Edge, measure: Callable[[Edge], float]) -> Edge:
-        """Where a measure of the edge changes its sign between two points of the branch."""
-        found: dict[float, Edge] = {a.p: a, b.p: b}
+    def locate(self, a: Jump, b: Jump, before: Jump, measure: Callable[[Jump], float]) -> Jump:
+        """Where a measure of the jump changes its sign between two points of the branch."""
+        found: dict[float, Jump] = {a.p: a, b.p: b}
 
         def at(p: float) -> float:
             if p not in found:
-                edge = self.at(p, a, before) or self.at(p, b, b)
-                if edge is None:  # other words in between: the nearer of the known points decides
-                    edge = min(a, b, key=lambda known: abs(known.p - p))
-                found[p] = edge
+                jump = self.at(p, a, before) or self.at(p, b, b)
+                if jump is None:  # other words in between: the nearer of the known points decides
+                    jump = min(a, b, key=lambda known: abs(known.p - p))
+                found[p] = jump
             return measure(found[p])
 
         if a.p == b.p or measure(a) * measure(b) > 0.0:
@@ -357,3 +442,10 @@ class _Track:
         p = float(brentq(at, a.p, b.p, xtol=1e-15, rtol=1e-14))
         at(p)
         return found[p]
+
+
+def _speed(near: Jump, before: Jump) -> float:
+    """How fast the edge of P_1 moves with the parameter."""
+    if near.p == before.p:
+        return 0.0
+    return (near.edge.x - before.edge.x) / (near.p - before.p)

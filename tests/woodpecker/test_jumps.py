@@ -11,9 +11,10 @@ from maps import A, moving_edge, paper, staircase, two_lines
 
 from pwmap.diagram import PointKind
 from woodpecker.edges import Edge, edge_between
-from woodpecker.jumps import RESOLVED, JumpPoint, follow_jump
+from woodpecker.jumps import JumpPoint, follow_jump
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
 from woodpecker.settings import Settings
+from woodpecker.tracking import RESOLVED
 
 BC, EP, FALL, WC = PointKind.BC, PointKind.EP, PointKind.FALL, PointKind.WC
 
