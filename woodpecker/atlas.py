@@ -12,6 +12,7 @@ import math
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,10 +47,21 @@ class Collision:
     """A border collision in one iterate, and what of it was followed."""
 
     node: Node
+    departure: Departure
+    followed: set[BranchKind] = field(default_factory=set)
+
+
+class Departure(NamedTuple):
+    """Where branches start at a border collision: the edge of P_order, and the place of its node.
+
+    The fixed point lives at side ``inner`` of the edge.
+    """
+
+    p: float
+    x: float
     order: int
     edge: Edge
     inner: int
-    followed: set[BranchKind] = field(default_factory=set)
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +178,9 @@ class Atlas:
         key = node.id, order
         if key not in self._collisions:
             assert sample.edge is not None
-            self._collisions[key] = Collision(node, order, sample.edge, sample.inner)
+            self._collisions[key] = Collision(
+                node, Departure(node.p, node.x, order, sample.edge, sample.inner)
+            )
             self.waiting.append(self._collisions[key])
         return self._collisions[key]
 

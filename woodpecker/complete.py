@@ -10,23 +10,24 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import count
 
 import numpy as np
 
 from pwmap.diagram import Branch, BranchKind
+from woodpecker.arrays import Floats
 from woodpecker.atlas import ON_BRANCH, Atlas
-from woodpecker.edges import NEAR, Edge, edge_between
-from woodpecker.explore import Explorer
+from woodpecker.crew import Crew, Ordered
+from woodpecker.explore import Explorer, Start
 from woodpecker.journal import SLICE, Entry
-from woodpecker.labelled import LabelledMap, correct
-from woodpecker.pieces import Resolution, SampledMap, Slice, iterated, slice_of
+from woodpecker.jumps import Jump
+from woodpecker.labelled import minimal_period
+from woodpecker.pieces import Resolution
 from woodpecker.settings import Settings
+from woodpecker.slices import Found
 
 AT_END = 1e-9  # in the parameter: a slice can fall on the very end of a branch
-AHEAD = 4  # slices that are prepared while branches are followed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,69 +83,61 @@ class Report:
 
 
 def complete(
-    explorer: Explorer,
-    map_: SampledMap,
-    orders: Sequence[int],
-    search: Search,
-    executor: Executor | None = None,
+    explorer: Explorer, crew: Crew, settings: Settings, orders: Sequence[int], search: Search
 ) -> list[Report]:
     """Take slices until they show nothing new; follow what they show.
 
     Parameters
     ----------
     explorer
-        Follows and keeps branches; its settings say in which span and window.
-    map_
-        P_1 of the explorer's map, for many points at once.
+        Follows and keeps branches.
+    crew
+        Takes the slices: orders for :meth:`woodpecker.slices.Slicer.take`.
+    settings
+        Span of the parameter.
     orders
-        Iterates, in ascending order.
+        Iterates, in ascending order. P_1 comes first; the others share their slices.
     search
-        How long to look and how closely.
-    executor
-        Where slices are computed; one thread for each core by default. The result does not depend
-        on it.
+        How long to look.
     """
     explorer.go_on()  # what an interrupted run has left
-    with _executor(executor) as pool:
-        return [_complete(explorer, map_, order, search, pool) for order in orders]
-
-
-class _executor:  # noqa: N801
-    """A given executor, left open, or one of threads."""
-
-    def __init__(self, given: Executor | None) -> None:
-        self.given, self.own = given, None if given is not None else ThreadPoolExecutor()
-
-    def __enter__(self) -> Executor:
-        chosen = self.given or self.own
-        assert chosen is not None
-        return chosen
-
-    def __exit__(self, *_: object) -> None:
-        if self.own is not None:
-            self.own.shutdown(cancel_futures=True)
+    groups = [group for group in ([1], [order for order in orders if order > 1]) if group]
+    return [
+        report
+        for group in groups
+        if set(group) <= set(orders)
+        for report in _complete(explorer, crew, settings, tuple(group), orders, search)
+    ]
 
 
 def _complete(
-    explorer: Explorer, map_: SampledMap, order: int, search: Search, pool: Executor
-) -> Report:
-    known = _Known(explorer.atlas, order)
-    taken = [] if explorer.journal is None else _taken(explorer.journal.entries, order)
-    for found in _slices(map_, order, taken, explorer.settings, search, pool):
-        explorer.slices = len(taken) + 1
-        before = len(explorer.atlas.branches)
-        failed = list(_follow_slice(explorer, known, found, order))
-        entry = {
-            SLICE: found.partition.p,
-            "order": order,
-            "new": len(explorer.atlas.branches) > before,
-            "evaluations": order * found.partition.evaluations,
-            "unresolved": found.partition.unresolved_length,
-            "failed": failed,
-        }
-        taken.append(entry)
-        if explorer.journal is not None:
-            explorer.journal.write(entry)
+    explorer: Explorer, crew: Crew, settings: Settings, group: tuple[int, ...],
+    orders: Sequence[int], search: Search,
+) -> list[Report]:  # fmt: skip
+    entries = [] if explorer.journal is None else explorer.journal.entries
+    taken = {order: _taken(entries, order) for order in group}
+    shortest = min(map(len, taken.values()))  # a slice that was interrupted is taken again
+    taken = {order: rows[:shortest] for order, rows in taken.items()}
+    known = {order: _Known(explorer.atlas, order) for order in group}
+    for slice_, evaluations in _slices(crew, group, list(taken.values()), settings, search):
+        explorer.slices = len(taken[group[0]]) + 1
+        for found in slice_:
+            before = len(explorer.atlas.branches)
+            explorer.explore(_starts(found, orders), known[found.order].explains)
+            entry = {
+                SLICE: found.p,
+                "order": found.order,
+                "new": len(explorer.atlas.branches) > before,
+                "evaluations": evaluations if found.order == group[0] else 0,
+                "unresolved": found.unresolved,
+                "failed": [list(place) for place in found.failed],
+            }
+            taken[found.order].append(entry)
+            explorer.write(entry)
+    return [_report(order, rows) for order, rows in taken.items()]
+
+
+def _report(order: int, taken: Sequence[Entry]) -> Report:
     return Report(
         order=order,
         slices=tuple(t[SLICE] for t in taken),
@@ -165,24 +158,20 @@ def _enough(taken: Sequence[Entry], search: Search) -> bool:
 
 
 def _slices(
-    map_: SampledMap, order: int, taken: Sequence[Entry], settings: Settings, search: Search,
-    pool: Executor,
-) -> Iterator[Slice]:  # fmt: skip
-    """Slices ever denser in the span, computed ahead, until those taken are enough."""
+    crew: Crew, group: tuple[int, ...], taken: Sequence[Sequence[Entry]], settings: Settings,
+    search: Search,
+) -> Iterator[tuple[list[Found], int]]:  # fmt: skip
+    """Slices ever denser in the span, ordered ahead, until those taken are enough."""
     low, high = settings.span
-    whole = iterated(map_, order, settings.window)
-
-    def take(p: float) -> Slice:
-        return slice_of(whole, p, settings.window, search.resolution, settings.tolerances)
-
-    ahead: deque[Future[Slice]] = deque()
+    ahead: deque[Ordered] = deque()
+    numbers = count(len(taken[0]) + 1)
     try:
-        numbers = count(len(taken) + 1)
-        while not _enough(taken, search):
-            while len(ahead) <= AHEAD:
+        while not all(_enough(rows, search) for rows in taken):
+            while len(ahead) < crew.ahead:
                 p = low + (high - low) * van_der_corput(next(numbers))
-                ahead.append(pool.submit(take, p))
-            yield ahead.popleft().result()
+                ahead.append(crew.order("take", p, group))
+            done = ahead.popleft().result()
+            yield done.value, done.evaluations
     finally:
         for waiting in ahead:
             waiting.cancel()
@@ -196,42 +185,14 @@ def van_der_corput(k: int) -> float:
     return value
 
 
-def _follow_slice(
-    explorer: Explorer, known: _Known, found: Slice, order: int
-) -> Iterator[tuple[float, float]]:
-    """Follow what lies on no known branch; yield what cannot be followed."""
-    p = found.partition.p
-    for x, _ in found.fixed_points:
-        if known.explains(BranchKind.FIXED_POINT, p, x):
-            continue
-        orbit = orbit_from(explorer.map, x, p, order)
-        cycle, good, _ = correct(explorer.map, orbit, p, None, explorer.settings.tolerances)
-        if not good:
-            yield p, x
-        elif not explorer.is_known(cycle):
-            explorer.explore_cycle(cycle)
-    for edge in found.crossings:
-        if known.explains(BranchKind.JUMP, p, edge.x):
-            continue
-        sharp = labelled_edge(explorer.iterate(order), edge)
-        if sharp.crosses:
-            explorer.explore_jump(sharp, order)
-        else:
-            yield p, edge.x
-
-
-def orbit_from(labelled_map: LabelledMap, x: float, p: float, order: int) -> list[float]:
-    """The first ``order`` points of an orbit."""
-    points = [x]
-    while len(points) < order:
-        points.append(labelled_map(points[-1], p).value)
-    return points
-
-
-def labelled_edge(labelled_map: LabelledMap, edge: Edge) -> Edge:
-    """The same edge with the words of a labelled map on both sides."""
-    near = NEAR * np.spacing(abs(edge.x))
-    return edge_between(labelled_map, edge.p, edge.x - float(near), edge.x + float(near))
+def _starts(found: Found, orders: Sequence[int]) -> list[Start]:
+    """Where branches can be picked up; cycles of lower orders that are explored are left out."""
+    cycles = [
+        Start(BranchKind.FIXED_POINT, found.order, cycle)
+        for cycle in found.cycles
+        if (period := minimal_period(cycle)) == found.order or period not in orders
+    ]
+    return [*cycles, *(Start(BranchKind.JUMP, found.order, jump) for jump in found.jumps)]
 
 
 class _Known:
@@ -240,16 +201,23 @@ class _Known:
     def __init__(self, atlas: Atlas, order: int) -> None:
         self.atlas, self.order = atlas, order
         self.seen = 0
-        self.chords = {kind: np.empty((0, 4)) for kind in BranchKind}
+        self.chords = {kind: np.empty((0, 5)) for kind in BranchKind}
+        self.words: dict[str, int] = {}
 
-    def explains(self, kind: BranchKind, p: float, x: float) -> bool:
-        """Whether a branch passes through (p, x), as far as its samples tell."""
+    def explains(self, start: Start) -> bool:
+        """Whether a branch of the same word passes through a start, as far as its samples tell."""
         self._update()
-        p0, x0, p1, x1 = self.chords[kind].T
+        if isinstance(start.at, Jump):
+            whole = start.at.whole
+            p, x, word = start.at.p, start.at.x, f"{whole.left.word} / {whole.right.word}"
+        else:
+            p, x, word = start.at.p, float(start.at.x[0]), start.at.word
+        p0, x0, p1, x1, words = self.chords[start.kind].T
         inside = (np.minimum(p0, p1) - AT_END <= p) & (p <= np.maximum(p0, p1) + AT_END)
+        inside &= words == self.words.get(word, -1)
         if not inside.any():
             return False
-        p0, x0, p1, x1 = self.chords[kind][inside].T
+        p0, x0, p1, x1, _ = self.chords[start.kind][inside].T
         run = np.where(p1 == p0, 1.0, p1 - p0)
         on_chord = x0 + (x1 - x0) * np.clip((p - p0) / run, 0.0, 1.0)
         allowed = ON_BRANCH * np.hypot(p1 - p0, x1 - x0) + 1e-7
@@ -259,12 +227,13 @@ class _Known:
         fresh = [b for b in self.atlas.branches[self.seen :] if b.order == self.order]
         self.seen = len(self.atlas.branches)
         for kind in BranchKind:
-            rows = [_chords(branch) for branch in fresh if branch.kind is kind]
+            rows = [self._chords(branch) for branch in fresh if branch.kind is kind]
             self.chords[kind] = np.concatenate([self.chords[kind], *rows])
 
-
-def _chords(branch: Branch) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """Neighbouring samples as rows p0, x0, p1, x1."""
-    points = np.column_stack([branch.parameter, branch.x])
-    rows: np.ndarray[tuple[int, int], np.dtype[np.float64]] = np.hstack([points[:-1], points[1:]])
-    return rows
+    def _chords(self, branch: Branch) -> Floats:
+        """Neighbouring samples as rows p0, x0, p1, x1, with the number of the word."""
+        number = self.words.setdefault(branch.word, len(self.words))
+        points = np.column_stack([branch.parameter, branch.x])
+        words = np.full((len(points) - 1, 1), float(number))
+        rows: Floats = np.hstack([points[:-1], points[1:], words])
+        return rows

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from pwmap.diagram import Diagram
+from pwmap.diagram import BranchKind, Diagram
 from woodpecker.atlas import Atlas
 from woodpecker.complete import Report, Search, complete
-from woodpecker.explore import Explorer, Progress, restore
+from woodpecker.crew import Alone, crew
+from woodpecker.explore import Explorer, Progress, Start, restore
 from woodpecker.journal import Entry, Journal, read_journal
-from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, windowed
+from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
 from woodpecker.pieces import SampledMap
 from woodpecker.returns import RESTITUTIONS
 from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map, toy_samples
 from woodpecker.toy import Toy
+from woodpecker.worker import Worker
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
 MARGIN = 0.05  # rad; a map is followed a little beyond its window, to find where a branch leaves it
@@ -121,6 +122,7 @@ def bifurcation_diagram(
     progress: Progress | None = None,
     run: Path | None = None,
     resume: bool = False,
+    workers: int | None = None,
 ) -> Diagram:
     """Every branch of some iterates in a window, and how they hang together.
 
@@ -147,6 +149,9 @@ def bifurcation_diagram(
         A file that keeps every finished branch, so that an interrupted run can go on.
     resume
         Go on with the run in that file.
+    workers
+        How many processes do the work, by default one for each core where processes can be copied
+        (Linux). The result does not depend on it.
 
     Returns
     -------
@@ -162,7 +167,7 @@ def bifurcation_diagram(
     """
     return find_all(
         toy, parameter, span, orders, window, settings=settings, search=search, progress=progress,
-        run=run, resume=resume,
+        run=run, resume=resume, workers=workers,
     ).diagram  # fmt: skip
 
 
@@ -178,6 +183,7 @@ def find_all(
     progress: Progress | None = None,
     run: Path | None = None,
     resume: bool = False,
+    workers: int | None = None,
 ) -> Found:
     """Like :func:`bifurcation_diagram`, with a report of the search."""
     labelled_map, samples = toy_map(toy, parameter), toy_samples(toy, parameter)
@@ -189,12 +195,17 @@ def find_all(
     looked = search if search is not None else Search()
     wanted = _wanted(orders)
     about = _about(toy, parameter, chosen) | {"orders": wanted, "search": asdict(looked)}
+    labelled_map(*map(_middle, (chosen.window, chosen.span)))  # compiled before it is copied
     with _journal(run, about, resume) as journal:
         found = whole_diagram(
             labelled_map, samples, chosen, wanted, looked, parameter_name=parameter,
-            x_name="phi_s", progress=progress, journal=journal,
+            x_name="phi_s", progress=progress, workers=workers, journal=journal,
         )  # fmt: skip
     return replace(found, diagram=replace(found.diagram, given=(_derivatives(parameter),)))
+
+
+def _middle(interval: tuple[float, float]) -> float:
+    return 0.5 * (interval[0] + interval[1])
 
 
 def _derivatives(parameter: str) -> str:
@@ -261,31 +272,25 @@ def whole_diagram(
     parameter_name: str = "p",
     x_name: str = "x",
     progress: Progress | None = None,
-    executor: Executor | None = None,
+    workers: int | None = 1,
     journal: Journal | None = None,
 ) -> Found:
     """Every branch of some iterates of a labelled map; see :func:`bifurcation_diagram`.
 
-    The result does not depend on the executor that computes the slices.
+    ``workers`` processes do the work; the result does not depend on how many.
     """
     wanted = _wanted(orders)
     low, high = settings.window
     inside = windowed(labelled_map, (low - MARGIN, high + MARGIN))
-    calls = 0
-
-    def counted(x: float, p: float) -> Evaluation:
-        nonlocal calls
-        calls += 1
-        return inside(x, p)
-
-    explorer = Explorer(counted, settings, progress, wanted, journal)
-    reports = complete(
-        explorer, samples, wanted, search if search is not None else Search(), executor
-    )
+    looked = search if search is not None else Search()
+    worker = Worker(inside, settings, wanted, samples, looked.resolution)
+    with crew(worker, workers) as hands:
+        explorer = Explorer(hands, progress, journal)
+        reports = complete(explorer, hands, settings, wanted, looked)
     return Found(
         diagram=explorer.atlas.diagram(parameter_name, x_name),
         reports=tuple(reports),
-        evaluations=calls + sum(report.evaluations for report in reports),
+        evaluations=explorer.evaluations + sum(report.evaluations for report in reports),
     )
 
 
@@ -300,9 +305,9 @@ def connected(
     journal: Journal | None = None,
 ) -> Diagram:
     """All branches of a labelled map that are connected with the cycle ``start``."""
-    explorer = Explorer(labelled_map, settings, progress, (), journal)
+    explorer = Explorer(Alone(Worker(labelled_map, settings)), progress, journal)
     if explorer.atlas.branches:
         explorer.go_on()
     else:
-        explorer.explore_cycle(start)
+        explorer.explore([Start(BranchKind.FIXED_POINT, len(start.x), start)])
     return explorer.atlas.diagram(parameter_name, x_name)

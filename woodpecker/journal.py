@@ -94,28 +94,32 @@ def _compare(old: Entry, new: Entry, path: Path) -> None:
             )
 
 
-def of_samples(samples: Sequence[Sample], kind: BranchKind, order: int) -> Entry:
-    """A path as an entry; its words are written once."""
+def of_runs(runs: Sequence[Sequence[Sample]], kind: BranchKind, order: int) -> Entry:
+    """The runs of one branch as an entry; its words are written once."""
     words: dict[str, int] = {}
-    rows = []
-    for s in samples:
-        row: list[Any] = [s.p, s.x, s.multiplier, words.setdefault(s.word, len(words))]
-        if s.kind is not None:
-            row += [s.kind.value, s.note, s.inner, None if s.edge is None else _of_edge(s.edge)]
-        rows.append(row)
-    return {PATH: kind.value, "order": order, "words": list(words), "samples": rows}
+    table = []
+    for run in runs:
+        rows = []
+        for s in run:
+            row: list[Any] = [s.p, s.x, s.multiplier, words.setdefault(s.word, len(words))]
+            if s.kind is not None:
+                row += [s.kind.value, s.note, s.inner, None if s.edge is None else _of_edge(s.edge)]
+            rows.append(row)
+        table.append(rows)
+    return {PATH: kind.value, "order": order, "words": list(words), "runs": table}
 
 
-def to_samples(entry: Entry) -> tuple[list[Sample], BranchKind, int]:
-    """The path of an entry."""
-    return list(_samples(entry)), BranchKind(entry[PATH]), entry["order"]
+def to_runs(entry: Entry) -> tuple[list[list[Sample]], BranchKind, int]:
+    """The runs of an entry."""
+    runs = [list(_samples(rows, entry["words"])) for rows in entry["runs"]]
+    return runs, BranchKind(entry[PATH]), entry["order"]
 
 
-def _samples(entry: Entry) -> Iterator[Sample]:
-    for p, x, multiplier, word, *special in entry["samples"]:
+def _samples(rows: list[list[Any]], words: list[str]) -> Iterator[Sample]:
+    for p, x, multiplier, word, *special in rows:
         kind, note, inner, edge = special or (None, "", 0, None)
         yield Sample(
-            p, x, multiplier, entry["words"][word], None if kind is None else PointKind(kind), note,
+            p, x, multiplier, words[word], None if kind is None else PointKind(kind), note,
             None if edge is None else _to_edge(edge), inner,
         )  # fmt: skip
 

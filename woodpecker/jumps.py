@@ -10,7 +10,7 @@ collision) and a fixed point appears there; words change where one of the orbits
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -34,7 +34,7 @@ FIRST_STEP = 2.5e-4  # in the parameter
 ROUGHLY = 1.0 / 64.0  # how well a change of words ahead is located while a branch comes near it
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
-SAME_ORBIT = 1e-6  # an orbit that leads to an edge stays this close where its words change
+SAME_ORBIT = 1e-5  # an orbit that leads to an edge stays this close where its words change
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,19 +61,20 @@ class JumpPoint:
 
 
 def follow_jump(
-    labelled_map: LabelledMap, start: Edge, settings: Settings, direction: int, order: int = 1
-) -> Iterator[JumpPoint]:
+    labelled_map: LabelledMap, start: Edge | Jump, settings: Settings, direction: int,
+    order: int = 1,
+) -> Iterator[JumpPoint]:  # fmt: skip
     """Follow a crossing jump of P_order from ``start`` towards larger (+1) or smaller parameters.
 
     Yields the points after the start; the last one ends the branch: BC where a limit meets the
     diagonal, WC where the words beside the jump change, FALL where the map is lost beside it, EP at
     the end of the span or the window, or where the jump itself vanishes.
     """
-    first = jump_of(labelled_map, start, order)
+    first = start if isinstance(start, Jump) else jump_of(labelled_map, start, order)
     if first is None:  # it is not one of P_1, as far as rounding can tell
         labelled_map, order = iterate(labelled_map, order), 1
-        first = jump_of(labelled_map, start, 1)
-    assert first is not None
+        assert isinstance(start, Edge)
+        first = _made(labelled_map, (), (), start, 1)
     course = _Course(labelled_map, settings, first, order)
     low, high = settings.span
     step = FIRST_STEP
@@ -231,17 +232,27 @@ def jump_of(labelled_map: LabelledMap, edge: Edge, order: int) -> Jump | None:
     met = nearest_edge(labelled_map, points[lap], edge.p, word)
     if met is None or is_continuous(met[0]):
         return None
+    jump = jump_through(labelled_map, met[0], points[:lap], order)
+    if jump is None or jump.whole.crosses != edge.crosses:
+        return None
+    return jump if same_words(jump.whole, edge) and shift(jump.whole, edge) < SAME_LIMITS else None
+
+
+def jump_through(
+    labelled_map: LabelledMap, edge: Edge, points: Sequence[float], order: int
+) -> Jump | None:
+    """The jump of P_order whose orbit leads along some points, about, to an edge of P_1."""
+    exact: list[float] = []
     before: list[Evaluation] = []
-    target = met[0].x
-    for k in reversed(range(lap)):
-        found = _preimage(labelled_map, target, points[k], edge.p, None)
+    target = edge.x
+    for guess in reversed(points):
+        found = _preimage(labelled_map, target, guess, edge.p, None)
         if found is None:
             return None
-        target, points[k] = found[0], found[0]
+        target = found[0]
+        exact.insert(0, target)
         before.insert(0, found[1])
-    jump = _made(labelled_map, points[:lap], before, met[0], order)
-    same = same_words(jump.whole, edge) and shift(jump.whole, edge) < SAME_LIMITS
-    return jump if same and jump.whole.crosses == edge.crosses else None
+    return _made(labelled_map, exact, before, edge, order)
 
 
 def _preimage(
@@ -273,10 +284,15 @@ def _distance(jump: Jump, side: int) -> float:
     return (jump.whole.left_limit if side < 0 else jump.whole.right_limit) - jump.x
 
 
+def _opposite(a: float, b: float) -> bool:
+    """Whether two numbers lie on different sides of zero, or on it."""
+    return a <= 0.0 <= b or b <= 0.0 <= a
+
+
 def _collided(a: Jump, b: Jump) -> int:
     """Side whose limit passes the diagonal between two points of a branch; 0 if none does."""
     for side in (-1, 1):
-        if a is not b and _distance(a, side) * _distance(b, side) <= 0.0:
+        if a is not b and _opposite(_distance(a, side), _distance(b, side)):
             return side
     return 0
 
@@ -437,7 +453,7 @@ class _Course:
                 found[p] = jump
             return measure(found[p])
 
-        if a.p == b.p or measure(a) * measure(b) > 0.0:
+        if a.p == b.p or not _opposite(measure(a), measure(b)):
             return b
         p = float(brentq(at, a.p, b.p, xtol=1e-15, rtol=1e-14))
         at(p)

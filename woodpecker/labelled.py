@@ -18,6 +18,7 @@ from woodpecker.tolerances import DEFAULT, Tolerances
 
 NEWTON_STEPS = 25  # quadratic convergence takes 4 to 6; more is needed on curved flanks only
 SEPARATOR = " | "
+SAME_CYCLE = 1e-9  # points of a cycle closer than this are one: its minimal period is shorter
 
 
 class Evaluation(NamedTuple):
@@ -146,6 +147,13 @@ def _solved(cycle: Cycle, last_row: Floats, rhs: Floats) -> Floats:
     return np.array(
         [(first * d - b * second) / determinant, (a * second - first * c) / determinant]
     )
+
+
+def minimal_period(cycle: Cycle, same: float = SAME_CYCLE) -> int:
+    """The smallest shift that maps a cycle to itself."""
+    n = len(cycle.x)
+    divisors = (d for d in range(1, n + 1) if n % d == 0)
+    return next(d for d in divisors if np.abs(np.roll(cycle.x, -d) - cycle.x).max() < same)
 
 
 def allowed(cycle: Cycle, tolerances: Tolerances) -> float:

@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ from woodpecker.compiled import COMPILED
 from woodpecker.complete import Search
 from woodpecker.diagram import whole_diagram
 from woodpecker.edges import Edge
-from woodpecker.journal import Journal, of_samples, read_journal, to_samples
+from woodpecker.journal import Journal, of_runs, read_journal, to_runs
 from woodpecker.labelled import Evaluation
 from woodpecker.pieces import Resolution, sampled
 from woodpecker.settings import Settings
@@ -59,10 +58,10 @@ def same(a: Diagram, b: Diagram) -> bool:
     ] and [of_point(point) for point in a.points] == [of_point(point) for point in b.points]
 
 
-def searched(journal: Journal | None = None, executor: Executor | None = None) -> Diagram:
+def searched(journal: Journal | None = None, workers: int = 1) -> Diagram:
     labelled = paper()
     found = whole_diagram(
-        labelled, sampled(labelled), SETTINGS, (1, 2), SEARCH, executor=executor, journal=journal
+        labelled, sampled(labelled), SETTINGS, (1, 2), SEARCH, workers=workers, journal=journal
     )
     return found.diagram
 
@@ -114,8 +113,7 @@ def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("workers", [1, 2, 7])
 def test_the_number_of_workers_does_not_matter(workers: int) -> None:
-    with ThreadPoolExecutor(workers) as executor:
-        assert same(searched(executor=executor), searched())
+    assert same(searched(workers=workers), searched())
 
 
 def test_an_old_run_is_kept_when_a_new_one_starts(tmp_path: Path) -> None:
@@ -146,8 +144,8 @@ def test_a_path_reads_back_to_the_last_bit() -> None:
         Sample(0.1, -0.3, math.nan, "a / b", PointKind.BC, "fold", edge, -1),
         Sample(0.1 + 1e-17, -0.1 - 0.2, -1.0 / 3.0, "a / b", None, "", None),
     ]
-    entry = json.loads(json.dumps(of_samples(samples, BranchKind.JUMP, 2)))
-    read, kind, order = to_samples(entry)
+    entry = json.loads(json.dumps(of_runs([samples], BranchKind.JUMP, 2)))
+    (read,), kind, order = to_runs(entry)
     assert (kind, order) == (BranchKind.JUMP, 2)
     assert repr(read) == repr(samples)
 

@@ -1,0 +1,263 @@
+"""Cycles and jumps of P_j at one parameter, from the pieces of P_1.
+
+P_j has a piece for each sequence of pieces of P_1 that an orbit can visit. Where P_1 is steep these
+are too thin to be met by looking at P_j itself; but pulled back lap by lap through the monotone
+branches of P_1 they are all there, and steepness helps: inverse branches contract.
+
+What is found here is a guess, good to the interpolation between samples; Newton's method on the map
+itself follows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.arrays import Floats, Ints
+from woodpecker.edges import Edge, is_continuous
+from woodpecker.labelled import BELOW
+from woodpecker.pieces import Bools, Partition, Piece, SampledMap
+
+HALVINGS = 40
+INTERIOR = 16  # points inside an increasing piece at which a pair of fixed points is looked for
+
+
+class Backward(NamedTuple):
+    """An orbit that leads to a jump of P_1, about."""
+
+    points: tuple[float, ...]  # those before the edge
+    edge: Edge
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Branch:
+    """P_1 on an interval where it is monotone: samples in order of x."""
+
+    x: Floats
+    y: Floats
+    slope: Floats
+
+    @property
+    def image(self) -> tuple[float, float]:
+        """Smallest and largest value."""
+        ends = float(self.y[0]), float(self.y[-1])
+        return min(ends), max(ends)
+
+    def inverse(self, y: Floats) -> Floats:
+        """Where P_1 takes values of its image: the cubic through samples, as a function of y."""
+        rising = self.y[-1] >= self.y[0]
+        ys, xs, slopes = (
+            (self.y, self.x, self.slope)
+            if rising
+            else (self.y[::-1], self.x[::-1], self.slope[::-1])
+        )
+        k = np.clip(np.searchsorted(ys, y, side="right") - 1, 0, len(ys) - 2)
+        y0, y1, x0, x1 = ys[k], ys[k + 1], xs[k], xs[k + 1]
+        run = y1 - y0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s = np.clip((y - y0) / run, 0.0, 1.0)
+            straight = x0 + s * (x1 - x0)
+            bent = (
+                (1.0 + 2.0 * s) * (1.0 - s) ** 2 * x0 + s * s * (3.0 - 2.0 * s) * x1
+                + s * (1.0 - s) * run * ((1.0 - s) / slopes[k] - s / slopes[k + 1])
+            )  # fmt: skip
+        inside = (np.minimum(x0, x1) <= bent) & (bent <= np.maximum(x0, x1))
+        found: Floats = np.where(inside, bent, np.where(run > 0.0, straight, 0.5 * (x0 + x1)))
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cylinders:
+    """Intervals of x_0 whose orbits visit given branches, and where P_j takes their ends.
+
+    ``branches`` is (n, j); the other arrays are (n,).
+    """
+
+    low: Floats
+    high: Floats
+    at_low: Floats
+    at_high: Floats
+    branches: Ints
+
+    def take(self, chosen: Bools) -> _Cylinders:
+        """Some of them."""
+        return _Cylinders(
+            self.low[chosen], self.high[chosen], self.at_low[chosen], self.at_high[chosen],
+            self.branches[chosen],
+        )  # fmt: skip
+
+
+class Itineraries:
+    """Orbits of P_1 at one parameter.
+
+    Parameters
+    ----------
+    map_
+        P_1, for many points at once.
+    partition
+        Its pieces in a window; orbits that leave the window are not followed.
+    """
+
+    def __init__(self, map_: SampledMap, partition: Partition) -> None:
+        self.map, self.p, self.window = map_, partition.p, partition.window
+        self.evaluations = 0
+        self.branches = [b for piece in partition.pieces for b in _monotone(piece)]
+        self.jumps = [e for e in partition.edges if not is_continuous(e) and _seen(e)]
+        self._cylinders = [self._first()]
+
+    def cycles(self, order: int) -> list[Floats]:
+        """Cycles of P_order, those of lower periods among them, one for each of their points."""
+        found = self._of(order)
+        above = found.at_low > found.low, found.at_high > found.high
+        orbits = self._roots(found.take(above[0] != above[1]))
+        rising = (found.at_high > found.at_low) & (above[0] == above[1])
+        meets = np.maximum(found.low, found.at_low) <= np.minimum(found.high, found.at_high)
+        return [*orbits, *self._roots(self._halves(found.take(rising & meets)))]
+
+    def jumps_of(self, order: int) -> list[Backward]:
+        """Orbits to jumps of P_1 where the limits of P_order lie on both sides of the diagonal."""
+        found: list[Backward] = []
+        for edge in self.jumps:
+            left, right = (
+                self._forward(np.array([limit]), order - 1)
+                for limit in (edge.left_limit, edge.right_limit)
+            )
+            points: list[tuple[float, ...]] = [()]
+            starts = np.array([edge.x])
+            for before in range(order):
+                one, other = float(left[order - 1 - before][0]), float(right[order - 1 - before][0])
+                crosses = (one - starts) * (other - starts) < 0.0
+                found += [Backward(points[k], edge) for k in np.flatnonzero(crosses)]
+                if before < order - 1:
+                    starts, points = self._preimages(starts, points)
+        return found
+
+    def _first(self) -> _Cylinders:
+        low, high, at_low, at_high = (
+            np.array([column[k] for column in columns])
+            for columns, k in (
+                ([b.x for b in self.branches], 0), ([b.x for b in self.branches], -1),
+                ([b.y for b in self.branches], 0), ([b.y for b in self.branches], -1),
+            )
+        )  # fmt: skip
+        return _Cylinders(low, high, at_low, at_high, np.arange(len(low))[:, None])
+
+    def _of(self, order: int) -> _Cylinders:
+        while len(self._cylinders) < order:
+            self._cylinders.append(self._pulled_back(self._cylinders[-1]))
+        return self._cylinders[order - 1]
+
+    def _pulled_back(self, later: _Cylinders) -> _Cylinders:
+        """One lap more in front: each branch followed by whatever its image meets."""
+        laps = later.branches.shape[1]
+        images = np.array([(b.y[0], b.y[-1]) for b in self.branches])
+        ends = self._forward(images.ravel(), laps)[laps].reshape(images.shape)
+        parts = []
+        for k, branch in enumerate(self.branches):
+            low, high = branch.image
+            (first, last) = (0, 1) if branch.y[-1] >= branch.y[0] else (1, 0)
+            hit = np.flatnonzero((later.low <= high) & (later.high >= low))
+            bottom = np.maximum(later.low[hit], low)
+            top = np.minimum(later.high[hit], high)
+            at_bottom = np.where(later.low[hit] >= low, later.at_low[hit], ends[k, first])
+            at_top = np.where(later.high[hit] <= high, later.at_high[hit], ends[k, last])
+            if low == high:  # a flat branch: all of it goes on in the same way
+                x_bottom = np.full(len(hit), branch.x[0])
+                x_top = np.full(len(hit), branch.x[-1])
+                at_bottom = at_top = np.full(len(hit), ends[k, 0])
+            else:
+                x_bottom = np.where(bottom == low, branch.x[-first], branch.inverse(bottom))
+                x_top = np.where(top == high, branch.x[-last], branch.inverse(top))
+            turned = x_bottom > x_top
+            parts.append(
+                (
+                    np.where(turned, x_top, x_bottom), np.where(turned, x_bottom, x_top),
+                    np.where(turned, at_top, at_bottom), np.where(turned, at_bottom, at_top),
+                    np.column_stack([np.full(len(hit), k), later.branches[hit]]),
+                )
+            )  # fmt: skip
+        return _Cylinders(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def _forward(self, x: Floats, laps: int) -> list[Floats]:
+        """X and its images, nan from where an orbit leaves the window."""
+        points = [x]
+        for _ in range(laps):
+            inside = (self.window[0] <= points[-1]) & (points[-1] <= self.window[1])
+            images = np.full(len(x), math.nan)
+            if inside.any():
+                images[inside] = self.map.sweep(points[-1][inside], self.p).value
+                self.evaluations += int(inside.sum())
+            points.append(images)
+        return points
+
+    def _preimages(
+        self, targets: Floats, points: list[tuple[float, ...]]
+    ) -> tuple[Floats, list[tuple[float, ...]]]:
+        starts: list[Floats] = []
+        orbits: list[tuple[float, ...]] = []
+        for branch in self.branches:
+            low, high = branch.image
+            hit = np.flatnonzero((low < targets) & (targets < high))
+            if len(hit):
+                x = branch.inverse(targets[hit])
+                starts.append(x)
+                orbits += [(float(a), *points[k]) for a, k in zip(x, hit, strict=True)]
+        return (np.concatenate(starts) if starts else np.empty(0)), orbits
+
+    def _back(self, branches: Ints, y: Floats) -> Floats:
+        """Orbits (n, j) that visit branches (n, j) and end in y (n,)."""
+        points = np.empty(branches.shape)
+        for lap in reversed(range(branches.shape[1])):
+            for k in np.unique(branches[:, lap]):
+                rows = branches[:, lap] == k
+                points[rows, lap] = self.branches[k].inverse(y[rows])
+            y = points[:, lap]
+        return points
+
+    def _roots(self, found: _Cylinders) -> Iterator[Floats]:
+        """Cycles in cylinders at whose ends P_j lies on different sides of the diagonal."""
+        a, b = found.at_low.copy(), found.at_high.copy()  # values between which the cycle lies
+        below = found.low < found.at_low
+        for _ in range(HALVINGS if len(a) else 0):
+            middle = 0.5 * (a + b)
+            same = (self._back(found.branches, middle)[:, 0] < middle) == below
+            a, b = np.where(same, middle, a), np.where(same, b, middle)
+        points = self._back(found.branches, 0.5 * (a + b))
+        gaps = found.at_low - found.low, found.at_high - found.high
+        secant = found.low + gaps[0] / (gaps[0] - gaps[1]) * (found.high - found.low)
+        ahead = np.column_stack(self._forward(secant, found.branches.shape[1] - 1))
+        flat = np.abs(found.at_high - found.at_low) <= found.high - found.low
+        for orbit in np.where(flat[:, None], ahead, points):
+            if np.isfinite(orbit).all():
+                yield orbit
+
+    def _halves(self, found: _Cylinders) -> _Cylinders:
+        """Parts of increasing cylinders between which P_j changes its side of the diagonal."""
+        low = np.maximum(found.low, found.at_low)  # a fixed point can only be in between
+        high = np.minimum(found.high, found.at_high)
+        y = low[:, None] + np.linspace(0.0, 1.0, INTERIOR) * (high - low)[:, None]
+        many = np.repeat(found.branches, INTERIOR, axis=0)
+        x = self._back(many, y.ravel())[:, 0].reshape(y.shape)
+        row, k = np.nonzero((x[:, :-1] < y[:, :-1]) != (x[:, 1:] < y[:, 1:]))
+        return _Cylinders(x[row, k], x[row, k + 1], y[row, k], y[row, k + 1], found.branches[row])
+
+
+def _seen(edge: Edge) -> bool:
+    """Whether the map has a value on both sides."""
+    return not math.isnan(edge.jump)
+
+
+def _monotone(piece: Piece) -> Iterator[_Branch]:
+    """The parts of a piece between its turning points."""
+    samples = piece.samples
+    if not piece.defined or piece.word == BELOW or len(samples.x) < 2:
+        return
+    x, y, slope = samples.x, samples.value, samples.slope
+    turns = np.flatnonzero(np.diff(y)[1:] * np.diff(y)[:-1] < 0.0) + 1
+    for first, last in zip([0, *turns], [*turns, len(x) - 1], strict=True):
+        part = slice(first, last + 1)
+        yield _Branch(x[part], y[part], slope[part])
