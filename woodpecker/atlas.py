@@ -18,7 +18,7 @@ import numpy as np
 
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.edges import Edge
-from woodpecker.follow import CLOSED
+from woodpecker.follow import CLOSED, DIVIDES
 from woodpecker.jumps import JUMP_ENDS
 
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
@@ -215,6 +215,11 @@ def _is_same(node: Node, sample: Sample, x: float, order: int) -> bool:
         and not math.isnan(sample.multiplier)
     ):
         return math.hypot(node.p - sample.p, node.x - x) < SAME_CHANGE
+    if DIVIDES in (
+        sample.note,
+        node.note,
+    ):  # one branch of the lower period, the others of twice it
+        return abs(node.x - x) < SAME_POINT
     both = (sample.kind, node.kind)
     if PointKind.PD in both and PointKind.LP in both and order != node.order:
         return abs(node.x - x) < SAME_FLIP  # a cycle of twice the period turns round at a flip

@@ -19,12 +19,14 @@ from scipy.optimize import brentq
 from pwmap.diagram import PointKind
 from woodpecker.arrays import Floats
 from woodpecker.edges import Edge, edge_of_iterate, is_continuous, nearest_edge
-from woodpecker.labelled import Cycle, LabelledMap, correct, evaluate, tangent
+from woodpecker.labelled import Cycle, LabelledMap, correct, evaluate, minimal_period, tangent
 from woodpecker.landing import beside, beyond, found_beside
 from woodpecker.settings import Settings
 
 CLOSED = "the branch closes"
+DIVIDES = "the period is divided"  # two points of the cycle meet on an edge, as at a flip
 REPEATS = "the path repeats itself"  # caught between edges it cannot tell apart
+MERGED = 1e-7  # points of a cycle on an edge closer than this have met: no landing tells them apart
 SAME_LANDING = 1e-10  # two landings this close are one
 ROUGHLY = 1.0 / 64.0  # how well an edge ahead is located while a branch comes near it
 LAST_BIT = 0.25 * math.ulp(1.0)  # in arclength
@@ -94,7 +96,7 @@ def follow_from(
 ) -> Iterator[PathPoint]:
     """Like :func:`follow`, with any direction (j + 1,) in (x, p)."""
     point = PathPoint(cycle=start, tangent=tangent(start, along))
-    path = _Path(labelled_map, settings)
+    path = _Path(labelled_map, settings, start)
     yield point
     for _ in range(settings.max_points):
         for reached in path.advance(point):
@@ -119,8 +121,8 @@ class _Ahead(NamedTuple):
 class _Path:
     """Step control along one branch: its state is the step, and the last change of word."""
 
-    def __init__(self, labelled_map: LabelledMap, settings: Settings) -> None:
-        self.map, self.settings = labelled_map, settings
+    def __init__(self, labelled_map: LabelledMap, settings: Settings, start: Cycle) -> None:
+        self.map, self.settings, self.period = labelled_map, settings, minimal_period(start)
         self.step, self.travelled = settings.step, 0.0
         self.crossed: tuple[PathPoint, PathPoint] | None = None  # last word change, and beyond it
         self.landings: list[PathPoint] = []  # where it went on beyond word changes
@@ -302,6 +304,9 @@ class _Path:
             outside = edge.right if side > 0 else edge.left
             yield replace(met, kind=PointKind.FALL, note=outside.word)
         elif is_continuous(edge, self.settings.tolerances):
+            if minimal_period(met.cycle, MERGED) < self.period:
+                yield replace(met, kind=PointKind.EP, note=DIVIDES)
+                return
             yield replace(met, kind=PointKind.WC)
             landed = self._landed(met)
             if landed is None:

@@ -22,7 +22,7 @@ from woodpecker.edges import Edge, is_continuous
 from woodpecker.labelled import BELOW
 from woodpecker.pieces import Bools, Partition, Piece, SampledMap
 
-HALVINGS = 40
+HALVINGS = 32  # of an interval of values in which a cycle lies
 INTERIOR = 16  # points inside an increasing piece at which a pair of fixed points is looked for
 
 
@@ -199,13 +199,13 @@ class Itineraries:
     ) -> tuple[Floats, list[tuple[float, ...]]]:
         starts: list[Floats] = []
         orbits: list[tuple[float, ...]] = []
-        for branch in self.branches:
-            low, high = branch.image
-            hit = np.flatnonzero((low < targets) & (targets < high))
-            if len(hit):
-                x = branch.inverse(targets[hit])
-                starts.append(x)
-                orbits += [(float(a), *points[k]) for a, k in zip(x, hit, strict=True)]
+        low, high = (np.array([b.image[k] for b in self.branches])[:, None] for k in (0, 1))
+        hits = (low < targets) & (targets < high)
+        for k in np.flatnonzero(hits.any(axis=1)):
+            hit = np.flatnonzero(hits[k])
+            x = self.branches[k].inverse(targets[hit])
+            starts.append(x)
+            orbits += [(float(a), *points[i]) for a, i in zip(x, hit, strict=True)]
         return (np.concatenate(starts) if starts else np.empty(0)), orbits
 
     def _back(self, branches: Ints, y: Floats) -> Floats:

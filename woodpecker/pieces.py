@@ -45,6 +45,9 @@ class Resolution:
         Pieces narrower than this are not looked for: where one shows, the interval is unresolved.
     bend
         Largest distance of a value from the cubic through its neighbours.
+    edge
+        How well an edge is located at which values differ by less than ``close``; others, which may
+        be jumps, are located to the last bit. Zero locates all of them to the last bit.
     far
         In a search for what crosses the diagonal, the width below which an interval is not looked
         at further if the slopes at both ends lead nowhere near it.
@@ -54,9 +57,13 @@ class Resolution:
     smallest: float = 1e-8
     bend: float = 1e-6
     far: float = 1e-4
+    edge: float = 0.0
+    close: float = 1e-4
 
     def __post_init__(self) -> None:
-        for name in ("spacing", "smallest", "bend", "far"):
+        if not self.edge >= 0.0:
+            raise ValueError(f"edge must not be negative, got {self.edge}")
+        for name in ("spacing", "smallest", "bend", "far", "close"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
 
@@ -216,7 +223,7 @@ class Partition:
     Attributes
     ----------
     pieces, edges
-        From left to right; an edge between each two pieces that touch.
+        From left to right; an edge between each two pieces that touch, as far as it was located.
     unresolved
         Intervals with more than two words that are narrower than the smallest width.
     evaluations
@@ -324,7 +331,7 @@ class _Search:
             right = Samples._make([np.concatenate(pair) for pair in zip(m, b, strict=True)])
             open_ = (left.words != right.words) & self._matters(left, right)
             open_ |= right.x - left.x > self.resolution.smallest
-            open_ &= ~self._is_far(left, right)
+            open_ &= ~(self._is_far(left, right) | self._is_located(left, right))
             left, right = left.take(open_), right.take(open_)
         return known
 
@@ -347,11 +354,19 @@ class _Search:
         narrow: Bools = (width <= self.resolution.far) & (gaps[0] * gaps[1] > 0.0)
         return narrow & clear[0] & clear[1] & self.diagonal
 
+    def _is_located(self, left: Samples, right: Samples) -> Bools:
+        """Whether an interval is narrow enough for the continuous change of word in it."""
+        narrow = right.x - left.x <= self.resolution.edge
+        located: Bools = narrow & (np.abs(right.value - left.value) <= self.resolution.close)
+        return located
+
     def edges(self, pieces: Sequence[Piece]) -> Iterator[Edge]:
         """Edges between the pieces, with limits read as :func:`woodpecker.edges.one_sided` does."""
         pairs = list(pairwise(pieces))
         if self.diagonal:
             pairs = [pair for pair in pairs if self._matters(*_facing(*pair))[0]]
+        if self.resolution.edge > 0.0:
+            pairs = [pair for pair in pairs if not self._is_located(*_facing(*pair))[0]]
         if not pairs:
             return
         x = np.array([left.high for left, _ in pairs])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from woodpecker.edges import NEAR, Edge, edge_between
@@ -12,6 +13,9 @@ from woodpecker.jumps import Jump, jump_through
 from woodpecker.labelled import Cycle, LabelledMap, correct
 from woodpecker.pieces import Resolution, SampledMap, iterated, partition, slice_of
 from woodpecker.settings import Settings
+
+# What iterates ask of the pieces of P_1: guesses only, for Newton's method.
+BEND, EDGE, CLOSE = 1e-4, 1e-9, 1e-3
 
 
 class Found(NamedTuple):
@@ -53,6 +57,7 @@ class Slicer:
         resolution: Resolution,
     ) -> None:  # fmt: skip
         self.map, self.settings, self.resolution = labelled_map, settings, resolution
+        self.coarse = replace(resolution, bend=max(resolution.bend, BEND), edge=EDGE, close=CLOSE)
         self.samples = iterated(samples, 1, settings.window)
         self.evaluations = 0  # of the map for many points
 
@@ -60,7 +65,7 @@ class Slicer:
         """What some iterates show at a parameter."""
         if tuple(orders) == (1,):
             return [self._first(p)]
-        pieces = partition(self.samples, p, self.settings.window, self.resolution)
+        pieces = partition(self.samples, p, self.settings.window, self.coarse)
         orbits = Itineraries(self.samples, pieces)
         found = [
             self._located(p, order, orbits, pieces.unresolved_length) for order in sorted(orders)
