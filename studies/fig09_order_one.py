@@ -86,7 +86,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ``shortest_branch``: in eps_N1; ``tables``: see :class:`Table`; ``seconds`` of wall and CPU;
         ``orbits``, ``chaotic``, ``lost``, ``unexplained``: what the orbits do.
     """
-    span, search = ((0.3, 0.4), Search(slices=8, quiet=4)) if fast else ((0.012, 1.0), Search())
+    span, search = ((0.3, 0.4), Search(slices=8)) if fast else ((0.012, 1.0), Search())
     first_return(Toy(), -0.53)  # compiled
     kept: list[Found] = []
     taken = clocked(

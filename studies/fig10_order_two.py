@@ -64,7 +64,7 @@ class Part(NamedTuple):
     slices: int  # in which pairs are counted
 
 
-FAST = Part((0.035, 0.07), (-1.0, -0.65), Search(slices=6, quiet=3), 6)  # A and a first pair
+FAST = Part((0.035, 0.07), (-1.0, -0.65), Search(slices=6), 6)  # A and a first pair
 MIDDLE = Part((0.03, 0.2), (-1.2, -0.45), Search(), 24)  # from A to C
 FULL = Part((0.012, 1.0), (-2.5, -0.24), Search(), 48)
 

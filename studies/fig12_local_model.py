@@ -114,7 +114,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 
 def toy_diagram(fast: bool) -> Diagram:
     """Everything that the toy has next to A."""
-    orders, search = ((1, 2), Search(slices=6, quiet=3)) if fast else ((1, 2, 3, 4), Search())
+    orders, search = ((1, 2), Search(slices=6)) if fast else ((1, 2, 3, 4), Search())
     return bifurcation_diagram(Toy(), "eps_n1", SPAN, orders, WINDOW, search=search)
 
 

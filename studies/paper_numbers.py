@@ -281,7 +281,7 @@ def _kept() -> list[Collision]:
 
 
 def _searched(toy: Toy) -> list[Collision]:
-    few = Search(slices=8, quiet=4)
+    few = Search(slices=8)
     window = (-1.2, -0.7)
     top = bifurcation_diagram(toy, "eps_n1", (0.33, 0.4), (1,), window, search=few)
     return [(str(p.kind), p.note, float(p.parameter), float(p.x)) for p in top.points]

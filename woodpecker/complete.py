@@ -2,16 +2,17 @@
 
 A slice lists all fixed points and jump crossings at one parameter. What lies on no branch known so
 far is followed, with everything that hangs on it; so islands are found by the first slice through
-them. Slices fill the span ever more densely. How thin an island can be and stay unseen is therefore
-known: thinner than the largest gap between slices, or narrower in x than the slices resolve.
+them. First slices fill the span evenly. Where one of the later half of them shows something new,
+two more are taken, halfway to its neighbours, and so on until nothing is new or the gaps are as
+small as was asked. How thin an island can be and stay unseen is therefore known.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left, insort
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import count
 
 import numpy as np
 
@@ -37,23 +38,24 @@ class Search:
     Parameters
     ----------
     slices
-        At least so many slices are taken, for each order.
-    quiet
-        So many in a row must show nothing new.
+        How many slices are taken first.
+    finest
+        Smallest gap between slices, as a part of the span.
     resolution
         How closely a slice looks at the map.
     """
 
     slices: int = 48
-    quiet: int = 16
+    finest: float = 2e-3
     resolution: Resolution = field(
         default_factory=lambda: Resolution(spacing=2e-3, smallest=1e-6, bend=1e-5)
     )
 
     def __post_init__(self) -> None:
-        for name in ("slices", "quiet"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
+        if self.slices < 1:
+            raise ValueError(f"slices must be at least 1, got {self.slices}")
+        if not 0.0 < self.finest < 1.0:
+            raise ValueError(f"finest must lie in (0, 1), got {self.finest}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,8 +121,11 @@ def _complete(
     shortest = min(map(len, taken.values()))  # a slice that was interrupted is taken again
     taken = {order: rows[:shortest] for order, rows in taken.items()}
     known = {order: _Known(explorer.atlas, order) for order in group}
-    for slice_, evaluations in _slices(crew, group, list(taken.values()), settings, search):
-        explorer.slices = len(taken[group[0]]) + 1
+    plan = _Plan(search)
+    for each in zip(*taken.values(), strict=True):
+        plan.took(any(entry["new"] for entry in each))
+    for slice_, evaluations in _slices(crew, group, plan, settings):
+        explorer.slices = plan.done + 1
         for found in slice_:
             before = len(explorer.atlas.branches)
             explorer.explore(_starts(found, orders), known[found.order].explains)
@@ -134,6 +139,7 @@ def _complete(
             }
             taken[found.order].append(entry)
             explorer.write(entry)
+        plan.took(any(rows[-1]["new"] for rows in taken.values()))
     return [_report(order, rows) for order, rows in taken.items()]
 
 
@@ -153,23 +159,40 @@ def _taken(entries: Sequence[Entry], order: int) -> list[Entry]:
     return [entry for entry in entries if SLICE in entry and entry["order"] == order]
 
 
-def _enough(taken: Sequence[Entry], search: Search) -> bool:
-    return len(taken) >= search.slices and not any(t["new"] for t in taken[-search.quiet :])
+class _Plan:
+    """Where slices are taken, as parts of the span; it grows where they show something new."""
+
+    def __init__(self, search: Search) -> None:
+        self.search = search
+        self.places = [van_der_corput(k) for k in range(1, search.slices + 1)]
+        self.done = 0
+        self._sorted = sorted([0.0, *self.places, 1.0])
+
+    def took(self, new: bool) -> None:
+        """The next slice was taken; whether it showed something new."""
+        place = self.places[self.done]
+        self.done += 1
+        if not new or self.done <= self.search.slices // 2:
+            return
+        i = bisect_left(self._sorted, place)
+        for other in (self._sorted[i - 1], self._sorted[i + 1]):
+            if abs(other - place) >= 2.0 * self.search.finest:
+                middle = 0.5 * (place + other)
+                insort(self._sorted, middle)
+                self.places.append(middle)
 
 
 def _slices(
-    crew: Crew, group: tuple[int, ...], taken: Sequence[Sequence[Entry]], settings: Settings,
-    search: Search,
-) -> Iterator[tuple[list[Found], int]]:  # fmt: skip
-    """Slices ever denser in the span, ordered ahead, until those taken are enough."""
+    crew: Crew, group: tuple[int, ...], plan: _Plan, settings: Settings
+) -> Iterator[tuple[list[Found], int]]:
+    """Slices as they are planned, ordered ahead."""
     low, high = settings.span
     ahead: deque[Ordered] = deque()
-    numbers = count(len(taken[0]) + 1)
     try:
-        while not all(_enough(rows, search) for rows in taken):
-            while len(ahead) < crew.ahead:
-                p = low + (high - low) * van_der_corput(next(numbers))
-                ahead.append(crew.order("take", p, group))
+        while plan.done < len(plan.places):
+            last = min(plan.done + crew.ahead, len(plan.places))
+            for k in range(plan.done + len(ahead), last):
+                ahead.append(crew.order("take", low + (high - low) * plan.places[k], group))
             done = ahead.popleft().result()
             yield done.value, done.evaluations
     finally:

@@ -34,6 +34,7 @@ FIRST_STEP = 2.5e-4  # in the parameter
 ROUGHLY = 1.0 / 64.0  # how well a change of words ahead is located while a branch comes near it
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
+CALM = 4  # so many changes of word may follow each other closely
 SAME_ORBIT = 1e-5  # an orbit that leads to an edge stays this close where its words change
 
 
@@ -80,6 +81,7 @@ def follow_jump(
     step = FIRST_STEP
     previous, current = first, first
     kink: Jump | None = None
+    restless = 0  # changes of word in a row, each right behind the one before
     for _ in range(settings.max_points):
         p = min(max(current.p + direction * step, low), high)
         if p == current.p:
@@ -88,7 +90,7 @@ def follow_jump(
         p = course.probed(p, current, previous)
         found = course.at(p, current, previous)
         if found is None:
-            change = course.change(p, current, previous)
+            change = course.change(p, current, previous, restless)
             if change.last is None:
                 step = abs(change.p - current.p)
                 continue
@@ -104,6 +106,7 @@ def follow_jump(
             course.track.take(found.edge)
             if found.words != last.words:
                 yield JumpPoint(edge=last.whole, kind=PointKind.WC)
+            restless = restless + 1 if last is current else 0
         side = _collided(current, found)
         if side != 0:
             yield course.collision(current, found, previous, side)
@@ -316,6 +319,7 @@ class _Course:
     ) -> None:
         self.map, self.settings, self.order = labelled_map, settings, order
         self.track = Track(labelled_map, settings, start.edge)
+        self.stride = RESOLVED  # how far beyond a change of words the next jump is looked for
 
     def at(self, p: float, near: Jump, before: Jump) -> Jump | None:
         """The jump at p, from two known ones; None if its words are not found."""
@@ -351,8 +355,13 @@ class _Course:
                 return middle
         return p
 
-    def change(self, p: float, near: Jump, before: Jump) -> _Change:
-        """Why the jump is not found at p: a change of words, or where to look first."""
+    def change(self, p: float, near: Jump, before: Jump, restless: int) -> _Change:
+        """Why the jump is not found at p: a change of words, or where to look first.
+
+        Where two words flicker, because rounding decides between them, each change in a row is
+        passed by a longer stride.
+        """
+        self.stride = min(RESOLVED * 8.0 ** max(0, restless - CALM), self.settings.probe)
         places = self._changed(p, near.p, near.places(_speed(near, before)))
         if places:
             return self._nearer(self._clear(p, near.p, places), near, before)
@@ -370,8 +379,9 @@ class _Course:
         if abs(p - near.p) > RESOLVED:
             return _Change(None, None, p)
         found: Jump | None = None
-        reach = math.copysign(4.0 * RESOLVED, p - near.p)
-        while abs(reach) <= self.settings.tolerances.edge:
+        reach = math.copysign(4.0 * self.stride, p - near.p)
+        furthest = max(self.settings.tolerances.edge, abs(reach))
+        while abs(reach) <= furthest:
             p = near.p + reach
             edge = self.track.at(p, near.edge, before.edge)
             jump = None if edge is None else self._around(edge, near, before, same=False)

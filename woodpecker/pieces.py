@@ -314,16 +314,14 @@ class _Search:
             width = right.x - left.x
             tiny = width <= 2.0 * NEAR * np.spacing(np.abs(left.x))
             third = (middle.words != left.words) & (middle.words != right.words)
-            lost = differ & third & (width < self.resolution.smallest) & ~tiny
-            for a, b in zip(left.x[lost], right.x[lost], strict=True):
+            crowded = differ & third & (width < self.resolution.smallest) & ~tiny
+            for a, b in zip(left.x[crowded], right.x[crowded], strict=True):
                 self.unresolved.append((float(a), float(b)))
-            straight = (
-                ~differ
-                & ~third
-                & (~middle.defined | (_bend(left, right, middle) <= self.resolution.bend))
-            )
+            bent = _bend(left, right, middle) > self.resolution.bend
+            below = np.array([self.map.words[k] == BELOW for k in middle.words], dtype=bool)
+            straight = ~differ & ~third & (~middle.defined | below | ~bent)
             apart = (middle.x > left.x) & (middle.x < right.x)
-            keep = apart & ~lost & ~(tiny & third)
+            keep = apart & ~crowded & ~(tiny & third)
             known = known.joined(middle.take(keep))
             go_on = keep & (differ | (~straight & (width > self.resolution.smallest)))
             a, m, b = left.take(go_on), middle.take(go_on), right.take(go_on)

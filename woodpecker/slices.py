@@ -15,7 +15,7 @@ from woodpecker.pieces import Resolution, SampledMap, iterated, partition, slice
 from woodpecker.settings import Settings
 
 # What iterates ask of the pieces of P_1: guesses only, for Newton's method.
-BEND, EDGE, CLOSE = 1e-4, 1e-9, 1e-3
+BEND, EDGE, CLOSE = 1e-4, 1e-6, 1e-3
 
 
 class Found(NamedTuple):

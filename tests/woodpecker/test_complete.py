@@ -18,7 +18,7 @@ from woodpecker.pieces import Resolution, sampled
 from woodpecker.settings import Settings
 
 R = sympy.Symbol("r")
-SEARCH = Search(slices=16, quiet=8, resolution=Resolution(spacing=0.02, smallest=1e-6))
+SEARCH = Search(slices=16, resolution=Resolution(spacing=0.02, smallest=1e-6))
 
 MAPS = {
     "the paper's map": (

@@ -28,7 +28,7 @@ from woodpecker.labelled import Evaluation
 from woodpecker.pieces import Resolution, sampled
 from woodpecker.settings import Settings
 
-SEARCH = Search(slices=12, quiet=6, resolution=Resolution(spacing=0.02, smallest=1e-6))
+SEARCH = Search(slices=12, resolution=Resolution(spacing=0.02, smallest=1e-6))
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
 ABOUT = {"parameter": "p", "span": [-2.0, 2.0]}
 NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
@@ -173,11 +173,11 @@ def test_an_atlas_finishes_each_collision_once() -> None:
 def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     """SIGKILL leaves no time to tidy up; what was finished is there all the same."""
     path = tmp_path / "run.jsonl"
-    span, window, search = (0.33, 0.4), (-1.2, -0.7), Search(slices=6, quiet=3)
+    span, window, search = (0.33, 0.4), (-1.2, -0.7), Search(slices=6)
     code = (
         "from pathlib import Path\nfrom woodpecker import *\n"
         f"bifurcation_diagram(Toy(), 'eps_n1', {span}, (1,), {window}, "
-        f"search=Search(slices=6, quiet=3), run=Path({str(path)!r}))"
+        f"search=Search(slices=6), run=Path({str(path)!r}))"
     )
     process = subprocess.Popen(
         [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}

@@ -83,7 +83,7 @@ def test_the_toy_settles_on_its_stable_branches() -> None:
     assert orbit.x[-1] == pytest.approx(-0.52947197, abs=1e-8)
     assert orbit.exponent == pytest.approx(math.log(0.83916), abs=1e-5)
     diagram = bifurcation_diagram(
-        Toy(), "eps_n1", (0.3, 0.6), (1,), window, search=Search(slices=8, quiet=4)
+        Toy(), "eps_n1", (0.3, 0.6), (1,), window, search=Search(slices=8)
     )
     found = orbit_diagram(toy_samples(Toy()), np.linspace(0.31, 0.59, 15), starts, window)
     assert len(found.orbits) > 100

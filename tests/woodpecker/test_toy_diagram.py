@@ -18,7 +18,7 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not COMPILED, reason="takes minutes without numba"),
 ]
-SEARCH = Search(slices=16, quiet=8)
+SEARCH = Search(slices=16)
 A, B, C = 0.0421643309, 0.3210361465, 0.1851269510
 UPPER, LOWER = -0.7577872573, -0.8847733440  # the jumps of P_1
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10
