@@ -33,15 +33,21 @@ from style import PALE, canvas
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
 from woodpecker import (
+    Cycle,
     Found,
     Search,
+    Settings,
     Toy,
     find_all,
     first_return,
     iterated,
     slice_of,
+    toy_map,
     toy_samples,
 )
+from woodpecker.diagram import MARGIN
+from woodpecker.labelled import SEPARATOR, windowed
+from woodpecker.slices import Slicer
 
 ASKED = 1e-11  # rad: the residual that is asked for
 ROUNDING = 2.0**-52  # relative
@@ -49,7 +55,7 @@ KERNEL = (
     1e-12,
     1e-13,
 )  # rad: what the kernel promises of a return, alone and for each unit of slope
-PAIRED = 1e-9  # rad: P_1 of a fixed point of P_2 and the next one; 1e-15 times steep slopes of P_1
+PAIRED = 1e-9  # rad: a cycle that was found from both of its points
 SAME = 1e-6  # rad: a fixed point of P_2 that is one of P_1
 AWAY = 1e-6  # in eps_N1: how far a slice keeps from the ends of branches
 POINT_A, POINT_C = (0.0421643, -0.8847733), (0.1851270, -0.7577873)  # eps_N1, phi_S
@@ -73,16 +79,18 @@ class Pairs(NamedTuple):
     """Fixed points of P_2 of minimal period 2 in one slice."""
 
     eps_n1: float
-    fixed_points: int
+    fixed_points: int  # the two points of each cycle
     drawn: int  # of the diagram, at the same parameter
-    distance: float  # largest, of P_1 of a fixed point from the nearest one [rad]
+    missing: int  # fixed points through which no branch of their word passes
+    sampled: int  # fixed points that a search of P_2 itself finds, piece by piece of 1e-6 rad
+    only_sampled: int  # and that are not among the cycles
     crossings: int  # jump crossings of P_2
+    drawn_crossings: int
 
     @property
     def pairs_up(self) -> bool:
-        """Whether there is an even number of them, P_1 permutes them and the diagram has them."""
-        even = self.fixed_points % 2 == 0
-        return even and self.distance <= PAIRED and self.fixed_points == self.drawn
+        """Whether the diagram has both points of every cycle, and nothing else."""
+        return self.missing == 0 and self.fixed_points == self.drawn
 
 
 class Residual(NamedTuple):
@@ -181,15 +189,47 @@ def between(diagram: Diagram, count: int) -> list[float]:
 
 
 def counted(diagram: Diagram, part: Part, eps_n1: float) -> Pairs:
-    """The fixed points of P_2 at one parameter, from a slice that knows nothing of branches."""
+    """The fixed points of P_2 at one parameter, from slices that know nothing of branches."""
     toy = Toy(eps_n1=eps_n1)
-    whole = iterated(toy_samples(toy), 2, part.window)
-    found = slice_of(whole, eps_n1, part.window, part.search.resolution)
-    images = {x: first_return(toy, x).phi_s for x, _ in found.fixed_points}
-    twice = {x: image for x, image in images.items() if abs(image - x) > SAME}
-    distance = max((min(abs(image - x) for x in twice) for image in twice.values()), default=0.0)
-    drawn = [hit for hit in diagram.at(eps_n1) if is_period_two(hit.branch)]
-    return Pairs(eps_n1, len(twice), len(drawn), distance, len(found.crossings))
+    low, high = part.window
+    labelled = windowed(toy_map(toy), (low - MARGIN, high + MARGIN))
+    samples, settings = toy_samples(toy), Settings(window=part.window)
+    slicer = Slicer(labelled, samples, settings, part.search.resolution)
+    (slice_,) = slicer.take(eps_n1, (2,))
+    cycles = unique([cycle for cycle in slice_.cycles if np.ptp(cycle.x) > SAME])
+    points = [(float(cycle.x[k]), word_from(cycle, k)) for cycle in cycles for k in (0, 1)]
+    whole = iterated(samples, 2, part.window)
+    direct = slice_of(whole, eps_n1, part.window, part.search.resolution)
+    sampled = [x for x, _ in direct.fixed_points if abs(first_return(toy, x).phi_s - x) > SAME]
+    hits = diagram.at(eps_n1)
+    words = {hit.branch.word for hit in hits if is_period_two(hit.branch)}
+    jumps = [hit for hit in hits if hit.branch.kind is BranchKind.JUMP and hit.branch.order == 2]
+    return Pairs(
+        eps_n1=eps_n1,
+        fixed_points=len(points),
+        drawn=sum(is_period_two(hit.branch) for hit in hits),
+        missing=sum(word not in words for _, word in points),
+        sampled=len(sampled),
+        only_sampled=sum(all(abs(x - y) > SAME for y, _ in points) for x in sampled),
+        crossings=len(slice_.jumps),
+        drawn_crossings=len(jumps),
+    )
+
+
+def unique(cycles: list[Cycle]) -> list[Cycle]:
+    """Each cycle once, whichever of its points it was found from."""
+    kept: list[tuple[float, str, Cycle]] = []
+    for cycle in cycles:
+        first = int(cycle.x.argmin())
+        x, word = float(cycle.x[first]), word_from(cycle, first)
+        if all(word != other or abs(x - y) > PAIRED for y, other, _ in kept):
+            kept.append((x, word, cycle))
+    return [cycle for *_, cycle in kept]
+
+
+def word_from(cycle: Cycle, k: int) -> str:
+    """The word of a cycle, started from one of its points."""
+    return SEPARATOR.join((*cycle.words[k:], *cycle.words[:k]))
 
 
 def is_period_two(branch: Branch) -> bool:

@@ -78,8 +78,9 @@ def test_fixed_points_of_order_two_pair_up(second: tuple[dict[str, Any], Path]) 
     assert len(counts) == fig10.FAST.slices
     assert counts[0] == 0  # left of the first collision of period 2, at 0.05595
     assert counts[-1] == 2
-    # brentq ends within 1e-15; the slope of P_1 on these branches is below 20
-    assert max(pairs["distance"] for pairs in results["pairs"]) < 1e-13
+    for pairs in results["pairs"]:
+        assert pairs["sampled"] == pairs["fixed_points"]
+        assert pairs["only_sampled"] == pairs["missing"] == 0
 
 
 @pytest.mark.slow
@@ -125,11 +126,11 @@ def test_rounding_grows_with_the_slopes_that_are_left() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fixed_points", "drawn", "distance", "good"),
-    [(2, 2, 0.0, True), (3, 3, 0.0, False), (2, 1, 0.0, False), (2, 2, 1e-6, False)],
+    ("fixed_points", "drawn", "missing", "good"),
+    [(2, 2, 0, True), (4, 2, 0, False), (2, 4, 0, False), (2, 2, 1, False)],
 )
-def test_what_pairs_up(fixed_points: int, drawn: int, distance: float, good: bool) -> None:
-    assert fig10.Pairs(0.1, fixed_points, drawn, distance, 0).pairs_up is good
+def test_what_pairs_up(fixed_points: int, drawn: int, missing: int, good: bool) -> None:
+    assert fig10.Pairs(0.1, fixed_points, drawn, missing, 2, 0, 0, 0).pairs_up is good
 
 
 # --- Figure 11 ------------------------------------------------------------------------------------

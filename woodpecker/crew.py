@@ -135,7 +135,12 @@ def crew(task: Task, workers: int | None) -> Iterator[Crew]:
     pool = ProcessPoolExecutor(
         count, multiprocessing.get_context("fork"), initializer=_begin, initargs=(os.getpid(),)
     )
+    others = set(multiprocessing.active_children())
     try:
         yield Forked(pool, count)
+    except BaseException:  # what they are at is not wanted any more
+        for child in set(multiprocessing.active_children()) - others:
+            child.kill()
+        raise
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+        pool.shutdown(cancel_futures=True)

@@ -29,6 +29,7 @@ REPEATS = "the path repeats itself"  # caught between edges it cannot tell apart
 MERGED = 1e-7  # points of a cycle on an edge closer than this have met: no landing tells them apart
 SAME_LANDING = 1e-10  # two landings this close are one
 ROUGHLY = 1.0 / 64.0  # how well an edge ahead is located while a branch comes near it
+STRIDE = 3e-4  # first step beyond a change of word, in arclength
 LAST_BIT = 0.25 * math.ulp(1.0)  # in arclength
 
 
@@ -312,7 +313,7 @@ class _Path:
             if landed is None:
                 yield replace(met, kind=PointKind.EP, note="no branch beyond a word change")
                 return
-            self.step = max(100.0 * self.settings.tolerances.landing, self.step)
+            self.step = max(STRIDE, self.step)
             onward = self._onward(self._turned_away(landed, met), met)
             if self._was_here(onward):
                 yield replace(met, kind=PointKind.EP, note=REPEATS)
