@@ -40,7 +40,7 @@ from style import STABLE, VIOLET, WIDTH, grid
 from woodpecker import Toy, free_frequency, kernel, return_map
 from woodpecker.arrays import Floats, Ints
 from woodpecker.compiled import COMPILED, jit
-from woodpecker.contact import one_contact, rates, two_contacts
+from woodpecker.contact import make_pair, one_contact, rates, two_contacts
 from woodpecker.guards import bracketed, value
 from woodpecker.lcp import solve_contact_lcp
 from woodpecker.modes import (
@@ -94,7 +94,7 @@ class Impacts(NamedTuple):
     free: Floats  # (k, 4) relative velocities [m/s]
     mu: Floats  # (k, 2)
     floor: Floats  # (k, 2) smallest normal impulses [N s]
-    pair: Ints  # (k,) where the table of the two contacts begins in the model; 0 for one contact
+    first: Ints  # (k,) where the table of the two contacts begins in the model; 0 for one contact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -226,7 +226,7 @@ def _padded(table: Floats, impacts: Sequence[tuple[Ints, Floats, Floats]]) -> Im
         out.delassus[row, : 2 * n, : 2 * n] = table[DELASSUS + pick][:, pick]
         out.free[row, : 2 * n], out.floor[row, :n] = free, floor
         out.mu[row, :n] = table[CONTACT + hit, MU]
-        out.pair[row] = PAIR + 36 * (hit[1] - 1) if n == 2 else 0
+        out.first[row] = PAIR + 36 * (hit[1] - 1) if n == 2 else 0
     return out
 
 
@@ -383,9 +383,10 @@ def direct_work(*columns: list[Any]) -> Work:
 @jit
 def _direct(
     table: Floats, size: Ints, delassus: Floats, free: Floats, mu: Floats, floor: Floats,
-    pair: Ints, out: Floats,
+    first: Ints, out: Floats,
 ) -> None:  # fmt: skip
     cases, feeds = np.zeros((2, 2), dtype=np.int64), np.zeros(2, dtype=np.int64)
+    pair = make_pair()
     for k in range(len(size)):
         if size[k] == 1:
             g = delassus[k]
@@ -394,7 +395,7 @@ def _direct(
             )
         else:
             two_contacts(
-                table, pair[k], delassus[k], free[k], mu[k], floor[k], feeds, cases, out[k]
+                table, first[k], delassus[k], free[k], mu[k], floor[k], feeds, cases, out[k], pair
             )
 
 

@@ -21,12 +21,13 @@ of the segment, the one choice that prefers no contact.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.arrays import Floats, Ints
 from woodpecker.cases import FORWARD, FREE, HOLD, REST, impulse_of
-from woodpecker.compiled import jit
+from woodpecker.compiled import borrowed, jit
 from woodpecker.modes import (
     ANGLE,
     CONTACT,
@@ -112,10 +113,54 @@ def one_contact(
     return NO_SOLUTION, UNSOLVED, 0.0, 0.0
 
 
+class Pair(NamedTuple):
+    """Small arrays for an impact at two contacts, (N, T) of each contact in turn.
+
+    To make them anew would cost more than to fill them; all entries are overwritten each time.
+    """
+
+    delassus: Floats  # (4, 4)
+    mu: Floats  # (2,)
+    eps: Floats  # (2,)
+    feeds: Ints  # (2,)
+    floor: Floats  # (2,)
+    free: Floats  # (4,)
+    middle: Floats  # (4,) velocities between the phases
+    first: Ints  # (2, 2) combinations of the compression
+    second: Ints  # (2, 2) and of the expansion
+    changes: Floats  # (3, 4) impulses along a tangent
+    found: Ints  # (36,) combinations that hold
+    violations: Floats  # (36,)
+    impulses: Floats  # (36, 4)
+    velocities: Floats  # (36, 4)
+
+
+@jit
+def make_pair() -> Pair:
+    """Room for impacts at two contacts."""
+    return Pair(
+        np.empty((4, 4)), np.empty(2), np.empty(2), np.empty(2, dtype=np.int64), np.empty(2),
+        np.empty(4), np.empty(4), np.empty((2, 2), dtype=np.int64),
+        np.empty((2, 2), dtype=np.int64), np.empty((3, 4)), np.empty(36, dtype=np.int64),
+        np.empty(36), np.empty((36, 4)), np.empty((36, 4)),
+    )  # fmt: skip
+
+
+@jit
+def lent_pair(pair: Pair) -> Pair:
+    """The same for functions that do not outlive it."""
+    return Pair(
+        borrowed(pair.delassus), borrowed(pair.mu), borrowed(pair.eps), borrowed(pair.feeds),
+        borrowed(pair.floor), borrowed(pair.free), borrowed(pair.middle), borrowed(pair.first),
+        borrowed(pair.second), borrowed(pair.changes), borrowed(pair.found),
+        borrowed(pair.violations), borrowed(pair.impulses), borrowed(pair.velocities),
+    )  # fmt: skip
+
+
 @jit
 def two_contacts(
     table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, floor: Floats,
-    feeds: Ints, cases: Ints, impulse: Floats,
+    feeds: Ints, cases: Ints, impulse: Floats, pair: Pair,
 ) -> int:  # fmt: skip
     """Try every index combination of two contacts.
 
@@ -131,6 +176,8 @@ def two_contacts(
         (2, 2) output: the index combination, twice; if indeterminate both ends of the segment.
     impulse
         (4,) output: the impulses, or the middle of the segment.
+    pair
+        Room for the combinations that hold.
 
     Returns
     -------
@@ -144,8 +191,8 @@ def two_contacts(
     for k in range(2):
         scale_i = max(scale_i, floor[k])
         scale_v = max(scale_v, floor[k] * delassus[2 * k, 2 * k])
-    found, violations = np.empty(36, dtype=np.int64), np.empty(36)
-    impulses, velocities = np.empty((36, 4)), np.empty((36, 4))
+    found, violations = pair.found, pair.violations
+    impulses, velocities = pair.impulses, pair.velocities
     count = 0
     for index in range(36):
         p, v = impulses[count], velocities[count]
@@ -249,7 +296,7 @@ def _mark(first: int, second: int, expands: bool, floor: float) -> int:
 @jit
 def impact(
     model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
-    impulses: Floats, marks: Ints,
+    impulses: Floats, marks: Ints, pair: Pair,
 ) -> int:  # fmt: skip
     """Poisson impact with Coulomb friction: compression, then expansion.
 
@@ -264,11 +311,13 @@ def impact(
     case, impulses, marks
         Output: index combination after the expansion (2,), impulses (2, 4) of both phases, and a
         mark (2,) for each contact: between equal marks the impact depends smoothly on the state.
+    pair
+        Room for an impact at two contacts.
     """
     if len(contacts) == 1:
         status = _single_impact(model, contacts[0], z, tangents, seed, case, impulses, marks)
     else:
-        status = _double_impact(model, contacts, z, tangents, seed, case, impulses, marks)
+        status = _double_impact(model, contacts, z, tangents, seed, case, impulses, marks, pair)
     if status in (SOLVED, INDETERMINATE):
         _clear(model, contacts, case, z)
         for m in range(len(tangents)):
@@ -341,10 +390,12 @@ def _single_impact(
 @jit
 def _double_impact(
     model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
-    impulses: Floats, marks: Ints,
+    impulses: Floats, marks: Ints, pair: Pair,
 ) -> int:  # fmt: skip
-    delassus, mu, eps = np.zeros((4, 4)), np.zeros(2), np.zeros(2)
-    feeds, free, middle = np.zeros(2, dtype=np.int64), np.zeros(4), np.zeros(4)
+    delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
+    feeds, free, middle = pair.feeds, pair.free, pair.middle
+    first, second = pair.first, pair.second
+    change, part, more = pair.changes[0], pair.changes[1], pair.changes[2]
     for a in range(4):
         for b in range(4):
             row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
@@ -354,10 +405,9 @@ def _double_impact(
         mu[k], eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
         feeds[k] = 1 if eps[k] > 0.0 else 0
         free[2 * k], free[2 * k + 1] = rates(model, i, z)
+        floor[k] = 0.0
     table = PAIR + 36 * (contacts[1] - 1)
-    floor, zero = np.zeros(2), np.zeros(2)
-    first, second = np.zeros((2, 2), dtype=np.int64), np.zeros((2, 2), dtype=np.int64)
-    outcome = two_contacts(model, table, delassus, free, mu, zero, feeds, first, impulses[0])
+    outcome = two_contacts(model, table, delassus, free, mu, floor, feeds, first, impulses[0], pair)
     if outcome in (NO_SOLUTION, AMBIGUOUS):
         return outcome
     begun = first[0, 0] + 6 * first[0, 1]
@@ -369,7 +419,9 @@ def _double_impact(
         case[k] = first[0, k]
         feeds[k] = 0
     if expands:
-        status = two_contacts(model, table, delassus, middle, mu, floor, feeds, second, impulses[1])
+        status = two_contacts(
+            model, table, delassus, middle, mu, floor, feeds, second, impulses[1], pair
+        )
         if status != SOLVED:
             return status
         for k in range(2):
@@ -378,12 +430,12 @@ def _double_impact(
         marks[k] = _mark(first[0, k], case[k], expands, floor[k])
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
-    change, part, more = np.zeros(4), np.zeros(4), np.zeros(4)
     for m in range(len(tangents)):
         for k in range(2):
             free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangents[m])
-        impulse_of(model, table + begun, free, zero, change)
-        impulse_of(model, table + first[1, 0] + 6 * first[1, 1], free, zero, part)
+        floor[0] = floor[1] = 0.0
+        impulse_of(model, table + begun, free, floor, change)
+        impulse_of(model, table + first[1, 0] + 6 * first[1, 1], free, floor, part)
         for k in range(4):
             change[k], more[k] = 0.5 * (change[k] + part[k]), 0.0
         if expands:

@@ -11,21 +11,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from woodpecker.arrays import Codes, Floats, Ints
 from woodpecker.cases import HOLD, REST
-from woodpecker.compiled import jit
+from woodpecker.compiled import borrowed, jit
 from woodpecker.contact import (
     AMBIGUOUS,
     INDETERMINATE,
     MARKS,
     NO_SOLUTION,
     SOLVED,
+    Pair,
     hold,
     impact,
+    lent_pair,
+    make_pair,
     rates,
     rest_is_possible,
 )
@@ -72,6 +75,50 @@ CHATTER = 1e-9  # relative size of a bounce below which the rest of its geometri
 # the neglected second order is its square, below rounding
 PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
 EVENT_COLUMNS = 16  # t, code, u before, u after, impulses (N, T) x (beak, sleeve) of both phases
+
+
+class Room(NamedTuple):
+    """Small arrays of a run; m is the number of tangents.
+
+    They are made once, because to make and to count them takes longer than the arithmetic.
+    """
+
+    slips: Ints  # (3,) signs of the tangential velocities
+    work: Floats  # (7,) a state
+    event: Floats  # (EVENT_COLUMNS,)
+    bounce: Ints  # (2,) the last bounce: contact, symbols
+    mark: Floats  # (8,) its state and its speed
+    mark_tangents: Floats  # (m, 7)
+    closed: Ints  # (3,) contacts that touch and stay
+    before: Ints  # (3,) states before an event
+    touching: Ints  # (2,) contacts with zero gap
+    case: Ints  # (2,) their index combinations
+    marks: Ints  # (2,) see contact.MARKS
+    impulses: Floats  # (2, 4)
+    trial: Ints  # (3,) states that are tried
+    pair: Pair
+
+
+@jit
+def make_room(m: int) -> Room:
+    """Room for a run with m tangents."""
+    return Room(
+        np.zeros(3, dtype=np.int64), np.zeros(7), np.zeros(EVENT_COLUMNS),
+        np.zeros(2, dtype=np.int64), np.zeros(8), np.zeros((m, 7)), np.zeros(3, dtype=np.int64),
+        np.zeros(3, dtype=np.int64), np.zeros(2, dtype=np.int64), np.zeros(2, dtype=np.int64),
+        np.zeros(2, dtype=np.int64), np.zeros((2, 4)), np.zeros(3, dtype=np.int64), make_pair(),
+    )  # fmt: skip
+
+
+@jit
+def lent_room(room: Room) -> Room:
+    """The same for functions that do not outlive it."""
+    return Room(
+        borrowed(room.slips), borrowed(room.work), borrowed(room.event), borrowed(room.bounce),
+        borrowed(room.mark), borrowed(room.mark_tangents), borrowed(room.closed),
+        borrowed(room.before), borrowed(room.touching), borrowed(room.case), borrowed(room.marks),
+        borrowed(room.impulses), borrowed(room.trial), lent_pair(room.pair),
+    )  # fmt: skip
 
 
 @jit
@@ -275,7 +322,9 @@ def copy(source: Floats, target: Floats) -> None:
 
 
 @jit
-def settle(model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, states: Ints) -> int:
+def settle(
+    model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, states: Ints, trial: Ints
+) -> int:
     """Contact problem on acceleration level: the mode that starts now.
 
     Every combination of states of the touching contacts is tried. One is admissible if each guard
@@ -292,13 +341,15 @@ def settle(model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, stat
         The guard that brought us here (-1: none that leaves a zero on acceleration level).
     states
         Output: (3,) contact states of the new mode.
+    trial
+        (3,) room for the states that are tried.
     """
     sleeve = 1 if closed[1] else (2 if closed[2] else -1)
     states[0] = states[1] = states[2] = OPEN
     if not closed[0] and sleeve < 0:
         return SOLVED
     beak_choices, sleeve_choices = 4 if closed[0] else 1, 4 if sleeve >= 0 else 1
-    trial = np.zeros(3, dtype=np.int64)
+    trial[0] = trial[1] = trial[2] = OPEN
     for strict in (True, False):
         chosen = typed(-1)
         for index in range(beak_choices * sleeve_choices):
@@ -407,23 +458,26 @@ def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
 @jit
 def arrive(
     model: Floats, z: Floats, tangents: Floats, seed: Floats, fired: int, states: Ints,
-    slips: Ints, word: Codes, counts: Ints, event: Floats,
+    slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
 ) -> int:  # fmt: skip
     """Apply an event: the impact if a gap closes, then the contact problem that follows.
 
     ``states`` becomes the new mode, ``slips`` keeps the signs of the tangential velocities (0:
     exactly zero), symbols go to ``word`` (their number is counts[0]), details to ``event``.
     """
-    closed, before = np.zeros(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    closed, before, case, impulses = room.closed, room.before, room.case, room.impulses
     for i in range(3):
-        before[i] = states[i]
-    contacts, striking = _touching(model, z, states, fired, closed)
+        closed[i], before[i] = 0, states[i]
+    n, striking = _touching(model, z, states, fired, closed, room.touching)
+    contacts = room.touching[:n]
     for k in range(EVENT_COLUMNS):
         event[k] = z[1 + k] if 2 <= k < 5 else 0.0
     if striking:
-        case, marks = np.zeros(2, dtype=np.int64), np.zeros(2, dtype=np.int64)
-        impulses = np.zeros((2, 4))
-        status = impact(model, contacts, z, tangents, seed, case, impulses, marks)
+        marks = room.marks
+        marks[0] = marks[1] = 0
+        for k in range(4):
+            impulses[0, k] = impulses[1, k] = 0.0
+        status = impact(model, contacts, z, tangents, seed, case, impulses, marks, room.pair)
         if status in (NO_SOLUTION, AMBIGUOUS):
             return status
         kind = INDETERMINATE_IMPACT if status == INDETERMINATE else IMPACT
@@ -452,7 +506,7 @@ def arrive(
                 slips[i] = _sign(rates(model, i, z)[1])
     for j in range(3):
         event[5 + j] = z[3 + j]
-    status = settle(model, z, closed, slips, fired, states)
+    status = settle(model, z, closed, slips, fired, states, room.trial)
     if status == SOLVED:
         _append_transitions(before, states, fired, word, counts)
         if striking:
@@ -475,10 +529,9 @@ def _still_contacts(states: Ints, tangents: Floats) -> None:
 
 @jit
 def _touching(
-    model: Floats, z: Floats, states: Ints, fired: int, closed: Ints
-) -> tuple[Ints, bool]:
-    """Contacts with zero gap, and whether one of them strikes; their angles become exact."""
-    found = np.zeros(2, dtype=np.int64)
+    model: Floats, z: Floats, states: Ints, fired: int, closed: Ints, found: Ints
+) -> tuple[int, bool]:
+    """Find contacts with zero gap, and whether one of them strikes; their angles become exact."""
     n, striking = 0, False
     for i in range(3):
         j, sign = ANGLE[i], SIGN[i]
@@ -495,7 +548,7 @@ def _touching(
         if n < 2:
             found[n] = i
             n += 1
-    return found[:n], striking
+    return n, striking
 
 
 @jit
@@ -551,23 +604,35 @@ def run(
     counts
         (3,) output: symbols, phases, events. Symbols already in the word are kept.
     """
-    slips, work, event = np.zeros(3, dtype=np.int64), np.zeros(7), np.zeros(EVENT_COLUMNS)
-    bounce, mark = (
-        np.zeros(2, dtype=np.int64),
-        np.zeros(8),
-    )  # the last bounce: contact, symbols; state, speed
-    mark_tangents = np.zeros((len(tangents), 7))
+    room = make_room(len(tangents))
+    return _follow(
+        borrowed(model), borrowed(z), borrowed(tangents), borrowed(seed), borrowed(states),
+        to_section, t_end, borrowed(word), borrowed(phases), borrowed(events), borrowed(counts),
+        lent_room(room), room,
+    )  # fmt: skip
+
+
+@jit
+def _follow(
+    model: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints, to_section: bool,
+    t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints, room: Room,
+    owner: Room,
+) -> int:  # fmt: skip
+    """The same with borrowed arrays; ``owner`` keeps those of ``room`` alive."""
+    slips, work, event = room.slips, room.work, room.event
     none = typed(-1)
-    fired = bounce[0] = none
+    fired = room.bounce[0] = none
+    room.mark[7] = 0.0
+    slips[0] = slips[1] = slips[2] = 0
     while True:
         symbols = counts[0]
-        status = arrive(model, z, tangents, seed, fired, states, slips, word, counts, event)
+        status = arrive(model, z, tangents, seed, fired, states, slips, word, counts, event, room)
         if len(events) > 0:
             _record_events(events, counts, symbols, z[6], word, event)
         if status == SOLVED and 0 <= fired < 3:
             status = _watch_bounces(
                 model, z, tangents, fired, symbols, to_section, states, slips, word, counts,
-                events, bounce, mark, mark_tangents,
+                events, room,
             )  # fmt: skip
         if status != SOLVED:
             return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
@@ -603,10 +668,10 @@ def _put_on_section(model: Floats, z: Floats, tangents: Floats) -> None:
 @jit
 def _watch_bounces(
     model: Floats, z: Floats, tangents: Floats, i: int, symbols: int, to_section: bool,
-    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, bounce: Ints,
-    mark: Floats, mark_tangents: Floats,
+    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, room: Room,
 ) -> int:  # fmt: skip
     """After an impact at contact i: sum the bounces that accumulate, or remember this one."""
+    bounce, mark, mark_tangents = room.bounce, room.mark, room.mark_tangents
     if counts[0] != symbols + 1 or states[i] != OPEN:
         bounce[0] = -1
         return SOLVED
@@ -616,7 +681,7 @@ def _watch_bounces(
     if again and _chatters(model, z, states, to_section, i, mark[7], z[6] - mark[6], ratio):
         bounce[0] = -1
         return _close_chatter(
-            model, z, tangents, mark, mark_tangents, ratio, i, states, slips, word, counts, events
+            model, z, tangents, ratio, i, states, slips, word, counts, events, room
         )
     bounce[0], bounce[1], mark[7] = i, counts[0], speed
     copy(z, mark)
@@ -649,14 +714,15 @@ def _chatters(
 
 @jit
 def _close_chatter(
-    model: Floats, z: Floats, tangents: Floats, mark: Floats, mark_tangents: Floats, ratio: float,
-    i: int, states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats,
+    model: Floats, z: Floats, tangents: Floats, ratio: float, i: int, states: Ints, slips: Ints,
+    word: Codes, counts: Ints, events: Floats, room: Room,
 ) -> int:  # fmt: skip
     """Sum the accumulating impacts at contact i and close it.
 
     Laps shrink by ``ratio``, so the state tends to z + (z - mark) ratio / (1 - ratio). In the word
     the run of equal impacts becomes the one symbol of the accumulation.
     """
+    mark, mark_tangents, closed, before = room.mark, room.mark_tangents, room.closed, room.before
     rest = ratio / (1.0 - ratio)
     j = ANGLE[i]
     for k in range(7):
@@ -666,15 +732,15 @@ def _close_chatter(
     z[j], z[3 + j] = -SIGN[i] * model[CONTACT + i, LIMIT], 0.0
     for m in range(len(tangents)):
         tangents[m, j] = tangents[m, 3 + j] = 0.0
-    before, closed = states.copy(), np.zeros(3, dtype=np.int64)
     for k in range(3):
+        before[k] = states[k]
         closed[k] = 1 if k == i or states[k] != OPEN else 0
         if states[k] != OPEN and states[k] != STICK:
             slips[k] = _sign(rates(model, k, z)[1])
     if slips[i] != 0:
         slips[i] = _sign(rates(model, i, z)[1])
     before[i] = SLIP_POSITIVE
-    status = settle(model, z, closed, slips, typed(-1), states)
+    status = settle(model, z, closed, slips, typed(-1), states, room.trial)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
         counts[0] -= 1
@@ -744,6 +810,8 @@ def sweep(
             seeds[1 + k, i] = seed[k, i]
     counts, separator = np.zeros(3, dtype=np.int64), typed(0)
     nothing, no_events = np.zeros((0, PHASE_COLUMNS)), np.zeros((0, EVENT_COLUMNS))
+    room = make_room(len(tangents))
+    lent = lent_room(room)
     for n in range(len(starts)):
         for k in range(7):
             z[k] = 0.0
@@ -755,9 +823,10 @@ def sweep(
             if lap > 0:
                 _append(words[n], counts, separator)
             states[0], states[1], states[2] = OPEN, STICK, OPEN
-            status[n] = run(
-                model, z, tangents, seeds, states, True, math.inf, words[n], nothing, no_events,
-                counts,
+            status[n] = _follow(
+                borrowed(model), borrowed(z), borrowed(tangents), borrowed(seeds),
+                borrowed(states), True, math.inf, borrowed(words[n]), borrowed(nothing),
+                borrowed(no_events), borrowed(counts), lent, room,
             )  # fmt: skip
             if status[n] != RETURNED:
                 break

@@ -20,6 +20,7 @@ from woodpecker.contact import (
     NO_SOLUTION,
     SOLVED,
     impact,
+    make_pair,
     one_contact,
     one_contact_case,
     rest_is_possible,
@@ -84,7 +85,7 @@ def solve(problem: Problem) -> Answer:
         return Answer(outcome=outcome, cases=cases, impulse=impulse)
     feeds, table = np.ones(n, dtype=np.int64), case_table(g, problem.mu)
     outcome = two_contacts(
-        table, 0, g, problem.free, problem.mu, problem.floor, feeds, cases, impulse
+        table, 0, g, problem.free, problem.mu, problem.floor, feeds, cases, impulse, make_pair()
     )
     return Answer(outcome=outcome, cases=cases, impulse=impulse)
 
@@ -330,7 +331,7 @@ def strike(
     seeds = np.array(seed, dtype=float).reshape(-1, 3)
     hit = np.array(contacts, dtype=np.int64)
     marks = np.zeros(2, dtype=np.int64)
-    outcome = impact(model(toy), hit, z, rows, seeds, case, impulses, marks)
+    outcome = impact(model(toy), hit, z, rows, seeds, case, impulses, marks, make_pair())
     return Blow(
         outcome=outcome, u=z[3:6], tangents=rows[:, 3:6], case=case[: len(hit)], impulses=impulses
     )

@@ -64,7 +64,15 @@ def decide(
     touching: Ints = np.zeros(3, dtype=np.int64)
     touching[list(closed)] = 1
     states: Ints = np.zeros(3, dtype=np.int64)
-    outcome = settle(model(toy), z, touching, slip * touching, np.int64(fired), states)
+    outcome = settle(
+        model(toy),
+        z,
+        touching,
+        slip * touching,
+        np.int64(fired),
+        states,
+        np.zeros(3, dtype=np.int64),
+    )
     return outcome, tuple(states.tolist())
 
 
