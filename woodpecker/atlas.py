@@ -12,6 +12,7 @@ import math
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,8 @@ from woodpecker.jumps import JUMP_ENDS
 
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
 SAME_FLIP = 1e-3  # in x: near a flip the branch of twice the period leaves like a square root
-SAME_CHANGE = 1e-9  # changes of word, folds and flips closer than this are one, met twice
+SAME_CHANGE = 1e-6  # in x: changes between the same words, folds and flips closer are one
+TWICE = 1e-9  # the same along one path, which may change its word and change it back
 ON_BRANCH = 0.05  # of a chord: how far a smooth branch strays from it, at most
 COLLISIONS = (PointKind.BC, PointKind.FF)
 PASSED = (PointKind.WC, PointKind.LP, PointKind.PD)  # by branches of fixed points
@@ -39,6 +41,7 @@ class Node:
     x: float
     note: str
     order: int
+    words: frozenset[str]  # on its sides, along the path that met it
     branches: list[str] = field(default_factory=list)
 
 
@@ -92,6 +95,7 @@ class Atlas:
         self._near: dict[int, list[Node]] = {}  # nodes by their parameter, in steps of SAME_POINT
         self._named: dict[str, Branch] = {}
         self._counts: dict[str, int] = {}
+        self._run_nodes: list[Node] = []  # met by the run that is being added
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
         """Everything found so far."""
@@ -115,10 +119,12 @@ class Atlas:
 
     def add(self, samples: Sequence[Sample], kind: BranchKind, order: int) -> None:
         """Cut a run of samples at its special points and keep the pieces as branches."""
-        first, start = 0, self._node(samples[0], kind, order)
+        samples = list(_calmed(samples))
+        self._run_nodes = []
+        first, start = 0, self._node(samples, 0, kind, order)
         for k in range(1, len(samples)):
             if samples[k].kind is not None:
-                end = self._node(samples[k], kind, order)
+                end = self._node(samples, k, kind, order)
                 self._add_branch(samples[first : k + 1], kind, order, start, end)
                 first, start = k, end
 
@@ -157,19 +163,25 @@ class Atlas:
         self.branches.append(branch)
         self._named[branch.id] = branch
 
-    def _node(self, sample: Sample, kind: BranchKind, order: int) -> Node:
+    def _node(self, samples: Sequence[Sample], k: int, kind: BranchKind, order: int) -> Node:
         """The special point of a sample; one that was met before is found again."""
+        sample = samples[k]
+        words = frozenset(each.word for each in samples[max(0, k - 1) : k + 2])
         if sample.note == JUMP_ENDS:
             sample = replace(sample, kind=PointKind.WC)
         assert sample.kind is not None
         x = sample.x if sample.edge is None else sample.edge.x
-        node = next((n for n in self._beside(sample.p) if _is_same(n, sample, x, order)), None)
+        same = [n for n in self._beside(sample.p) if self._is_same(n, sample, x, order, words)]
+        node = min(same, key=lambda n: math.hypot(n.p - sample.p, n.x - x), default=None)
         if node is None:
-            node = Node(self._name(sample.kind.value), sample.kind, sample.p, x, sample.note, order)
+            node = Node(
+                self._name(sample.kind.value), sample.kind, sample.p, x, sample.note, order, words
+            )
             self.nodes.append(node)
             self._near.setdefault(math.floor(node.p / SAME_POINT), []).append(node)
         elif order < node.order or (node.kind is PointKind.WC and sample.kind in COLLISIONS):
             node.kind, node.note, node.order = sample.kind, sample.note, order
+        self._run_nodes.append(node)
         if sample.kind in COLLISIONS and sample.edge is not None:
             self._collision(node, sample, order).followed.add(kind)
         return node
@@ -184,6 +196,32 @@ class Atlas:
             self.waiting.append(self._collisions[key])
         return self._collisions[key]
 
+    def _is_same(
+        self, node: Node, sample: Sample, x: float, order: int, words: frozenset[str]
+    ) -> bool:
+        """Whether a sample lies at a special point that is known already."""
+        if abs(node.p - sample.p) >= SAME_POINT:
+            return False
+        if sample.kind is node.kind in PASSED and JUMP_ENDS not in (sample.note, node.note):
+            same = order == node.order and words == node.words and abs(node.x - x) < SAME_CHANGE
+            if node in self._run_nodes:  # one path makes two changes where it makes two
+                return same and math.hypot(node.p - sample.p, node.x - x) < TWICE
+            return same
+        if DIVIDES in (
+            sample.note,
+            node.note,
+        ):  # one branch of the lower period, the others of twice it
+            return abs(node.x - x) < SAME_POINT
+        both = (sample.kind, node.kind)
+        if PointKind.PD in both and PointKind.LP in both and order != node.order:
+            return abs(node.x - x) < SAME_FLIP  # a cycle of twice the period turns round at a flip
+        jumps_end = sample.note == JUMP_ENDS and (node.note == JUMP_ENDS or node.kind in COLLISIONS)
+        collide = sample.kind in COLLISIONS and (node.kind in COLLISIONS or node.note == JUMP_ENDS)
+        closes = sample.note == node.note == CLOSED or sample.kind is node.kind is PointKind.FALL
+        if sample.kind is node.kind is PointKind.EP and order == node.order:  # one end, met twice
+            return sample.note == node.note and abs(node.x - x) < SAME_POINT
+        return abs(node.x - x) < SAME_POINT and (collide or closes or jumps_end)
+
     def _beside(self, p: float) -> Iterator[Node]:
         """Nodes whose parameter may be the same."""
         cell = math.floor(p / SAME_POINT)
@@ -195,6 +233,18 @@ class Atlas:
         return f"{prefix}{self._counts[prefix]}"
 
 
+def _calmed(samples: Sequence[Sample]) -> Iterator[Sample]:
+    """A run without pairs of changes, to a word and right back, that rounding makes."""
+    marks = [k for k, sample in enumerate(samples) if sample.kind is PointKind.WC]
+    skipped: set[int] = set()
+    for a, b in pairwise(marks):
+        near = math.hypot(samples[a].p - samples[b].p, samples[a].x - samples[b].x) < TWICE
+        inner = a > 0 and b < len(samples) - 1 and a not in skipped
+        if near and inner and samples[a - 1].word == samples[b + 1].word:
+            skipped.update(range(a, b + 1))
+    yield from (sample for k, sample in enumerate(samples) if k not in skipped)
+
+
 def passes(branch: Branch, p: float, x: float) -> bool:
     """Whether a branch passes through (p, x), as far as its samples tell."""
     p0, p1 = branch.parameter[:-1], branch.parameter[1:]
@@ -203,29 +253,3 @@ def passes(branch: Branch, p: float, x: float) -> bool:
     along = np.clip((p - p0) / run, 0.0, 1.0)
     off = np.hypot(p0 + along * (p1 - p0) - p, x0 + along * (x1 - x0) - x)
     return bool((off <= ON_BRANCH * np.hypot(p1 - p0, x1 - x0) + SAME_POINT).any())
-
-
-def _is_same(node: Node, sample: Sample, x: float, order: int) -> bool:
-    """Whether a sample lies at a special point that is known already."""
-    if abs(node.p - sample.p) >= SAME_POINT:
-        return False
-    if (
-        sample.kind is node.kind in PASSED
-        and order == node.order
-        and not math.isnan(sample.multiplier)
-    ):
-        return math.hypot(node.p - sample.p, node.x - x) < SAME_CHANGE
-    if DIVIDES in (
-        sample.note,
-        node.note,
-    ):  # one branch of the lower period, the others of twice it
-        return abs(node.x - x) < SAME_POINT
-    both = (sample.kind, node.kind)
-    if PointKind.PD in both and PointKind.LP in both and order != node.order:
-        return abs(node.x - x) < SAME_FLIP  # a cycle of twice the period turns round at a flip
-    jumps_end = sample.note == JUMP_ENDS and (node.note == JUMP_ENDS or node.kind in COLLISIONS)
-    collide = sample.kind in COLLISIONS and (node.kind in COLLISIONS or node.note == JUMP_ENDS)
-    closes = sample.note == node.note == CLOSED or sample.kind is node.kind is PointKind.FALL
-    if sample.kind is node.kind is PointKind.EP and order == node.order:  # one end, met twice
-        return sample.note == node.note and abs(node.x - x) < SAME_POINT
-    return abs(node.x - x) < SAME_POINT and (collide or closes or jumps_end)

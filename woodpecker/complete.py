@@ -2,9 +2,9 @@
 
 A slice lists all fixed points and jump crossings at one parameter. What lies on no branch known so
 far is followed, with everything that hangs on it; so islands are found by the first slice through
-them. First slices fill the span evenly. Where one of the later half of them shows something new,
-two more are taken, halfway to its neighbours, and so on until nothing is new or the gaps are as
-small as was asked. How thin an island can be and stay unseen is therefore known.
+them. First slices fill the span evenly. Where one of them, the first quarter apart, shows something
+new, two more are taken, halfway to its neighbours, and so on until nothing is new or the gaps are
+as small as was asked. How thin an island can be and stay unseen is therefore known.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Search:
         How closely a slice looks at the map.
     """
 
-    slices: int = 48
+    slices: int = 127
     finest: float = 2e-3
     resolution: Resolution = field(
         default_factory=lambda: Resolution(spacing=2e-3, smallest=1e-6, bend=1e-5)
@@ -172,7 +172,7 @@ class _Plan:
         """The next slice was taken; whether it showed something new."""
         place = self.places[self.done]
         self.done += 1
-        if not new or self.done <= self.search.slices // 2:
+        if not new or self.done <= self.search.slices // 4:
             return
         i = bisect_left(self._sorted, place)
         for other in (self._sorted[i - 1], self._sorted[i + 1]):
