@@ -9,9 +9,10 @@ import networkx as nx
 import numpy as np
 import pytest
 import sympy
+from maps import skew_tent
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
-from woodpecker.complete import Search, van_der_corput
+from woodpecker.complete import Search, _Plan, van_der_corput
 from woodpecker.diagram import whole_diagram
 from woodpecker.labelled import Evaluation, LabelledMap
 from woodpecker.pieces import Resolution, sampled
@@ -117,6 +118,43 @@ def test_an_island_is_found_by_a_slice() -> None:
 
 def test_slices_fill_the_span_evenly() -> None:
     assert [van_der_corput(k) for k in range(1, 8)] == [0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875]
+
+
+def test_slices_gather_where_something_new_shows() -> None:
+    """Eight slices; the fifth, at 5/8, is the only one that counts: two more beside it."""
+    plan = _Plan(Search(slices=7, finest=0.01))
+    first = [plan.places[k] for k in range(7)]
+    assert sorted(first) == [k / 8 for k in range(1, 8)]
+    for k in range(7):
+        plan.took(new=k in (0, 4))  # the first of a search always shows something
+    assert plan.places[7:] == [0.5 * (0.625 + 0.5), 0.5 * (0.625 + 0.75)]
+    plan.took(new=True)
+    assert plan.places[9:] == [0.5 * (0.5625 + 0.5), 0.5 * (0.5625 + 0.625)]
+
+
+def test_gaps_between_slices_have_an_end() -> None:
+    plan = _Plan(Search(slices=3, finest=0.05))
+    while plan.done < len(plan.places):
+        plan.took(new=True)
+    gaps = np.diff(sorted(plan.places))
+    assert gaps.min() >= 0.05
+    assert len(plan.places) <= 20
+
+
+def test_a_cycle_ends_where_its_points_meet_on_an_edge() -> None:
+    """A continuous map of slopes 1/2 and -3/2: the points 6 p / 7 and -2 p / 7 of a cycle, p > 0."""
+    labelled_map = skew_tent(0.5, -1.5)
+    settings = Settings(span=(-1.0, 1.0), window=(-5.0, 5.0))
+    found = whole_diagram(labelled_map, sampled(labelled_map), settings, (1, 2), SEARCH).diagram
+    twos = found.of_order(2).branches
+    assert len(twos) == 2
+    (meeting,) = set(twos[0].ends) & set(twos[1].ends)
+    point = found.point(meeting)
+    assert (point.parameter, point.x) == pytest.approx((0.0, 0.0), abs=1e-9)
+    ones = [branch for branch in found.of_order(1).branches if meeting in branch.ends]
+    assert len(ones) == 2
+    slopes = sorted(float(branch.x[-1] / branch.parameter[-1]) for branch in twos)
+    assert slopes == pytest.approx([-2.0 / 7.0, 6.0 / 7.0], abs=1e-9)
 
 
 @pytest.mark.parametrize("orders", [(), (0,), (1.5,)])
