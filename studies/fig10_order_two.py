@@ -106,7 +106,7 @@ class Residual(NamedTuple):
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Find all branches of P_1 and P_2, check them, draw.
 
-    The whole figure takes a quarter of an hour; :func:`study` takes any part of it.
+    The whole figure takes some minutes; :func:`study` takes any part of it.
 
     Parameters
     ----------

@@ -226,6 +226,25 @@ def kernel(results: All) -> str:
     )
 
 
+def checked(two: Results) -> str:
+    """What slices between special points say of the diagram of P_2."""
+    pairs = two["pairs"]
+    shown, missing = (sum(each[key] for each in pairs) for key in ("fixed_points", "missing"))
+    drawn, sampled = (sum(each[key] for each in pairs) for key in ("drawn", "sampled"))
+    odd = (
+        f" The others lie between ε_N1 = {min(two['odd']):.3f} and {max(two['odd']):.3f}."
+        if two["odd"]
+        else ""
+    )
+    return (
+        f"Checked in {len(pairs)} slices between special points: they show {shown} fixed points of "
+        f"minimal period 2, in pairs; {missing} of them lie on no branch of their word, and {drawn} are "
+        f"drawn. A search of P_2 itself, down to pieces of 1e-6 rad, shows {sampled}. In "
+        f"{len(pairs) - len(two['odd'])} slices the diagram has exactly what the slice shows.{odd} "
+        f"The number of jump crossings is odd in {len(two['odd_jumps'])}."
+    )
+
+
 def diagrams(results: All) -> str:
     """What the searches for everything found, and what they cost."""
     one, two = results["fig09_order_one"], results["fig10_order_two"]
@@ -249,11 +268,8 @@ def diagrams(results: All) -> str:
             f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
             f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos.",
             f"P_1 and P_2 over the same span: {by_kind}, in {number(two['seconds']['wall'])} s of wall "
-            f"time and {number(two['evaluations'] / 1e6)} million evaluations. Checked in {len(two['pairs'])} "
-            f"slices between special points: in {len(two['pairs']) - len(two['odd'])} of them the "
-            f"diagram has exactly the fixed points of period 2 that the slice shows, in pairs that P_1 maps "
-            f"to each other to 1e-9; the others lie between ε_N1 = {min(two['odd']):.3f} and {max(two['odd']):.3f}. The number of "
-            f"jump crossings is odd in {len(two['odd_jumps'])}. The jump branches of P_2 that start at A end at "
+            f"time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two)} "
+            f"The jump branches of P_2 that start at A end at "
             f"{places(two['from_a'])}. Simulated once more, {inner['above']} of {inner['samples']} samples "
             f"inside branches have |P_j(x) − x| above 1e-11, {inner['beyond_kernel']} of them more than the "
             f"kernel promises at their slope.",

@@ -142,7 +142,7 @@ def test_gaps_between_slices_have_an_end() -> None:
 
 
 def test_a_cycle_ends_where_its_points_meet_on_an_edge() -> None:
-    """A continuous map of slopes 1/2 and -3/2: the points 6 p / 7 and -2 p / 7 of a cycle, p > 0."""
+    """A continuous map of slopes 1/2 and -3/2: 6 p / 7 and -2 p / 7 are a cycle, p > 0."""
     labelled_map = skew_tent(0.5, -1.5)
     settings = Settings(span=(-1.0, 1.0), window=(-5.0, 5.0))
     found = whole_diagram(labelled_map, sampled(labelled_map), settings, (1, 2), SEARCH).diagram
