@@ -252,6 +252,10 @@ def diagram(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with an interrupted run in the folder.")
     ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes for --orders; by default one for each core."),
+    ] = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
@@ -288,7 +292,9 @@ def diagram(
             if orbit is not None:
                 found = continuation(toy, orbit, parameter, span, **keep)
             else:
-                everything = find_all(toy, parameter, span, wanted or (), window, **keep)
+                everything = find_all(
+                    toy, parameter, span, wanted or (), window, workers=workers, **keep
+                )
                 found, summary = everything.diagram, _searched(everything)
         except KeyboardInterrupt:
             found, stopped = saved_diagram(run_file), True

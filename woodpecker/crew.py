@@ -125,8 +125,15 @@ def crew(task: Task, workers: int | None) -> Iterator[Crew]:
     workers
         How many processes; by default one for each core where processes can be copied. One works in
         this process.
+
+    Raises
+    ------
+    ValueError
+        If there is to be nobody.
     """
     global _inherited
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers must be at least 1, got {workers}")
     count = workers if workers is not None else (len(os.sched_getaffinity(0)) if can_fork() else 1)
     if count == 1 or not can_fork():
         yield Alone(task)

@@ -78,3 +78,8 @@ def test_an_interruption_does_not_wait_for_the_workers() -> None:
         interrupted(hands)
     assert time.monotonic() - begin < 30.0
     assert multiprocessing.active_children() == []
+
+
+def test_somebody_must_work() -> None:
+    with pytest.raises(ValueError, match="workers must be at least 1, got 0"), crew(squared, 0):
+        pass
