@@ -124,7 +124,7 @@ def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
     assert results["orbits"] + results["lost"] == 10 * 12
     assert (tmp_path / "fig09.png").stat().st_size > 20_000
     assert results["not_followed"] == []
-    assert results["slices"] == {"P_1": 8}
+    assert results["slices"]["P_1"] >= 8  # and more where these show something new
     fine, coarse = results["tables"]
     assert fine["parameters"] == coarse["parameters"] <= results["samples"]
     assert (fine["spacing"], coarse["spacing"]) == (1e-6, 2e-3)
