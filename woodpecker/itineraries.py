@@ -111,6 +111,8 @@ class Itineraries:
 
     def cycles(self, order: int) -> list[Floats]:
         """Cycles of P_order, those of lower periods among them, one for each of their points."""
+        if not self.branches:  # no orbit stays in the window
+            return []
         found = self._of(order)
         above = found.at_low > found.low, found.at_high > found.high
         orbits = self._roots(found.take(above[0] != above[1]))

@@ -119,6 +119,18 @@ def test_what_a_search_of_the_iterate_finds_is_there() -> None:
         assert cycle.residual <= 4.0 * 2.0**-52 * max(abs(lap.slope) for lap in cycle.laps) + 1e-12
 
 
+@pytest.mark.parametrize("order", [2, 3])
+def test_where_nothing_stays_there_is_nothing(order: int) -> None:
+    """x - 2 leads below the window (0, 1) from everywhere; with a jump to 3 as well."""
+
+    def away(x: float, p: float) -> Evaluation:
+        return Evaluation(x - 2.0 if x < 0.5 else 3.0 + x, 1.0, 0.0, "L" if x < 0.5 else "R")
+
+    found = sliced(lambda x, p: Evaluation(x - 2.0, 1.0, 0.0, "A"), order)
+    assert (found.cycles, found.jumps) == ((), ())
+    assert sliced(away, order).cycles == ()
+
+
 def test_cylinders_partition_what_stays() -> None:
     """The pieces of P_2 of the tent map on (0, 1): four intervals of length 1/4."""
     map_ = sampled(tent)
