@@ -207,10 +207,7 @@ class Atlas:
             if node in self._run_nodes:  # one path makes two changes where it makes two
                 return same and math.hypot(node.p - sample.p, node.x - x) < TWICE
             return same
-        if DIVIDES in (
-            sample.note,
-            node.note,
-        ):  # one branch of the lower period, the others of twice it
+        if DIVIDES in (sample.note, node.note):  # branches of a period and of a multiple of it meet
             return abs(node.x - x) < SAME_POINT
         both = (sample.kind, node.kind)
         if PointKind.PD in both and PointKind.LP in both and order != node.order:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, composed
 from woodpecker.tolerances import DEFAULT, Tolerances
 
+T = TypeVar("T")
+
+ROUGHLY = 1.0 / 64.0  # how well a change of word ahead is located while a branch comes near it
 NEAR = 64  # spacings of doubles between an edge and the first point a limit is read from
 MOST = 50  # edges looked for in one interval
 WIDEST = 0.02  # largest distance [rad] at which the next edge is looked for
@@ -52,6 +57,32 @@ def bisect(
             inside = middle
         else:
             outside = middle
+
+
+def change_ahead(
+    changed: Callable[[float, Sequence[T]], list[T]],
+    watched: Sequence[T],
+    reach: float,
+    fine: float,
+    smallest: float,
+) -> tuple[float, T] | None:
+    """How far a way keeps its words, and what of ``watched`` changes its word there first.
+
+    ``changed`` says which of some have another word at a distance. The change is located to a part
+    ``fine`` of its distance, or to ``smallest``; None if nothing has changed at ``reach``.
+    """
+    changing = changed(reach, watched)
+    if not changing:
+        return None
+    clear, beyond = 0.0, reach
+    while beyond - clear > max(fine * beyond, smallest):
+        middle = 0.5 * (clear + beyond)
+        found = changed(middle, changing)
+        if found:
+            beyond, changing = middle, found
+        else:
+            clear = middle
+    return clear, changing[0]
 
 
 def one_sided(

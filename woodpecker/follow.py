@@ -9,16 +9,22 @@ instead of hopping over it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from pwmap.diagram import PointKind
 from woodpecker.arrays import Floats
-from woodpecker.edges import Edge, edge_of_iterate, is_continuous, nearest_edge
+from woodpecker.edges import (
+    ROUGHLY,
+    Edge,
+    change_ahead,
+    edge_of_iterate,
+    is_continuous,
+    nearest_edge,
+)
 from woodpecker.labelled import Cycle, LabelledMap, correct, evaluate, minimal_period, tangent
 from woodpecker.landing import beside, beyond, found_beside
 from woodpecker.settings import Settings
@@ -28,7 +34,6 @@ DIVIDES = "the period is divided"  # two points of the cycle meet on an edge, as
 REPEATS = "the path repeats itself"  # caught between edges it cannot tell apart
 MERGED = 1e-7  # points of a cycle on an edge closer than this have met: no landing tells them apart
 SAME_LANDING = 1e-10  # two landings this close are one
-ROUGHLY = 1.0 / 64.0  # how well an edge ahead is located while a branch comes near it
 STRIDE = 3e-4  # first step beyond a change of word, in arclength
 LAST_BIT = 0.25 * math.ulp(1.0)  # in arclength
 
@@ -111,14 +116,6 @@ def follow_from(
     yield replace(point, kind=PointKind.EP, note="limit on the number of points")
 
 
-class _Ahead(NamedTuple):
-    """A change of word ahead of a point, on its tangent."""
-
-    clear: float  # so far the words are the same
-    beyond: float
-    lap: int  # that has another word there
-
-
 class _Path:
     """Step control along one branch: its state is the step, and the last change of word."""
 
@@ -184,29 +181,18 @@ class _Path:
     def _shorter(self, point: PathPoint, step: float) -> float:
         """The step after one that failed: to just before an edge ahead, or a quarter."""
         ahead = self._ahead(point, step, ROUGHLY)
-        shorter = 0.25 * step if ahead is None else (1.0 - ROUGHLY) * ahead.clear
+        shorter = 0.25 * step if ahead is None else (1.0 - ROUGHLY) * ahead[0]
         return max(shorter, 0.25 * self.settings.tolerances.edge)
 
-    def _ahead(self, point: PathPoint, step: float, fine: float) -> _Ahead | None:
-        """Where words change on the tangent, to a part ``fine`` or the last bit; None if not."""
-        laps = self._changed(point, step, range(len(point.cycle.x)))
-        if not laps:
-            return None
-        clear, beyond = 0.0, step
-        while beyond - clear > max(fine * beyond, LAST_BIT):
-            middle = 0.5 * (clear + beyond)
-            changed = self._changed(point, middle, laps)
-            if changed:
-                beyond, laps = middle, changed
-            else:
-                clear = middle
-        return _Ahead(clear, beyond, laps[0])
+    def _ahead(self, point: PathPoint, step: float, fine: float) -> tuple[float, int] | None:
+        """How far the words stay the same on the tangent, and the lap that changes its own."""
 
-    def _changed(self, point: PathPoint, step: float, laps: Iterable[int]) -> list[int]:
-        """Laps that have another word a step further on the tangent."""
-        p = float(point.p + step * point.tangent[-1])
-        x = point.cycle.x + step * point.tangent[:-1]
-        return [k for k in laps if self.map(float(x[k]), p).word != point.cycle.laps[k].word]
+        def changed(reach: float, laps: Sequence[int]) -> list[int]:
+            p = float(point.p + reach * point.tangent[-1])
+            x = point.cycle.x + reach * point.tangent[:-1]
+            return [k for k in laps if self.map(float(x[k]), p).word != point.cycle.laps[k].word]
+
+        return change_ahead(changed, range(len(point.cycle.x)), step, fine, LAST_BIT)
 
     def _correct(self, point: PathPoint, step: float, bound: float = math.nan) -> PathPoint | None:
         """The point one step on, if it lies on the same piece and the branch bends gently."""
@@ -331,13 +317,13 @@ class _Path:
             if ahead is None:
                 continue
             for back in (0.0, 4.0, 64.0):  # rounding may put the very last point beyond
-                last = self._correct(point, ahead.clear - back * LAST_BIT)
+                last = self._correct(point, ahead[0] - back * LAST_BIT)
                 if last is None:
                     continue
-                x, word = float(last.cycle.x[ahead.lap]), last.cycle.laps[ahead.lap].word
+                x, word = float(last.cycle.x[ahead[1]]), last.cycle.laps[ahead[1]].word
                 met = nearest_edge(self.map, x, last.p, word)
                 if met is not None:
-                    return replace(last, edge=met[0], side=met[1], lap=ahead.lap)
+                    return replace(last, edge=met[0], side=met[1], lap=ahead[1])
             break
         return self._crept(point)
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from scipy.optimize import brentq
 
 from pwmap.diagram import PointKind
-from woodpecker.edges import NEAR, Edge, is_continuous, nearest_edge
+from woodpecker.edges import NEAR, ROUGHLY, Edge, change_ahead, is_continuous, nearest_edge
 from woodpecker.labelled import (
     BELOW,
     NEWTON_STEPS,
@@ -31,7 +31,6 @@ from woodpecker.settings import Settings
 from woodpecker.tracking import RESOLVED, SAME_LIMITS, Track, same_words, shift
 
 FIRST_STEP = 2.5e-4  # in the parameter
-ROUGHLY = 1.0 / 64.0  # how well a change of words ahead is located while a branch comes near it
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
 CALM = 4  # so many changes of word may follow each other closely
@@ -362,9 +361,13 @@ class _Course:
         passed by a longer stride.
         """
         self.stride = min(RESOLVED * 8.0 ** max(0, restless - CALM), self.settings.probe)
-        places = self._changed(p, near.p, near.places(_speed(near, before)))
-        if places:
-            return self._nearer(self._clear(p, near.p, places), near, before)
+        direction = math.copysign(1.0, p - near.p)
+        ahead = change_ahead(
+            lambda reach, some: self._changed(near.p + direction * reach, near.p, some),
+            near.places(_speed(near, before)), abs(p - near.p), ROUGHLY, 0.25 * RESOLVED,
+        )  # fmt: skip
+        if ahead is not None:
+            return self._nearer(near.p + (1.0 - ROUGHLY) * direction * ahead[0], near, before)
         if self.track.at(p, near.edge, before.edge) is not None:
             return self._nearer(near.p + 0.25 * (p - near.p), near, before)
         known, beyond, p = self.track.word_change(near.edge, before.edge, p)
@@ -392,19 +395,7 @@ class _Course:
             reach *= 8.0
         return _Change(near, found, p)
 
-    def _clear(self, p: float, known: float, places: list[_Place]) -> float:
-        """Just before the first of some points changes its word on the way to p."""
-        good, bad = known, p
-        while abs(bad - good) > max(ROUGHLY * abs(bad - known), 0.25 * RESOLVED):
-            middle = 0.5 * (good + bad)
-            changed = self._changed(middle, known, places)
-            if changed:
-                bad, places = middle, changed
-            else:
-                good = middle
-        return known + (1.0 - ROUGHLY) * (good - known)
-
-    def _changed(self, p: float, known: float, places: Iterable[_Place]) -> list[_Place]:
+    def _changed(self, p: float, known: float, places: Sequence[_Place]) -> list[_Place]:
         """The points that have another word at p."""
         return [
             place
