@@ -72,6 +72,8 @@ class Report:
         How often P_1 was evaluated by slices, at least.
     unresolved
         Largest total length of unresolved intervals of one slice.
+    steep
+        Largest number of cycles of one slice that are steeper than ``Settings.steepest``.
     not_followed
         (parameter, x) that a slice shows and that could not be followed.
     """
@@ -81,6 +83,7 @@ class Report:
     found_at: tuple[float, ...]
     evaluations: int
     unresolved: float
+    steep: int
     not_followed: tuple[tuple[float, float], ...]
 
 
@@ -135,6 +138,7 @@ def _complete(
                 "new": len(explorer.atlas.branches) > before,
                 "evaluations": evaluations if found.order == group[0] else 0,
                 "unresolved": found.unresolved,
+                "steep": found.steep,
                 "failed": [list(place) for place in found.failed],
             }
             taken[found.order].append(entry)
@@ -150,6 +154,7 @@ def _report(order: int, taken: Sequence[Entry]) -> Report:
         found_at=tuple(t[SLICE] for t in taken if t["new"]),
         evaluations=sum(t["evaluations"] for t in taken),
         unresolved=max(t["unresolved"] for t in taken),
+        steep=max(t["steep"] for t in taken),
         not_followed=tuple((p, x) for t in taken for p, x in t["failed"]),
     )
 

@@ -57,6 +57,17 @@ class Cycle(NamedTuple):
         return float(np.prod([lap.slope for lap in self.laps]))
 
     @property
+    def steepness(self) -> float:
+        """What rounding of one point can grow by: the largest product of successive slopes."""
+        slopes = [abs(lap.slope) for lap in self.laps]
+        largest = products = slopes
+        for _ in slopes[1:]:
+            slopes = [*slopes[1:], slopes[0]]
+            products = [a * b for a, b in zip(products, slopes, strict=True)]
+            largest = [*largest, *products]
+        return math.inf if any(map(math.isnan, largest)) else max(largest)
+
+    @property
     def residual(self) -> float:
         """Largest |f(x_i) - x_{i+1}|."""
         return float(np.abs(gaps(self)).max())

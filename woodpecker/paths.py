@@ -12,9 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from pwmap.diagram import PointKind
+from woodpecker.arrays import Floats
 from woodpecker.atlas import COLLISIONS, Departure, Sample
 from woodpecker.edges import Edge, edge_of_iterate, edges_between, is_continuous, nearest_edge
 from woodpecker.follow import CLOSED, PathPoint, classify, follow_from
+from woodpecker.gentle import gentle
 from woodpecker.jumps import Jump, JumpPoint, follow_jump
 from woodpecker.labelled import SEPARATOR, Cycle, LabelledMap, iterate, minimal_period
 from woodpecker.landing import beside, orbit_beside
@@ -54,9 +56,11 @@ class Paths:
         order = len(start.x)
         along = np.zeros(order + 1)
         along[-1] = 1.0
-        ahead = list(follow_from(self.map, start, along, self.settings))
+        ahead = self._path(start, along)
+        if not ahead:
+            return []
         closes = ahead[-1].note == CLOSED  # an island
-        behind = [] if closes else list(follow_from(self.map, start, -along, self.settings))
+        behind = [] if closes else self._path(start, -along)
         runs = []
         for first in range(order):
             run = [self._fixed(point, first) for point in ahead]
@@ -95,7 +99,9 @@ class Paths:
         landed = beside(self.map, start.edge, start.inner, start.order, self.settings)
         if landed is None or self.is_known(landed.cycle):
             return []
-        path = list(follow_from(self.map, landed.cycle, landed.tangent, self.settings))
+        path = self._path(landed.cycle, landed.tangent)
+        if not path:
+            return []
         side = start.edge.right if start.inner > 0 else start.edge.left
         first = _first(start, path[0].cycle.word, side.slope)
         runs = [[first, *(self._fixed(point, 0) for point in path)]]
@@ -105,6 +111,11 @@ class Paths:
                 [self._fixed(point, k) for point in (met, *path)] for k in range(1, start.order)
             ]
         return runs
+
+    def _path(self, start: Cycle, along: Floats) -> list[PathPoint]:
+        """The branch through a cycle, one way; nothing if it is too steep there."""
+        path = follow_from(self.map, start, along, self.settings)
+        return list(gentle(path, self.map, self.settings))
 
     def _met(self, start: Departure) -> PathPoint | None:
         """The cycle of P_j at a collision, with the edge of P_1 that one of its laps meets."""

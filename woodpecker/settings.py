@@ -25,6 +25,9 @@ class Settings:
     probe
         Largest distance along a step at which the word is looked at: a stretch of another word
         shorter than this can be missed.
+    steepest
+        Largest slope of a branch of fixed points, or of a part of its cycle: the branch ends (EP)
+        where it is steeper. At 1e4 the doubles next to a fixed point miss it by up to 1e-11.
     max_points
         The branch ends (EP) after this many points.
     """
@@ -35,6 +38,7 @@ class Settings:
     max_step: float = 0.02
     max_turn: float = 0.1
     probe: float = 0.001
+    steepest: float = 1e4
     max_points: int = 5000
     tolerances: Tolerances = field(default=DEFAULT)
 
@@ -46,3 +50,5 @@ class Settings:
             object.__setattr__(self, name, (float(low), float(high)))
         if not 0.0 < self.step <= self.max_step:
             raise ValueError(f"step must lie in (0, {self.max_step}], got {self.step}")
+        if not self.steepest > 1.0:
+            raise ValueError(f"steepest must be larger than 1, got {self.steepest}")

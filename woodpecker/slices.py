@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -27,6 +27,8 @@ class Found(NamedTuple):
         In order of their first points, and of their places.
     failed
         (parameter, x) of what could not be located on the map itself.
+    steep
+        How many cycles are left out that are steeper than ``Settings.steepest``.
     unresolved
         Total length of intervals in which there are more pieces than were looked for.
     """
@@ -36,6 +38,7 @@ class Found(NamedTuple):
     cycles: tuple[Cycle, ...]
     jumps: tuple[Jump, ...]
     failed: tuple[tuple[float, float], ...]
+    steep: int
     unresolved: float
 
 
@@ -79,13 +82,15 @@ class Slicer:
         found = slice_of(self.samples, p, self.settings.window, self.resolution, tolerances)
         self.evaluations += found.partition.evaluations
         failed: list[tuple[float, float]] = []
-        cycles, jumps = [], []
+        cycles: list[Cycle] = []
+        jumps = []
         for x, _ in found.fixed_points:
             cycle, good, _ = correct(self.map, x, p, None, tolerances)
             if good:
                 cycles.append(cycle)
             else:
                 failed.append((p, x))
+        cycles, steep = self._gentle(cycles)
         for edge in found.crossings:
             jump = jump_through(self.map, self._labelled(edge), (), 1)
             if jump is not None and jump.whole.crosses:
@@ -93,17 +98,24 @@ class Slicer:
             else:
                 failed.append((p, edge.x))
         unresolved = found.partition.unresolved_length
-        return Found(p, 1, tuple(cycles), tuple(jumps), tuple(failed), unresolved)
+        return Found(p, 1, tuple(cycles), tuple(jumps), tuple(failed), steep, unresolved)
 
     def _located(self, p: float, order: int, orbits: Itineraries, unresolved: float) -> Found:
         """Newton's method on everything that the pieces of P_1 promise."""
         failed: list[tuple[float, float]] = []
-        cycles = list(self._cycles(p, orbits, order, failed))
+        cycles, steep = self._gentle(self._cycles(p, orbits, order, failed))
         jumps = list(self._jumps(p, orbits.jumps_of(order), order, failed))
         return Found(
             p, order, tuple(sorted(cycles, key=lambda cycle: float(cycle.x[0]))),
-            tuple(sorted(jumps, key=lambda jump: jump.x)), tuple(failed), unresolved,
+            tuple(sorted(jumps, key=lambda jump: jump.x)), tuple(failed), steep,
+            unresolved,
         )  # fmt: skip
+
+    def _gentle(self, cycles: Iterable[Cycle]) -> tuple[list[Cycle], int]:
+        """Those that are not too steep, and the number of the others."""
+        every = list(cycles)
+        kept = [cycle for cycle in every if cycle.steepness <= self.settings.steepest]
+        return kept, len(every) - len(kept)
 
     def _cycles(
         self, p: float, orbits: Itineraries, order: int, failed: list[tuple[float, float]]
