@@ -25,7 +25,7 @@ from woodpecker.jumps import JUMP_ENDS
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
 SAME_FLIP = 1e-3  # in x: near a flip the branch of twice the period leaves like a square root
 SAME_CHANGE = 1e-6  # in x: changes between the same words, folds and flips closer are one
-TWICE = 1e-9  # the same along one path, which may change its word and change it back
+TWICE = 1e-9  # changes this close are one even along one path, which may change its word back
 ON_BRANCH = 0.05  # of a chord: how far a smooth branch strays from it, at most
 COLLISIONS = (PointKind.BC, PointKind.FF)
 PASSED = (PointKind.WC, PointKind.LP, PointKind.PD)  # by branches of fixed points
@@ -204,9 +204,11 @@ class Atlas:
             return False
         if sample.kind is node.kind in PASSED and JUMP_ENDS not in (sample.note, node.note):
             same = order == node.order and words == node.words and abs(node.x - x) < SAME_CHANGE
+            at_once = math.hypot(node.p - sample.p, node.x - x) < TWICE
             if node in self._run_nodes:  # one path makes two changes where it makes two
-                return same and math.hypot(node.p - sample.p, node.x - x) < TWICE
-            return same
+                return same and at_once
+            # Thin pieces next to a change can hide the words beyond it from one of two paths.
+            return same or (at_once and order == node.order and bool(words & node.words))
         if DIVIDES in (sample.note, node.note):  # branches of a period and of a multiple of it meet
             return abs(node.x - x) < SAME_POINT
         both = (sample.kind, node.kind)

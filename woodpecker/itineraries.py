@@ -23,6 +23,7 @@ from woodpecker.labelled import BELOW
 from woodpecker.pieces import Bools, Partition, Piece, SampledMap
 
 HALVINGS = 32  # of an interval of values in which a cycle lies
+LOOSE = 0.02  # how far beyond a piece a cycle may seem to lie, as a part of it
 INTERIOR = 16  # points inside an increasing piece at which a pair of fixed points is looked for
 
 
@@ -34,36 +35,48 @@ class Backward(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Branch:
-    """P_1 on an interval where it is monotone: samples in order of x."""
+class _Branches:
+    """P_1 on the intervals where it is monotone: samples of each, in order of their values.
 
+    ``first`` (n,) and ``last`` (n,) say where the samples of a branch begin and end in x, y and
+    slope, all (m,).
+    """
+
+    first: Ints
+    last: Ints
     x: Floats
     y: Floats
     slope: Floats
 
-    @property
-    def image(self) -> tuple[float, float]:
-        """Smallest and largest value."""
-        ends = float(self.y[0]), float(self.y[-1])
-        return min(ends), max(ends)
+    def __len__(self) -> int:
+        return len(self.first)
 
-    def inverse(self, y: Floats) -> Floats:
-        """Where P_1 takes values of its image: the cubic through samples, as a function of y."""
-        rising = self.y[-1] >= self.y[0]
-        ys, xs, slopes = (
-            (self.y, self.x, self.slope)
-            if rising
-            else (self.y[::-1], self.x[::-1], self.slope[::-1])
-        )
-        k = np.clip(np.searchsorted(ys, y, side="right") - 1, 0, len(ys) - 2)
-        y0, y1, x0, x1 = ys[k], ys[k + 1], xs[k], xs[k + 1]
+    @property
+    def low(self) -> Floats:
+        """Smallest values (n,)."""
+        return self.y[self.first]
+
+    @property
+    def high(self) -> Floats:
+        """Largest values (n,)."""
+        return self.y[self.last]
+
+    def inverse(self, k: Ints, y: Floats) -> Floats:
+        """Where branches k (n,) take values y (n,): cubics through samples, over y."""
+        low, high = self.first[k], self.last[k] - 1  # of the samples at or below y
+        while (low < high).any():
+            middle = (low + high + 1) // 2
+            below = self.y[middle] <= y
+            low, high = np.where(below, middle, low), np.where(below, high, middle - 1)
+        y0, y1, x0, x1 = self.y[low], self.y[low + 1], self.x[low], self.x[low + 1]
         run = y1 - y0
         with np.errstate(divide="ignore", invalid="ignore"):
             s = np.clip((y - y0) / run, 0.0, 1.0)
             straight = x0 + s * (x1 - x0)
             bent = (
                 (1.0 + 2.0 * s) * (1.0 - s) ** 2 * x0 + s * s * (3.0 - 2.0 * s) * x1
-                + s * (1.0 - s) * run * ((1.0 - s) / slopes[k] - s / slopes[k + 1])
+                + s * (1.0 - s) * run
+                * ((1.0 - s) / self.slope[low] - s / self.slope[low + 1])
             )  # fmt: skip
         inside = (np.minimum(x0, x1) <= bent) & (bent <= np.maximum(x0, x1))
         found: Floats = np.where(inside, bent, np.where(run > 0.0, straight, 0.5 * (x0 + x1)))
@@ -105,13 +118,13 @@ class Itineraries:
     def __init__(self, map_: SampledMap, partition: Partition) -> None:
         self.map, self.p, self.window = map_, partition.p, partition.window
         self.evaluations = 0
-        self.branches = [b for piece in partition.pieces for b in _monotone(piece)]
+        self.branches = _joined([b for piece in partition.pieces for b in _monotone(piece)])
         self.jumps = [e for e in partition.edges if not is_continuous(e) and _seen(e)]
         self._cylinders = [self._first()]
 
     def cycles(self, order: int) -> list[Floats]:
         """Cycles of P_order, those of lower periods among them, one for each of their points."""
-        if not self.branches:  # no orbit stays in the window
+        if not len(self.branches):  # no orbit stays in the window
             return []
         found = self._of(order)
         above = found.at_low > found.low, found.at_high > found.high
@@ -119,6 +132,19 @@ class Itineraries:
         rising = (found.at_high > found.at_low) & (above[0] == above[1])
         meets = np.maximum(found.low, found.at_low) <= np.minimum(found.high, found.at_high)
         return [*orbits, *self._roots(self._halves(found.take(rising & meets)))]
+
+    def perhaps(self, order: int) -> list[Floats]:
+        """Where more cycles may be: right beside a piece, whose ends are not known exactly."""
+        if not len(self.branches):
+            return []
+        found = self._of(order)
+        gaps = found.at_low - found.low, found.at_high - found.high
+        width, nearer = found.high - found.low, np.abs(gaps[0]) < np.abs(gaps[1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            off = width * np.where(nearer, gaps[0], gaps[1]) / np.abs(gaps[1] - gaps[0])
+        near = (np.abs(off) <= LOOSE * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
+        y = np.where(nearer, found.at_low, found.at_high)
+        return list(self._back(found.branches[near], y[near]))
 
     def jumps_of(self, order: int) -> list[Backward]:
         """Orbits to jumps of P_1 where the limits of P_order lie on both sides of the diagonal."""
@@ -139,14 +165,11 @@ class Itineraries:
         return found
 
     def _first(self) -> _Cylinders:
-        low, high, at_low, at_high = (
-            np.array([column[k] for column in columns])
-            for columns, k in (
-                ([b.x for b in self.branches], 0), ([b.x for b in self.branches], -1),
-                ([b.y for b in self.branches], 0), ([b.y for b in self.branches], -1),
-            )
-        )  # fmt: skip
-        return _Cylinders(low, high, at_low, at_high, np.arange(len(low))[:, None])
+        ends = np.column_stack([self.branches.first, self.branches.last])
+        turned = self.branches.x[ends[:, 0]] > self.branches.x[ends[:, 1]]
+        ends[turned] = ends[turned, ::-1]
+        (low, high), (at_low, at_high) = self.branches.x[ends].T, self.branches.y[ends].T
+        return _Cylinders(low, high, at_low, at_high, np.arange(len(ends))[:, None])
 
     def _of(self, order: int) -> _Cylinders:
         while len(self._cylinders) < order:
@@ -155,34 +178,20 @@ class Itineraries:
 
     def _pulled_back(self, later: _Cylinders) -> _Cylinders:
         """One lap more in front: each branch followed by whatever its image meets."""
-        laps = later.branches.shape[1]
-        images = np.array([(b.y[0], b.y[-1]) for b in self.branches])
-        ends = self._forward(images.ravel(), laps)[laps].reshape(images.shape)
-        parts = []
-        for k, branch in enumerate(self.branches):
-            low, high = branch.image
-            (first, last) = (0, 1) if branch.y[-1] >= branch.y[0] else (1, 0)
-            hit = np.flatnonzero((later.low <= high) & (later.high >= low))
-            bottom = np.maximum(later.low[hit], low)
-            top = np.minimum(later.high[hit], high)
-            at_bottom = np.where(later.low[hit] >= low, later.at_low[hit], ends[k, first])
-            at_top = np.where(later.high[hit] <= high, later.at_high[hit], ends[k, last])
-            if low == high:  # a flat branch: all of it goes on in the same way
-                x_bottom = np.full(len(hit), branch.x[0])
-                x_top = np.full(len(hit), branch.x[-1])
-                at_bottom = at_top = np.full(len(hit), ends[k, 0])
-            else:
-                x_bottom = np.where(bottom == low, branch.x[-first], branch.inverse(bottom))
-                x_top = np.where(top == high, branch.x[-last], branch.inverse(top))
-            turned = x_bottom > x_top
-            parts.append(
-                (
-                    np.where(turned, x_top, x_bottom), np.where(turned, x_bottom, x_top),
-                    np.where(turned, at_top, at_bottom), np.where(turned, at_bottom, at_top),
-                    np.column_stack([np.full(len(hit), k), later.branches[hit]]),
-                )
-            )  # fmt: skip
-        return _Cylinders(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        laps, b = later.branches.shape[1], self.branches
+        ends = self._forward(np.concatenate([b.low, b.high]), laps)[laps].reshape(2, -1)
+        k, hit = np.nonzero((later.low <= b.high[:, None]) & (later.high >= b.low[:, None]))
+        bottom, top = np.maximum(later.low[hit], b.low[k]), np.minimum(later.high[hit], b.high[k])
+        at_bottom = np.where(later.low[hit] >= b.low[k], later.at_low[hit], ends[0, k])
+        at_top = np.where(later.high[hit] <= b.high[k], later.at_high[hit], ends[1, k])
+        x_bottom = np.where(bottom == b.low[k], b.x[b.first[k]], b.inverse(k, bottom))
+        x_top = np.where(top == b.high[k], b.x[b.last[k]], b.inverse(k, top))
+        turned = x_bottom > x_top
+        return _Cylinders(
+            np.where(turned, x_top, x_bottom), np.where(turned, x_bottom, x_top),
+            np.where(turned, at_top, at_bottom), np.where(turned, at_bottom, at_top),
+            np.column_stack([k, later.branches[hit]]),
+        )  # fmt: skip
 
     def _forward(self, x: Floats, laps: int) -> list[Floats]:
         """X and its images, nan from where an orbit leaves the window."""
@@ -199,25 +208,16 @@ class Itineraries:
     def _preimages(
         self, targets: Floats, points: list[tuple[float, ...]]
     ) -> tuple[Floats, list[tuple[float, ...]]]:
-        starts: list[Floats] = []
-        orbits: list[tuple[float, ...]] = []
-        low, high = (np.array([b.image[k] for b in self.branches])[:, None] for k in (0, 1))
-        hits = (low < targets) & (targets < high)
-        for k in np.flatnonzero(hits.any(axis=1)):
-            hit = np.flatnonzero(hits[k])
-            x = self.branches[k].inverse(targets[hit])
-            starts.append(x)
-            orbits += [(float(a), *points[i]) for a, i in zip(x, hit, strict=True)]
-        return (np.concatenate(starts) if starts else np.empty(0)), orbits
+        low, high = self.branches.low[:, None], self.branches.high[:, None]
+        k, hit = np.nonzero((low < targets) & (targets < high))
+        x = self.branches.inverse(k, targets[hit])
+        return x, [(a, *points[i]) for a, i in zip(x.tolist(), hit.tolist(), strict=True)]
 
     def _back(self, branches: Ints, y: Floats) -> Floats:
         """Orbits (n, j) that visit branches (n, j) and end in y (n,)."""
         points = np.empty(branches.shape)
         for lap in reversed(range(branches.shape[1])):
-            for k in np.unique(branches[:, lap]):
-                rows = branches[:, lap] == k
-                points[rows, lap] = self.branches[k].inverse(y[rows])
-            y = points[:, lap]
+            y = points[:, lap] = self.branches.inverse(branches[:, lap], y)
         return points
 
     def _roots(self, found: _Cylinders) -> Iterator[Floats]:
@@ -253,8 +253,8 @@ def _seen(edge: Edge) -> bool:
     return not math.isnan(edge.jump)
 
 
-def _monotone(piece: Piece) -> Iterator[_Branch]:
-    """The parts of a piece between its turning points."""
+def _monotone(piece: Piece) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """The parts of a piece between its turning points: x, values in ascending order, slopes."""
     samples = piece.samples
     if not piece.defined or piece.word == BELOW or len(samples.x) < 2:
         return
@@ -262,4 +262,14 @@ def _monotone(piece: Piece) -> Iterator[_Branch]:
     turns = np.flatnonzero(np.diff(y)[1:] * np.diff(y)[:-1] < 0.0) + 1
     for first, last in zip([0, *turns], [*turns, len(x) - 1], strict=True):
         part = slice(first, last + 1)
-        yield _Branch(x[part], y[part], slope[part])
+        way = 1 if y[last] >= y[first] else -1
+        yield x[part][::way], y[part][::way], slope[part][::way]
+
+
+def _joined(parts: list[tuple[Floats, Floats, Floats]]) -> _Branches:
+    """Monotone parts, one after the other."""
+    counts = np.array([len(x) for x, _, _ in parts], dtype=np.int64)
+    last = np.cumsum(counts) - 1
+    columns = [np.concatenate([np.empty(0), *column]) for column in zip(*parts, strict=True)]
+    x, y, slope = columns or [np.empty(0)] * 3
+    return _Branches(last - counts + 1, last, x, y, slope)

@@ -6,7 +6,7 @@ Nothing here remembers anything: a run depends on its start alone, whoever follo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from woodpecker.arrays import Floats
 from woodpecker.atlas import COLLISIONS, Departure, Sample
 from woodpecker.edges import Edge, edge_of_iterate, edges_between, is_continuous, nearest_edge
 from woodpecker.follow import CLOSED, PathPoint, classify, follow_from
-from woodpecker.gentle import gentle
+from woodpecker.gentle import checked, gentle
 from woodpecker.jumps import Jump, JumpPoint, follow_jump
 from woodpecker.labelled import SEPARATOR, Cycle, LabelledMap, iterate, minimal_period
 from woodpecker.landing import beside, orbit_beside
@@ -63,10 +63,10 @@ class Paths:
         behind = [] if closes else self._path(start, -along)
         runs = []
         for first in range(order):
-            run = [self._fixed(point, first) for point in ahead]
+            run = list(self._samples(ahead, first))
             if closes:  # cut where it does
                 run[0] = run[-1] = replace(run[-1], p=run[0].p, x=run[0].x)
-            runs.append([*(self._fixed(point, first) for point in reversed(behind[1:])), *run])
+            runs.append([*self._samples(behind[:0:-1], first), *run])
         return runs
 
     def jump(self, start: Edge | Jump, order: int) -> Runs:
@@ -104,12 +104,10 @@ class Paths:
             return []
         side = start.edge.right if start.inner > 0 else start.edge.left
         first = _first(start, path[0].cycle.word, side.slope)
-        runs = [[first, *(self._fixed(point, 0) for point in path)]]
+        runs = [[first, *self._samples(path, 0)]]
         met = self._met(start) if start.order > 1 else None
         if met is not None:
-            runs += [
-                [self._fixed(point, k) for point in (met, *path)] for k in range(1, start.order)
-            ]
+            runs += [list(self._samples((met, *path), k)) for k in range(1, start.order)]
         return runs
 
     def _path(self, start: Cycle, along: Floats) -> list[PathPoint]:
@@ -132,6 +130,20 @@ class Paths:
             cycle=cycle, tangent=np.zeros(start.order + 1), kind=PointKind.BC, edge=met[0],
             side=met[1], lap=lap,
         )  # fmt: skip
+
+    def _samples(self, path: Iterable[PathPoint], first: int) -> Iterator[Sample]:
+        """A path as seen from one of the points of its cycles; what cannot be checked is left out.
+
+        Special points lie on edges, where P_j has two values or an infinite slope.
+        """
+        for point in path:
+            sample = self._fixed(point, first)
+            if point.kind is None:
+                x = checked(self.map, point.cycle, first, self.settings.tolerances.closing)
+                if x is None:
+                    continue
+                sample = replace(sample, x=x)
+            yield sample
 
     def _fixed(self, point: PathPoint, first: int) -> Sample:
         """A cycle as a fixed point of P_j: one of its points, and the edge of P_j that it meets."""

@@ -7,15 +7,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from woodpecker.edges import NEAR, Edge, edge_between
 from woodpecker.itineraries import Backward, Itineraries
 from woodpecker.jumps import Jump, jump_through
-from woodpecker.labelled import Cycle, LabelledMap, correct
+from woodpecker.labelled import SAME_CYCLE, Cycle, LabelledMap, correct, evaluate
 from woodpecker.pieces import Resolution, SampledMap, iterated, partition, slice_of
 from woodpecker.settings import Settings
 
 # What iterates ask of the pieces of P_1: guesses only, for Newton's method.
 BEND, EDGE, CLOSE = 1e-4, 1e-6, 1e-3
+MUCH = 100.0  # a guess this many times too steep is not looked at more closely
 
 
 class Found(NamedTuple):
@@ -103,29 +106,36 @@ class Slicer:
     def _located(self, p: float, order: int, orbits: Itineraries, unresolved: float) -> Found:
         """Newton's method on everything that the pieces of P_1 promise."""
         failed: list[tuple[float, float]] = []
-        cycles, steep = self._gentle(self._cycles(p, orbits, order, failed))
+        cycles, steep = self._cycles(p, orbits, order, failed)
         jumps = list(self._jumps(p, orbits.jumps_of(order), order, failed))
         return Found(
-            p, order, tuple(sorted(cycles, key=lambda cycle: float(cycle.x[0]))),
-            tuple(sorted(jumps, key=lambda jump: jump.x)), tuple(failed), steep,
-            unresolved,
+            p, order, tuple(cycles), tuple(sorted(jumps, key=lambda jump: jump.x)), tuple(failed),
+            steep, unresolved,
         )  # fmt: skip
 
-    def _gentle(self, cycles: Iterable[Cycle]) -> tuple[list[Cycle], int]:
+    def _gentle(self, cycles: Sequence[Cycle]) -> tuple[list[Cycle], int]:
         """Those that are not too steep, and the number of the others."""
-        every = list(cycles)
-        kept = [cycle for cycle in every if cycle.steepness <= self.settings.steepest]
-        return kept, len(every) - len(kept)
+        kept = [cycle for cycle in cycles if cycle.steepness <= self.settings.steepest]
+        return kept, len(cycles) - len(kept)
 
     def _cycles(
         self, p: float, orbits: Itineraries, order: int, failed: list[tuple[float, float]]
-    ) -> Iterator[Cycle]:
-        for points in orbits.cycles(order):
+    ) -> tuple[list[Cycle], int]:
+        cycles, steep = [], 0
+        sure = orbits.cycles(order)
+        for k, points in enumerate([*sure, *orbits.perhaps(order)]):
+            if evaluate(self.map, points, p).steepness > MUCH * self.settings.steepest:
+                steep += k < len(sure)
+                continue
             cycle, good, _ = correct(self.map, points, p, None, self.settings.tolerances)
             if good:
-                yield cycle
-            else:
+                cycles.append(cycle)
+            elif k < len(sure):
                 failed.append((p, float(points[0])))
+        low, high = self.settings.window
+        cycles = [cycle for cycle in cycles if low <= cycle.x.min() and cycle.x.max() <= high]
+        kept, more = self._gentle(list(_distinct(cycles)))
+        return kept, steep + more
 
     def _jumps(
         self, p: float, found: Sequence[Backward], order: int, failed: list[tuple[float, float]]
@@ -149,3 +159,12 @@ class Slicer:
         """The same edge with the words of the labelled map on both sides."""
         near = NEAR * math.ulp(edge.x)
         return edge_between(self.map, edge.p, edge.x - near, edge.x + near)
+
+
+def _distinct(cycles: Iterable[Cycle]) -> Iterator[Cycle]:
+    """Cycles in order of their first points, what was found twice only once."""
+    last: Cycle | None = None
+    for cycle in sorted(cycles, key=lambda cycle: float(cycle.x[0])):
+        if last is None or np.abs(cycle.x - last.x).max() > SAME_CYCLE:
+            yield cycle
+        last = cycle

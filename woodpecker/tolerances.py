@@ -13,11 +13,13 @@ class Tolerances:
     Parameters
     ----------
     residual
-        |P_j(x) - x| of an accepted fixed point. The map is good to 1e-14 or so; two orders more
-        leave room for steep slopes.
+        Largest gap between a lap of an accepted cycle and its next point. The map is good to 1e-14
+        or so; two orders more leave room for steep slopes.
     resolution
-        Spacing of doubles near 1: a fixed point on a flank of slope s cannot have a residual below
-        ``resolution * |s|``.
+        Rounding of one lap, for each unit of its slope: measured on the toy it is some 5 spacings
+        of doubles, and 20 at most; this is 32 of them.
+    closing
+        |P_j(x) - x| of every sample of a branch of fixed points.
     jump
         One-sided limits closer than this count as one value. A square-root singularity changes by
         about 1e-8 over one spacing of doubles; real jumps are of the order of 0.01 to 1.
@@ -30,7 +32,8 @@ class Tolerances:
     """
 
     residual: float = 1e-12
-    resolution: float = 2.0**-52
+    resolution: float = 2.0**-47
+    closing: float = 1e-11
     jump: float = 1e-6
     edge: float = 1e-9
     landing: float = 1e-7
@@ -39,7 +42,7 @@ class Tolerances:
         """Largest residual of an accepted fixed point on a piece of this slope."""
         if not math.isfinite(slope):
             return self.residual
-        return max(self.residual, 4.0 * self.resolution * abs(slope))
+        return max(self.residual, self.resolution * abs(slope))
 
 
 DEFAULT = Tolerances()
