@@ -25,8 +25,8 @@ from woodpecker.jumps import JUMP_ENDS
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
 SAME_FLIP = 1e-3  # in x: near a flip the branch of twice the period leaves like a square root
 SAME_CHANGE = 1e-6  # in x: changes between the same words, folds and flips closer are one
-TWICE = 1e-9  # changes this close are one even along one path, which may change its word back
-ON_BRANCH = 0.05  # of a chord: how far a smooth branch strays from it, at most
+TWICE = 1e-9  # the same along one path, which may change its word and change it back
+ON_BRANCH = 0.15  # of a chord: how far a smooth branch strays from it, at most
 COLLISIONS = (PointKind.BC, PointKind.FF)
 PASSED = (PointKind.WC, PointKind.LP, PointKind.PD)  # by branches of fixed points
 
@@ -134,15 +134,14 @@ class Atlas:
         p, x = np.array([sample.p for sample in piece]), np.array([sample.x for sample in piece])
         if start is end and max(np.ptp(p), np.ptp(x)) < SAME_POINT:
             return  # it was met on its very end
-        middle = piece[len(piece) // 2]
+        inner = piece[1:-1] or piece[-1:]
         if any(
-            (b.kind, b.order, b.word) == (kind, order, (piece[1:-1] or piece[-1:])[0].word)
+            (b.kind, b.order, b.word) == (kind, order, inner[0].word)
             and set(b.ends) == {start.id, end.id}
-            and passes(b, middle.p, middle.x)
+            and sum(passes(b, sample.p, sample.x) for sample in inner) >= 0.5 * len(inner)
             for b in map(self._named.__getitem__, start.branches)
         ):
             return  # a path came along a known branch
-        inner = piece[1:-1] or piece[-1:]
         multipliers = [sample.multiplier for sample in piece]
         if piece[0].word != inner[0].word:  # the special point carries the slope before it
             multipliers[0] = inner[0].multiplier
@@ -172,7 +171,10 @@ class Atlas:
         assert sample.kind is not None
         x = sample.x if sample.edge is None else sample.edge.x
         same = [n for n in self._beside(sample.p) if self._is_same(n, sample, x, order, words)]
-        node = min(same, key=lambda n: math.hypot(n.p - sample.p, n.x - x), default=None)
+        node = min(
+            same, default=None,
+            key=lambda n: (n.words != words, math.hypot(n.p - sample.p, n.x - x)),
+        )  # fmt: skip
         if node is None:
             node = Node(
                 self._name(sample.kind.value), sample.kind, sample.p, x, sample.note, order, words
@@ -181,6 +183,8 @@ class Atlas:
             self._near.setdefault(math.floor(node.p / SAME_POINT), []).append(node)
         elif order < node.order or (node.kind is PointKind.WC and sample.kind in COLLISIONS):
             node.kind, node.note, node.order = sample.kind, sample.note, order
+        elif node.note == JUMP_ENDS:
+            node.note = sample.note  # from the other side it goes on
         self._run_nodes.append(node)
         if sample.kind in COLLISIONS and sample.edge is not None:
             self._collision(node, sample, order).followed.add(kind)
@@ -202,13 +206,13 @@ class Atlas:
         """Whether a sample lies at a special point that is known already."""
         if abs(node.p - sample.p) >= SAME_POINT:
             return False
-        if sample.kind is node.kind in PASSED and JUMP_ENDS not in (sample.note, node.note):
-            same = order == node.order and words == node.words and abs(node.x - x) < SAME_CHANGE
-            at_once = math.hypot(node.p - sample.p, node.x - x) < TWICE
+        if sample.kind is node.kind in PASSED and not (sample.note == node.note == JUMP_ENDS):
+            near = order == node.order and abs(node.x - x) < SAME_CHANGE
             if node in self._run_nodes:  # one path makes two changes where it makes two
-                return same and at_once
+                near &= math.hypot(node.p - sample.p, node.x - x) < TWICE
+                return near and words == node.words
             # Thin pieces next to a change can hide the words beyond it from one of two paths.
-            return same or (at_once and order == node.order and bool(words & node.words))
+            return near and bool(words & node.words)
         if DIVIDES in (sample.note, node.note):  # branches of a period and of a multiple of it meet
             return abs(node.x - x) < SAME_POINT
         both = (sample.kind, node.kind)

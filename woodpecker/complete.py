@@ -29,6 +29,7 @@ from woodpecker.settings import Settings
 from woodpecker.slices import Found
 
 AT_END = 1e-9  # in the parameter: a slice can fall on the very end of a branch
+AT_JUMP = 1e-3  # of a chord: how far a jump of other words strays from it, at most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,7 +234,10 @@ class _Known:
         self.words: dict[str, int] = {}
 
     def explains(self, start: Start) -> bool:
-        """Whether a branch of the same word passes through a start, as far as its samples tell."""
+        """Whether a branch passes through a start, as far as its samples tell.
+
+        Fixed points need to have the same word; there is only one jump at a place.
+        """
         self._update()
         if isinstance(start.at, Jump):
             whole = start.at.whole
@@ -242,14 +246,16 @@ class _Known:
             p, x, word = start.at.p, float(start.at.x[0]), start.at.word
         p0, x0, p1, x1, words = self.chords[start.kind].T
         inside = (np.minimum(p0, p1) - AT_END <= p) & (p <= np.maximum(p0, p1) + AT_END)
-        inside &= words == self.words.get(word, -1)
+        if start.kind is BranchKind.FIXED_POINT:
+            inside &= words == self.words.get(word, -1)
         if not inside.any():
             return False
-        p0, x0, p1, x1, _ = self.chords[start.kind][inside].T
+        p0, x0, p1, x1, words = self.chords[start.kind][inside].T
         run = np.where(p1 == p0, 1.0, p1 - p0)
         on_chord = x0 + (x1 - x0) * np.clip((p - p0) / run, 0.0, 1.0)
-        allowed = ON_BRANCH * np.hypot(p1 - p0, x1 - x0) + 1e-7
-        return bool((np.abs(x - on_chord) <= allowed).any())
+        # Pieces beside a jump can be so thin that rounding decides whether a word is seen.
+        part = np.where(words == self.words.get(word, -1), ON_BRANCH, AT_JUMP)
+        return bool((np.abs(x - on_chord) <= part * np.hypot(p1 - p0, x1 - x0) + 1e-7).any())
 
     def _update(self) -> None:
         fresh = [b for b in self.atlas.branches[self.seen :] if b.order == self.order]

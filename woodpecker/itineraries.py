@@ -25,6 +25,7 @@ from woodpecker.pieces import Bools, Partition, Piece, SampledMap
 HALVINGS = 32  # of an interval of values in which a cycle lies
 LOOSE = 0.02  # how far beyond a piece a cycle may seem to lie, as a part of it
 INTERIOR = 16  # points inside an increasing piece at which a pair of fixed points is looked for
+ZOOMS = 4  # and how often closer to the one nearest to the diagonal
 
 
 class Backward(NamedTuple):
@@ -127,11 +128,11 @@ class Itineraries:
         if not len(self.branches):  # no orbit stays in the window
             return []
         found = self._of(order)
-        above = found.at_low > found.low, found.at_high > found.high
-        orbits = self._roots(found.take(above[0] != above[1]))
-        rising = (found.at_high > found.at_low) & (above[0] == above[1])
+        rising = found.at_high > found.at_low
+        crosses = (found.at_low > found.low) != (found.at_high > found.high)
         meets = np.maximum(found.low, found.at_low) <= np.minimum(found.high, found.at_high)
-        return [*orbits, *self._roots(self._halves(found.take(rising & meets)))]
+        one = self._roots(found.take(crosses & ~rising))
+        return [*one, *self._roots(self._halves(found.take(meets & rising)))]
 
     def perhaps(self, order: int) -> list[Floats]:
         """Where more cycles may be: right beside a piece, whose ends are not known exactly."""
@@ -238,14 +239,30 @@ class Itineraries:
                 yield orbit
 
     def _halves(self, found: _Cylinders) -> _Cylinders:
-        """Parts of increasing cylinders between which P_j changes its side of the diagonal."""
+        """Parts of increasing cylinders between which P_j changes its side of the diagonal.
+
+        Where none shows, the neighbourhood of the point nearest to the diagonal is looked at.
+        """
         low = np.maximum(found.low, found.at_low)  # a fixed point can only be in between
         high = np.minimum(found.high, found.at_high)
-        y = low[:, None] + np.linspace(0.0, 1.0, INTERIOR) * (high - low)[:, None]
-        many = np.repeat(found.branches, INTERIOR, axis=0)
-        x = self._back(many, y.ravel())[:, 0].reshape(y.shape)
-        row, k = np.nonzero((x[:, :-1] < y[:, :-1]) != (x[:, 1:] < y[:, 1:]))
-        return _Cylinders(x[row, k], x[row, k + 1], y[row, k], y[row, k + 1], found.branches[row])
+        rows, parts = np.arange(len(low)), []
+        for _ in range(ZOOMS if len(low) else 0):
+            y = low[:, None] + np.linspace(0.0, 1.0, INTERIOR) * (high - low)[:, None]
+            many = np.repeat(found.branches[rows], INTERIOR, axis=0)
+            x = self._back(many, y.ravel())[:, 0].reshape(y.shape)
+            row, k = np.nonzero((x[:, :-1] < y[:, :-1]) != (x[:, 1:] < y[:, 1:]))
+            parts.append((x[row, k], x[row, k + 1], y[row, k], y[row, k + 1], rows[row]))
+            open_ = np.setdiff1d(np.arange(len(rows)), row)
+            nearest = np.abs(x - y)[open_].argmin(axis=1)
+            low = y[open_, np.maximum(nearest - 1, 0)]
+            high = y[open_, np.minimum(nearest + 1, INTERIOR - 1)]
+            rows = rows[open_]
+            if not len(rows):
+                break
+        if not parts:
+            return found
+        x0, x1, y0, y1, chosen = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return _Cylinders(x0, x1, y0, y1, found.branches[chosen])
 
 
 def _seen(edge: Edge) -> bool:

@@ -96,7 +96,11 @@ def follow_jump(
             last, found = change.last, change.beyond
             side = _collided(current, last)
             if side != 0:
-                yield course.collision(current, last, previous, side)
+                end = course.collision(current, last, previous, side)
+                if end is None:
+                    step = 0.25 * abs(last.p - current.p)
+                    continue
+                yield end
                 return
             if found is None:
                 yield course.end(last, change.p)
@@ -108,7 +112,11 @@ def follow_jump(
             restless = restless + 1 if last is current else 0
         side = _collided(current, found)
         if side != 0:
-            yield course.collision(current, found, previous, side)
+            end = course.collision(current, found, previous, side)
+            if end is None:
+                step = 0.25 * abs(found.p - current.p)
+                continue
+            yield end
             return
         ending = course.ending(current, found, previous)
         if ending is not None:
@@ -437,10 +445,16 @@ class _Course:
             return JumpPoint(edge=whole, kind=PointKind.EP, note="end of the parameter span")
         return None
 
-    def collision(self, a: Jump, b: Jump, before: Jump, side: int) -> JumpPoint:
-        """Where the limit on one side meets the diagonal between two points of the branch."""
-        edge = self.locate(a, b, before, lambda jump: _distance(jump, side)).whole
-        return JumpPoint(edge=edge, kind=PointKind.BC, side=side)
+    def collision(self, a: Jump, b: Jump, before: Jump, side: int) -> JumpPoint | None:
+        """Where the limit on one side meets the diagonal between two points of the branch.
+
+        None if it does so among other words that lie between them.
+        """
+        met = self.locate(a, b, before, lambda jump: _distance(jump, side))
+        tolerances = self.settings.tolerances
+        if abs(_distance(met, side)) > tolerances.jump and abs(b.p - a.p) > tolerances.edge:
+            return None
+        return JumpPoint(edge=met.whole, kind=PointKind.BC, side=side)
 
     def locate(self, a: Jump, b: Jump, before: Jump, measure: Callable[[Jump], float]) -> Jump:
         """Where a measure of the jump changes its sign between two points of the branch."""
