@@ -24,7 +24,7 @@ from woodpecker.jumps import JUMP_ENDS
 
 SAME_POINT = 1e-7  # border collisions closer than this are one, reached from two branches
 SAME_FLIP = 1e-3  # in x: near a flip the branch of twice the period leaves like a square root
-SAME_CHANGE = 1e-6  # in x: changes between the same words, folds and flips closer are one
+SAME_CHANGE = 1e-6  # in p and x: changes between the same words, folds and flips closer are one
 TWICE = 1e-9  # the same along one path, which may change its word and change it back
 ON_BRANCH = 0.15  # of a chord: how far a smooth branch strays from it, at most
 COLLISIONS = (PointKind.BC, PointKind.FF)
@@ -92,10 +92,10 @@ class Atlas:
         self.nodes: list[Node] = []
         self.waiting: deque[Collision] = deque()
         self._collisions: dict[tuple[str, int], Collision] = {}
-        self._near: dict[int, list[Node]] = {}  # nodes by their parameter, in steps of SAME_POINT
+        self._near: dict[int, list[Node]] = {}  # nodes by their parameter, in steps of SAME_CHANGE
         self._named: dict[str, Branch] = {}
         self._counts: dict[str, int] = {}
-        self._run_nodes: list[Node] = []  # met by the run that is being added
+        self._fresh: list[Node] = []  # made by the run that is being added
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
         """Everything found so far."""
@@ -120,7 +120,7 @@ class Atlas:
     def add(self, samples: Sequence[Sample], kind: BranchKind, order: int) -> None:
         """Cut a run of samples at its special points and keep the pieces as branches."""
         samples = list(_calmed(samples))
-        self._run_nodes = []
+        self._fresh = []
         first, start = 0, self._node(samples, 0, kind, order)
         for k in range(1, len(samples)):
             if samples[k].kind is not None:
@@ -132,8 +132,8 @@ class Atlas:
         self, piece: Sequence[Sample], kind: BranchKind, order: int, start: Node, end: Node
     ) -> None:
         p, x = np.array([sample.p for sample in piece]), np.array([sample.x for sample in piece])
-        if start is end and max(np.ptp(p), np.ptp(x)) < SAME_POINT:
-            return  # it was met on its very end
+        if start is end and max(np.ptp(p), np.ptp(x)) < SAME_CHANGE:
+            return  # it was met on its very end, or is too short to be told from a change of word
         inner = piece[1:-1] or piece[-1:]
         if any(
             (b.kind, b.order, b.word) == (kind, order, inner[0].word)
@@ -180,12 +180,12 @@ class Atlas:
                 self._name(sample.kind.value), sample.kind, sample.p, x, sample.note, order, words
             )
             self.nodes.append(node)
-            self._near.setdefault(math.floor(node.p / SAME_POINT), []).append(node)
+            self._fresh.append(node)
+            self._near.setdefault(math.floor(node.p / SAME_CHANGE), []).append(node)
         elif order < node.order or (node.kind is PointKind.WC and sample.kind in COLLISIONS):
             node.kind, node.note, node.order = sample.kind, sample.note, order
         elif node.note == JUMP_ENDS:
             node.note = sample.note  # from the other side it goes on
-        self._run_nodes.append(node)
         if sample.kind in COLLISIONS and sample.edge is not None:
             self._collision(node, sample, order).followed.add(kind)
         return node
@@ -204,15 +204,16 @@ class Atlas:
         self, node: Node, sample: Sample, x: float, order: int, words: frozenset[str]
     ) -> bool:
         """Whether a sample lies at a special point that is known already."""
-        if abs(node.p - sample.p) >= SAME_POINT:
-            return False
         if sample.kind is node.kind in PASSED and not (sample.note == node.note == JUMP_ENDS):
-            near = order == node.order and abs(node.x - x) < SAME_CHANGE
-            if node in self._run_nodes:  # one path makes two changes where it makes two
+            off = max(abs(node.p - sample.p), abs(node.x - x))
+            near = order == node.order and off < SAME_CHANGE
+            if node in self._fresh:  # one path makes two changes where it makes two
                 near &= math.hypot(node.p - sample.p, node.x - x) < TWICE
                 return near and words == node.words
             # Thin pieces next to a change can hide the words beyond it from one of two paths.
             return near and bool(words & node.words)
+        if abs(node.p - sample.p) >= SAME_POINT:
+            return False
         if DIVIDES in (sample.note, node.note):  # branches of a period and of a multiple of it meet
             return abs(node.x - x) < SAME_POINT
         both = (sample.kind, node.kind)
@@ -227,7 +228,7 @@ class Atlas:
 
     def _beside(self, p: float) -> Iterator[Node]:
         """Nodes whose parameter may be the same."""
-        cell = math.floor(p / SAME_POINT)
+        cell = math.floor(p / SAME_CHANGE)
         for neighbour in (cell - 1, cell, cell + 1):
             yield from self._near.get(neighbour, ())
 

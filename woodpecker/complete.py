@@ -46,8 +46,8 @@ class Search:
         How closely a slice looks at the map.
     """
 
-    slices: int = 127
-    finest: float = 2e-3
+    slices: int = 191
+    finest: float = 5e-4
     resolution: Resolution = field(
         default_factory=lambda: Resolution(spacing=2e-3, smallest=1e-6, bend=1e-5)
     )

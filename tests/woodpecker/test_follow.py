@@ -44,7 +44,7 @@ LP, PD, WC = PointKind.LP, PointKind.PD, PointKind.WC
 COLLISION = 1e-12
 # LP and PD: a root of the multiplier found to 1e-14 along the branch.
 LOCATED = 1e-10
-# Beside a square root residuals up to 4 * 2^-52 * slope pass and the last steps are as small as
+# Beside a square root residuals up to 2^-47 * slope pass and the last steps are as small as
 # Tolerances.edge = 1e-9: a grazing met from its steep side is located that well only.
 GRAZED = 1e-8
 

@@ -100,6 +100,43 @@ def test_two_fixed_points_in_one_increasing_piece() -> None:
     assert [float(cycle.x[0]) for cycle in found.cycles] == pytest.approx([0.3, 0.7], abs=1e-9)
 
 
+def rising(*roots: float) -> LabelledMap:
+    """x + the product of x - root: an increasing piece with these fixed points."""
+
+    def value(x: float, p: float) -> Evaluation:
+        gaps = [x - root for root in roots]
+        slope = sum(math.prod(gaps[:k] + gaps[k + 1 :]) for k in range(len(gaps)))
+        return Evaluation(x + math.prod(gaps), 1.0 + slope, 0.0, "A")
+
+    return value
+
+
+@pytest.mark.parametrize(
+    "roots",
+    [
+        (0.5, 0.502),  # closer than the points inside a piece that are looked at
+        (0.3, 0.5, 0.7),  # three in a piece whose ends lie on different sides of the diagonal
+        (0.3, 0.4, 0.6, 0.8),
+    ],
+)
+@pytest.mark.parametrize("order", [2, 3])
+def test_all_fixed_points_of_an_increasing_piece(roots: tuple[float, ...], order: int) -> None:
+    found = sliced(rising(*roots), order, (0.1, 0.95))
+    # Newton's residual of 1e-12 over a slope that differs from 1 by 0.002 at least
+    assert [float(cycle.x[0]) for cycle in found.cycles] == pytest.approx(roots, abs=2e-9)
+
+
+@pytest.mark.parametrize(("steepest", "kept"), [(4.1, 4), (3.9, 0)])
+def test_steep_cycles_are_counted_and_left_out(steepest: float, kept: int) -> None:
+    """The tent map's P_2 has slope 4 everywhere: 2/3, 0.4, 0.8 inside, and 0 at the very edge."""
+    window = (-0.01, 1.01)
+    inside = windowed(tent, (-0.02, 1.02))
+    settings = Settings(window=window, steepest=steepest)
+    (found,) = Slicer(inside, sampled(inside), settings, COARSE).take(0.0, (2,))
+    assert (len(found.cycles), found.steep) == (kept, 4 - kept)
+    assert found.failed == ()
+
+
 def test_what_a_search_of_the_iterate_finds_is_there() -> None:
     """At 0.23 the toy's P_2 has cycles that its pieces of 1e-6 rad do not show; not vice versa."""
     toy = Toy(eps_n1=0.23)

@@ -95,6 +95,25 @@ def test_collision_of_a_curved_limit() -> None:
     assert path[-1].p == pytest.approx(0.2 ** (1 / 3), abs=1e-14)
 
 
+@pytest.mark.parametrize("width", [3e-3, 2e-4, 3e-6])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_collision_among_other_words(width: float, direction: int) -> None:
+    """The left limit 0.1 - |p| crosses at 0.1, on a stretch of p on which its word is another.
+
+    A step can pass over the stretch and see the same words at both ends.
+    """
+
+    def value(x: float, p: float) -> Evaluation:
+        if x >= 0.0:
+            return Evaluation(-1.0, 0.0, 0.0, "R")
+        other = abs(abs(p) - 0.1) < width
+        return Evaluation(0.1 - abs(p), 0.0, -math.copysign(1.0, p), "other" if other else "L")
+
+    path = run(value, edge_near(value, 0.0, 0.0), direction)
+    assert path[-1].kind is BC
+    assert at(path[-1]) == pytest.approx((direction * 0.1, 0.0), abs=COLLISION)
+
+
 # --- the second iterate of the paper's map -------------------------------------------------------
 
 

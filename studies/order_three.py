@@ -1,0 +1,99 @@
+"""Beyond the paper: every fixed point and jump crossing of P_1, P_2 and P_3 in the whole window.
+
+    python studies/order_three.py [--fast] [--out DIR]
+
+The paper stopped at P_2. Fixed points of P_3 are counted in slices, between the parameters at which
+branches end, and every sample is simulated once more. The picture has one colour for each period.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from fig10_order_two import FULL
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from record import Results, command
+from style import GREY, RED, canvas
+from whole import Part, between, counted, residuals, searched, summary, tally
+
+from pwmap import BranchKind, Diagram
+from pwmap.plot import STABLE
+from woodpecker import Search
+
+ORDERS = (1, 2, 3)
+FAST = Part((0.05, 0.07), (-1.0, -0.65), Search(slices=4), 4)
+COLOURS = {3: GREY, 2: RED, 1: STABLE}  # in the order of drawing
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Find all branches of P_1, P_2 and P_3, check them, draw.
+
+    Parameters
+    ----------
+    fast
+        Only a part without cycles of period 3.
+    out
+        Folder for ``order_three.png``.
+
+    Returns
+    -------
+    dict
+        ``branches``, ``points``: how many by kind and order; ``slices``, ``steep``,
+        ``not_followed``, ``evaluations``, ``seconds``: of the search; ``seen``: of cycles of
+        period 3, see :class:`whole.Seen`; ``odd``: parameters of slices that do not agree with the
+        diagram; ``residuals``, ``residuals_at_ends``: see :func:`whole.summary`.
+    """
+    part = FAST if fast else FULL
+    found, taken = searched(part, ORDERS)
+    seen = [counted(found.diagram, part, 3, p) for p in between(found.diagram, part.slices)]
+    if out is not None:
+        draw(found.diagram, part).savefig(out / "order_three.png", dpi=200)
+        plt.close("all")
+    return {
+        "span": part.span,
+        "window": part.window,
+        "seconds": taken._asdict(),
+        **tally(found),
+        "seen": [slice_._asdict() for slice_ in seen],
+        "odd": [slice_.eps_n1 for slice_ in seen if not slice_.agrees],
+        "residuals": summary(residuals(found.diagram, ends=False)),
+        "residuals_at_ends": summary(residuals(found.diagram, ends=True)),
+    }
+
+
+def draw(diagram: Diagram, part: Part) -> Figure:
+    """Fixed points by period, those that attract broad; jump crossings of P_1 dotted."""
+    figure, (ax,) = canvas(5.6)
+    for order, colour in COLOURS.items():
+        for attracts, width in ((False, 0.5), (True, 1.6)):
+            lines = [
+                np.column_stack([branch.parameter, branch.x])
+                for branch in diagram.branches
+                if branch.kind is BranchKind.FIXED_POINT
+                and branch.order == order
+                and bool(np.median(np.abs(branch.multiplier)) < 1.0) is attracts
+            ]
+            ax.add_collection(LineCollection(lines, colors=colour, linewidths=width))
+    jumps = [
+        np.column_stack([branch.parameter, branch.x])
+        for branch in diagram.of_order(1).branches
+        if branch.kind is BranchKind.JUMP
+    ]
+    ax.add_collection(LineCollection(jumps, colors="black", linewidths=0.8, linestyles=":"))
+    handles = [Line2D([], [], color=COLOURS[k], label=f"period {k}") for k in ORDERS]
+    handles.append(Line2D([], [], color="black", linewidth=0.8, ls=":", label="jump of $P_1$"))
+    ax.legend(handles=handles, fontsize=7, framealpha=0.95, loc="lower right")
+    ax.set_xlim(*part.span)
+    margin = 0.02 * (part.window[1] - part.window[0])
+    ax.set_ylim(part.window[0] - margin, part.window[1] + margin)
+    ax.set_xlabel(r"$\varepsilon_{N1}$")
+    ax.set_ylabel(r"$\varphi_S$ [rad]")
+    return figure
+
+
+if __name__ == "__main__":
+    command(main, "order_three")
