@@ -226,36 +226,49 @@ def kernel(results: All) -> str:
     )
 
 
-def checked(two: Results) -> str:
-    """What slices between special points say of the diagram of P_2."""
-    pairs = two["pairs"]
-    shown, missing = (sum(each[key] for each in pairs) for key in ("fixed_points", "missing"))
-    drawn, sampled = (sum(each[key] for each in pairs) for key in ("drawn", "sampled"))
-    odd = (
-        f" The others lie between ε_N1 = {min(two['odd']):.3f} and {max(two['odd']):.3f}."
-        if two["odd"]
-        else ""
-    )
+def checked(seen: Sequence[Results], order: int) -> str:
+    """What slices between special points say of the diagram of P_j."""
+    shown, missing, drawn, sampled, crossings, lines = (
+        sum(each[key] for each in seen)
+        for key in (
+            "fixed_points", "missing", "drawn", "sampled", "crossings", "drawn_crossings",
+        )
+    )  # fmt: skip
+    agree = [
+        each for each in seen if each["missing"] == 0 and each["fixed_points"] == each["drawn"]
+    ]
     return (
-        f"Checked in {len(pairs)} slices between special points: they show {shown} fixed points of "
-        f"minimal period 2, in pairs; {missing} of them lie on no branch of their word, and {drawn} are "
-        f"drawn. A search of P_2 itself, down to pieces of 1e-6 rad, shows {sampled}. In "
-        f"{len(pairs) - len(two['odd'])} slices the diagram has exactly what the slice shows.{odd} "
-        f"The number of jump crossings is odd in {len(two['odd_jumps'])}."
+        f"Checked in {len(seen)} fresh slices between special points: they show {shown} fixed points "
+        f"of minimal period {order} and {crossings} jump crossings; the diagram has {drawn} and "
+        f"{lines} there, {missing} of the fixed points lie on no branch of their word, and "
+        f"{len(agree)} slices agree to the last fixed point. A search of P_{order} itself, down to "
+        f"pieces of 1e-6 rad, shows {sampled}."
+    )
+
+
+def again(inner: Results) -> str:
+    """What became of samples that were simulated once more."""
+    return (
+        f"Simulated once more, {inner['above']} of {inner['samples']} samples inside branches have "
+        f"|P_j(x) − x| above 1e-11."
     )
 
 
 def diagrams(results: All) -> str:
     """What the searches for everything found, and what they cost."""
-    one, two = results["fig09_order_one"], results["fig10_order_two"]
+    one, two, three = (
+        results[name] for name in ("fig09_order_one", "fig10_order_two", "order_three")
+    )
     coarse, fine = sorted(one["tables"], key=lambda table: -table["spacing"])
-    inner = two["residuals"]
     lines = [
         [kind, note, f"{p:.9f}", minus(f"{x:.9f}")]
         for kind, note, p, x in sorted(one["collisions"], key=lambda place: place[2])
         if kind == "FF" or any(abs(p - named) < 1e-6 for named in NAMED)
     ]
-    by_kind = ", ".join(f"{count} {name}" for name, count in two["branches"].items())
+    kinds = [
+        ", ".join(f"{count} {name}" for name, count in found["branches"].items())
+        for found in (two, three)
+    ]
     return "\n\n".join(
         [
             rows(["point of P_1", "", "ε_N1", "φ_S [rad]"], lines),
@@ -267,12 +280,14 @@ def diagrams(results: All) -> str:
             f"at a spacing of {coarse['spacing']:g} rad, {number(fine['ratio'])} times at {fine['spacing']:g}. "
             f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
             f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos.",
-            f"P_1 and P_2 over the same span: {by_kind}, in {number(two['seconds']['wall'])} s of wall "
-            f"time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two)} "
-            f"The jump branches of P_2 that start at A end at "
-            f"{places(two['from_a'])}. Simulated once more, {inner['above']} of {inner['samples']} samples "
-            f"inside branches have |P_j(x) − x| above 1e-11, {inner['beyond_kernel']} of them more than the "
-            f"kernel promises at their slope.",
+            f"P_1 and P_2 over the same span: {kinds[0]}, in {number(two['seconds']['wall'])} s of wall "
+            f"time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two['pairs'], 2)} "
+            f"The number of jump crossings is odd in {len(two['odd_jumps'])}. The jump branches of P_2 "
+            f"that start at A end at {places(two['from_a'])}. {again(two['residuals'])}",
+            f"P_1, P_2 and P_3: {kinds[1]}, in {number(three['seconds']['wall'])} s and "
+            f"{number(three['evaluations'] / 1e6)} million evaluations. {checked(three['seen'], 3)} "
+            f"{again(three['residuals'])} Left out as too steep, in one slice: up to "
+            f"{three['steep']['P_2']} cycles of P_2 and {three['steep']['P_3']} of P_3.",
         ]
     )
 

@@ -37,6 +37,7 @@ STUDIES = (
     "fig10_order_two",
     "fig11_maps_near_a",
     "fig12_local_model",
+    "order_three",
     "paper_numbers",
 )
 RESULTS = ROOT / "studies" / "results"

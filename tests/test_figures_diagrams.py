@@ -14,10 +14,13 @@ from pwmap import Branch, BranchKind, Diagram, SpecialPoint
 from woodpecker import Found, Start, Toy, local_model, shoot, toy_map
 from woodpecker.compiled import COMPILED
 
-fig09, fig10, fig11, fig12 = (
+fig09, fig10, fig11, fig12, order_three, whole = (
     importlib.import_module(name)
-    for name in ("fig09_order_one", "fig10_order_two", "fig11_maps_near_a", "fig12_local_model")
-)
+    for name in (
+        "fig09_order_one", "fig10_order_two", "fig11_maps_near_a", "fig12_local_model",
+        "order_three", "whole",
+    )
+)  # fmt: skip
 pytestmark = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 
 A = (0.0421643309, -0.8847733440)  # eps_N1, phi_S; sign change and 30 digits
@@ -109,18 +112,18 @@ def test_a_wrong_sample_is_seen() -> None:
     """Off the cycle by 1e-6, P_1 is off by 1.84e-6: its slope there is -0.83916."""
     x = shoot(Toy(), PHI_S).phi_s
     branch = flat("F1", 1, [x, x + 1e-6, x])
-    (off,) = fig10.residuals(diagram_of(branch), ends=False)
+    (off,) = whole.residuals(diagram_of(branch), ends=False)
     assert off.size == pytest.approx(1.83916e-6, rel=1e-4)  # curvature times 1e-6
     assert off.slope == pytest.approx(0.83916, rel=1e-4)
     assert off.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4, abs=0.0)
-    assert fig10.summary([off])["above"] == fig10.summary([off])["beyond_kernel"] == 1
-    assert fig10.summary(fig10.residuals(diagram_of(branch), ends=True))["above"] == 0
+    assert whole.summary([off])["above"] == whole.summary([off])["beyond_kernel"] == 1
+    assert whole.summary(whole.residuals(diagram_of(branch), ends=True))["above"] == 0
 
 
 def test_rounding_grows_with_the_slopes_that_are_left() -> None:
     """For P_2 of the same cycle: slope m**2 from the first point, m from the second."""
     x = shoot(Toy(), PHI_S).phi_s
-    (there,) = fig10.residuals(diagram_of(flat("F1", 2, [x] * 3)), ends=False)
+    (there,) = whole.residuals(diagram_of(flat("F1", 2, [x] * 3)), ends=False)
     assert there.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4, abs=0.0)
     assert there.size < 1e-14
 
@@ -130,7 +133,23 @@ def test_rounding_grows_with_the_slopes_that_are_left() -> None:
     [(2, 2, 0, True), (4, 2, 0, False), (2, 4, 0, False), (2, 2, 1, False)],
 )
 def test_what_pairs_up(fixed_points: int, drawn: int, missing: int, good: bool) -> None:
-    assert fig10.Pairs(0.1, fixed_points, drawn, missing, 2, 0, 0, 0).pairs_up is good
+    assert whole.Seen(0.1, fixed_points, drawn, missing, 2, 0, 0, 0).agrees is good
+
+
+# --- Order three ----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_order_three_in_a_part_without_cycles_of_period_three(tmp_path: Path) -> None:
+    """Below eps_N1 = 0.07 P_3 has jump crossings, and no cycle of its own."""
+    results = order_three.main(fast=True, out=tmp_path)
+    assert is_picture(tmp_path / "order_three.png")
+    assert len(results["seen"]) == order_three.FAST.slices
+    assert results["odd"] == []
+    assert results["residuals"]["above"] == results["residuals"]["lost"] == 0
+    for seen in results["seen"]:
+        assert seen["fixed_points"] == seen["sampled"] == 0
+        assert seen["crossings"] == seen["drawn_crossings"] > 0
 
 
 # --- Figure 11 ------------------------------------------------------------------------------------
