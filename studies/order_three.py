@@ -25,7 +25,7 @@ from pwmap.plot import STABLE
 from woodpecker import Search
 
 ORDERS = (1, 2, 3)
-FAST = Part((0.05, 0.07), (-1.0, -0.65), Search(slices=4), 4)
+FAST = Part((0.045, 0.069), (-1.0, -0.65), Search(slices=7), 4)
 COLOURS = {3: GREY, 2: RED, 1: STABLE}  # in the order of drawing
 
 
