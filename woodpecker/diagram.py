@@ -67,7 +67,8 @@ def continuation(
     Raises
     ------
     ValueError
-        If the orbit did not converge or the span does not hold the toy's parameter.
+        If the orbit did not converge or is too steep, or the span does not hold the toy's
+        parameter.
     """
     if not orbit.success:
         raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
@@ -304,7 +305,18 @@ def connected(
     progress: Progress | None = None,
     journal: Journal | None = None,
 ) -> Diagram:
-    """All branches of a labelled map that are connected with the cycle ``start``."""
+    """All branches of a labelled map that are connected with the cycle ``start``.
+
+    Raises
+    ------
+    ValueError
+        If the cycle is steeper than ``settings.steepest``.
+    """
+    if not start.steepness <= settings.steepest:
+        raise ValueError(
+            f"the slopes of the cycle must multiply to {settings.steepest:g} at most (steepest), "
+            f"got {start.steepness:g}"
+        )
     explorer = Explorer(Alone(Worker(labelled_map, settings)), progress, journal)
     if explorer.atlas.branches:
         explorer.go_on()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from pwmap.diagram import PointKind
+from woodpecker.diagram import connected
 from woodpecker.follow import PathPoint, follow_from
 from woodpecker.gentle import FINE, TOO_STEEP, TRANSIT, checked, gentle
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
@@ -76,6 +77,12 @@ def test_nothing_comes_of_a_steep_start() -> None:
     assert along(hill(0.2), 0.01, 1.0) == []
     start, _, _ = correct(hill(0.2), [0.01], 0.01)
     assert Paths(hill(0.2), Settings(steepest=STEEPEST)).cycle(start) == []
+
+
+def test_a_steep_start_is_refused() -> None:
+    start, _, _ = correct(hill(0.2), [0.0], 0.0)
+    with pytest.raises(ValueError, match=r"50 at most \(steepest\), got 1002"):
+        connected(hill(0.2), start, Settings(steepest=STEEPEST))
 
 
 def test_a_change_of_word_may_lie_on_a_short_steep_stretch() -> None:
