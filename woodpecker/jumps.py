@@ -31,6 +31,7 @@ from woodpecker.settings import Settings
 from woodpecker.tracking import RESOLVED, SAME_LIMITS, Track, same_words, shift
 
 FIRST_STEP = 2.5e-4  # in the parameter
+ROOT = 1e-7  # a square root changes by about 1e-8 over one spacing of doubles
 JUMP_ENDS = "the jump ends"  # or meets another one: it has other words and other limits beyond
 CLOSED = 1e-8  # a limit this close to the diagonal has met it
 CALM = 4  # so many changes of word may follow each other closely
@@ -276,7 +277,7 @@ def _preimage(
     for _ in range(NEWTON_STEPS):
         lap = labelled_map(x, p)
         if not lap.defined or word not in (None, lap.word) or lap.slope == 0.0:
-            return None
+            return None if word is None else _squeezed(labelled_map, target, guess, p, word)
         miss = target - lap.value
         x += miss / lap.slope
         if word is None and not abs(x - guess) <= SAME_ORBIT:
@@ -284,6 +285,40 @@ def _preimage(
         if abs(miss / lap.slope) <= NEAR * math.ulp(x):
             return x, lap._replace(value=target)
     return None
+
+
+def _squeezed(
+    labelled_map: LabelledMap, target: float, guess: float, p: float, word: str
+) -> tuple[float, Evaluation] | None:
+    """The same right beside a square root, which Newton's method oversteps: by halving.
+
+    There the map is nearly upright: of two neighbouring doubles one is too low, one too high.
+    """
+
+    def lies(x: float) -> int:
+        """Side of the target on which the piece takes x; 0 off the piece."""
+        lap = labelled_map(x, p)
+        return 0 if lap.word != word else (1 if lap.value >= target else -1)
+
+    reach, inside = NEAR * math.ulp(guess), math.nan
+    while math.isnan(inside) and reach < SAME_ORBIT:
+        inside = next((x for x in (guess - reach, guess + reach) if lies(x)), math.nan)
+        reach *= 4.0
+    if math.isnan(inside):
+        return None
+    outside, side = guess, lies(inside)
+    while True:  # between a point off the piece, or beyond the target, and one on it
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            break
+        if lies(middle) == side:
+            inside = middle
+        else:
+            outside = middle
+    lap = labelled_map(inside, p)
+    if lies(outside) != -side and abs(lap.value - target) > ROOT:
+        return None  # the piece ends before it takes the value
+    return inside, lap._replace(value=target)
 
 
 # --- Following them -------------------------------------------------------------------------------

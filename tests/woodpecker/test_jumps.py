@@ -11,7 +11,7 @@ from maps import A, moving_edge, paper, staircase, two_lines
 
 from pwmap.diagram import PointKind
 from woodpecker.edges import Edge, edge_between
-from woodpecker.jumps import JumpPoint, follow_jump
+from woodpecker.jumps import JumpPoint, follow_jump, jump_through
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
 from woodpecker.settings import Settings
 from woodpecker.tracking import RESOLVED
@@ -112,6 +112,35 @@ def test_collision_among_other_words(width: float, direction: int) -> None:
     path = run(value, edge_near(value, 0.0, 0.0), direction)
     assert path[-1].kind is BC
     assert at(path[-1]) == pytest.approx((direction * 0.1, 0.0), abs=COLLISION)
+
+
+@pytest.mark.parametrize("off", [1e-3, 1e-6, 3e-8])
+def test_jump_whose_orbit_hugs_a_square_root(off: float) -> None:
+    """P_1 jumps at p/10; p/10 - off + sqrt(x - root) takes x = root + off**2 there.
+
+    The root 1/2 + p**2 moves on a curve: a straight guess leaves the piece, however small the step.
+    """
+
+    def value(x: float, p: float) -> Evaluation:
+        beyond = x - 0.5 - p * p
+        if beyond >= 0.0:
+            height = math.sqrt(beyond)
+            slope = 0.5 / height if height > 0.0 else math.inf
+            return Evaluation(0.1 * p - off + height, slope, 0.1 - 2.0 * p * slope, "S")
+        if x < 0.1 * p:
+            return Evaluation(-1.0, 0.0, 0.0, "L")
+        return Evaluation(2.0, 0.0, 0.0, "R")
+
+    edge = edge_between(value, 0.1, -0.05, 0.05)
+    start = jump_through(value, edge, (0.51 + 1.01 * off**2,), 2)
+    assert start is not None
+    path = list(follow_jump(value, start, Settings(span=(0.0, 1.0)), 1, 2))
+    assert path[-1].note == "end of the parameter span"
+    assert len(path) < 200
+    for point in path:
+        # some roundings of numbers near 1
+        assert point.edge.x == pytest.approx(0.5 + point.p**2 + off**2, abs=1e-15)
+        assert (point.edge.left_limit, point.edge.right_limit) == (-1.0, 2.0)
 
 
 # --- the second iterate of the paper's map -------------------------------------------------------
