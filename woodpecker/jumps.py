@@ -290,7 +290,7 @@ def _preimage(
 def _squeezed(
     labelled_map: LabelledMap, target: float, guess: float, p: float, word: str
 ) -> tuple[float, Evaluation] | None:
-    """The same right beside a square root, which Newton's method oversteps: by halving.
+    """The same where Newton's method oversteps, right beside a square root or a dip: by halving.
 
     There the map is nearly upright: of two neighbouring doubles one is too low, one too high.
     """
@@ -300,13 +300,16 @@ def _squeezed(
         lap = labelled_map(x, p)
         return 0 if lap.word != word else (1 if lap.value >= target else -1)
 
-    reach, inside = NEAR * math.ulp(guess), math.nan
-    while math.isnan(inside) and reach < SAME_ORBIT:
-        inside = next((x for x in (guess - reach, guess + reach) if lies(x)), math.nan)
+    first, reach = lies(guess), NEAR * math.ulp(guess)
+    other = math.nan
+    while math.isnan(other) and reach < SAME_ORBIT:
+        pair = guess - reach, guess + reach
+        other = next((x for x in pair if lies(x) != first), math.nan)
         reach *= 4.0
-    if math.isnan(inside):
+    if math.isnan(other):
         return None
-    outside, side = guess, lies(inside)
+    inside, outside = (guess, other) if first else (other, guess)
+    side = lies(inside)
     while True:  # between a point off the piece, or beyond the target, and one on it
         middle = 0.5 * (inside + outside)
         if middle in (inside, outside):
