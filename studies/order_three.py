@@ -66,7 +66,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 
 
 def draw(diagram: Diagram, part: Part) -> Figure:
-    """Fixed points by period, those that attract broad; jump crossings of P_1 dotted."""
+    """Fixed points by period, those that attract broad; jump crossings of P_1 black."""
     figure, (ax,) = canvas(5.6)
     for order, colour in COLOURS.items():
         for attracts, width in ((False, 0.5), (True, 1.6)):
@@ -83,9 +83,9 @@ def draw(diagram: Diagram, part: Part) -> Figure:
         for branch in diagram.of_order(1).branches
         if branch.kind is BranchKind.JUMP
     ]
-    ax.add_collection(LineCollection(jumps, colors="black", linewidths=0.8, linestyles=":"))
+    ax.add_collection(LineCollection(jumps, colors="black", linewidths=0.8))
     handles = [Line2D([], [], color=COLOURS[k], label=f"period {k}") for k in ORDERS]
-    handles.append(Line2D([], [], color="black", linewidth=0.8, ls=":", label="jump of $P_1$"))
+    handles.append(Line2D([], [], color="black", linewidth=0.8, label="jump of $P_1$"))
     ax.legend(handles=handles, fontsize=7, framealpha=0.95, loc="lower right")
     ax.set_xlim(*part.span)
     margin = 0.02 * (part.window[1] - part.window[0])

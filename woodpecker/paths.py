@@ -90,6 +90,8 @@ class Paths:
             for edge in edges_between(whole, p, start.edge.x - reach, start.edge.x + reach):
                 if not edge.crosses or is_continuous(edge, self.settings.tolerances):
                     continue
+                if not self._inside(np.array([edge.x])):
+                    continue
                 path = follow_jump(self.map, edge, self.settings, direction, start.order)
                 return [[_first(start, _sides(edge), math.nan), *self._jumps(path)]]
         return []
@@ -97,7 +99,7 @@ class Paths:
     def cycle_from(self, start: Departure) -> Runs:
         """The fixed-point branch that starts at a border collision: one run for each point."""
         landed = beside(self.map, start.edge, start.inner, start.order, self.settings)
-        if landed is None or self.is_known(landed.cycle):
+        if landed is None or self.is_known(landed.cycle) or not self._inside(landed.cycle.x):
             return []
         path = self._path(landed.cycle, landed.tangent)
         if not path:
@@ -109,6 +111,11 @@ class Paths:
         if met is not None:
             runs += [list(self._samples((met, *path), k)) for k in range(1, start.order)]
         return runs
+
+    def _inside(self, x: Floats) -> bool:
+        """Whether points lie in the window."""
+        low, high = self.settings.window
+        return bool(low <= x.min() and x.max() <= high)
 
     def _path(self, start: Cycle, along: Floats) -> list[PathPoint]:
         """The branch through a cycle, one way; nothing if it is too steep there."""
@@ -134,15 +141,16 @@ class Paths:
     def _samples(self, path: Iterable[PathPoint], first: int) -> Iterator[Sample]:
         """A path as seen from one of the points of its cycles; what cannot be checked is left out.
 
-        Special points lie on edges, where P_j has two values or an infinite slope.
+        On an edge P_j has two values or an infinite slope: there is nothing to be checked.
         """
         for point in path:
             sample = self._fixed(point, first)
-            if point.kind is None:
+            if point.edge is None:
                 x = checked(self.map, point.cycle, first, self.settings.tolerances.closing)
-                if x is None:
+                if x is not None:
+                    sample = replace(sample, x=x)
+                elif point.kind is None:
                     continue
-                sample = replace(sample, x=x)
             yield sample
 
     def _fixed(self, point: PathPoint, first: int) -> Sample:
