@@ -8,7 +8,7 @@ branch ends there. Next to a square root a branch is steep for a moment only, an
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -38,38 +38,35 @@ def gentle(
     """
     limit = partial(_limit, labelled_map=labelled_map, settings=settings)
     last: PathPoint | None = None  # gentle
-    held: list[PathPoint] = []  # a change of word, and what is steep
-    entry: PathPoint | None = None  # where it became steep
+    held: list[PathPoint] = []  # a change of word that may lead to steep points, and these
+    entry: PathPoint | None = None  # where they begin
     for point in points:
         steep = not point.cycle.steepness <= settings.steepest
         if steep:
             held.append(point)
-            entry = entry or _entry(last, held[0], limit)
-        exit_ = point
-        if not steep and entry is not None and _apart(entry, point) > TRANSIT:
-            exit_ = limit(point, held[-1])
-        changes = sum(mark.kind is PointKind.WC for mark in held)
-        if entry is not None and (changes > 1 or _apart(entry, exit_) > TRANSIT):
+            entry = entry or limit(last or held[0], held[0])
+        if entry is not None and _too_long(entry, point if steep else limit(point, held[-1]), held):
             if last is not None:
                 yield replace(entry, kind=PointKind.EP, note=TOO_STEEP)
             return
-        if steep:
-            continue
-        yield from (mark for mark in held if mark.kind is not None)
-        last, held, entry = point, [], None
-        if point.kind is PointKind.WC:  # perhaps it goes on too steeply
-            held = [point]
-        else:
-            yield point
+        if not steep:
+            yield from _special(held)
+            last, entry = point, None
+            held = [point] if point.kind is PointKind.WC else []
+            if not held:
+                yield point
     if last is not None:
-        yield from (mark for mark in held if mark.kind is not None)
+        yield from _special(held)
 
 
-def _entry(
-    last: PathPoint | None, first: PathPoint, limit: Callable[[PathPoint, PathPoint], PathPoint]
-) -> PathPoint:
-    """Where a steep stretch begins, between the last gentle point and what was held after it."""
-    return first if last is None or last is first else limit(last, first)
+def _special(points: Iterable[PathPoint]) -> Iterator[PathPoint]:
+    return (point for point in points if point.kind is not None)
+
+
+def _too_long(entry: PathPoint, last: PathPoint, held: Iterable[PathPoint]) -> bool:
+    """Whether a steep stretch from one point to another is one too many to pass."""
+    apart = math.hypot(entry.p - last.p, float(np.abs(entry.cycle.x - last.cycle.x).max()))
+    return apart > TRANSIT or sum(point.kind is PointKind.WC for point in held) > 1
 
 
 def checked(labelled_map: LabelledMap, cycle: Cycle, first: int, closing: float) -> float | None:
@@ -99,8 +96,11 @@ def checked(labelled_map: LabelledMap, cycle: Cycle, first: int, closing: float)
 
 
 def _limit(a: PathPoint, b: PathPoint, labelled_map: LabelledMap, settings: Settings) -> PathPoint:
-    """Where a branch is as steep as it may be, between a gentle point and its steep neighbour."""
-    if a.cycle.words != b.cycle.words:
+    """Where a branch is as steep as it may be, between a gentle point and its steep neighbour.
+
+    The gentle point itself if a change of word lies between them.
+    """
+    if a is b or a.cycle.words != b.cycle.words:
         return a
     step = float(np.append(b.cycle.x - a.cycle.x, b.p - a.p) @ a.tangent)
     gentlest = a
@@ -121,7 +121,3 @@ def _limit(a: PathPoint, b: PathPoint, labelled_map: LabelledMap, settings: Sett
     if abs(step) > FINE:
         brentq(excess, 0.0, step, xtol=FINE)
     return gentlest
-
-
-def _apart(a: PathPoint, b: PathPoint) -> float:
-    return math.hypot(a.p - b.p, float(np.abs(a.cycle.x - b.cycle.x).max()))
