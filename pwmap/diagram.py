@@ -202,31 +202,37 @@ class Diagram:
     branches: tuple[Branch, ...]
     points: tuple[SpecialPoint, ...]
     given: tuple[str, ...] = ()
+    _branch: Mapping[str, Branch] = field(init=False, repr=False)
+    _point: Mapping[str, SpecialPoint] = field(init=False, repr=False)
+    _meeting: Mapping[str, list[Branch]] = field(init=False, repr=False)  # by point
 
     def __post_init__(self) -> None:
-        known = {point.id for point in self.points}
-        if len(known) != len(self.points):
+        points = {point.id: point for point in self.points}
+        if len(points) != len(self.points):
             raise ValueError("the ids of the special points are not unique")
-        if len({branch.id for branch in self.branches}) != len(self.branches):
+        branches = {branch.id: branch for branch in self.branches}
+        if len(branches) != len(self.branches):
             raise ValueError("the ids of the branches are not unique")
+        meeting: dict[str, list[Branch]] = {name: [] for name in points}
         for branch in self.branches:
-            for end in branch.ends:
-                if end not in known:
+            for end in dict.fromkeys(branch.ends):
+                if end not in points:
                     raise ValueError(f"branch {branch.id!r} ends at unknown point {end!r}")
+                meeting[end].append(branch)
+        for name, value in (("_branch", branches), ("_point", points), ("_meeting", meeting)):
+            object.__setattr__(self, name, value)
 
     def branch(self, branch_id: str) -> Branch:
         """Look a branch up by its id; KeyError if there is none."""
-        for branch in self.branches:
-            if branch.id == branch_id:
-                return branch
-        raise KeyError(f"no branch {branch_id!r} in this diagram")
+        if branch_id not in self._branch:
+            raise KeyError(f"no branch {branch_id!r} in this diagram")
+        return self._branch[branch_id]
 
     def point(self, point_id: str) -> SpecialPoint:
         """Look a special point up by its id; KeyError if there is none."""
-        for point in self.points:
-            if point.id == point_id:
-                return point
-        raise KeyError(f"no special point {point_id!r} in this diagram")
+        if point_id not in self._point:
+            raise KeyError(f"no special point {point_id!r} in this diagram")
+        return self._point[point_id]
 
     def sides(self, point_id: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Ids of the branches that meet at a point, at smaller and at larger parameters.
@@ -237,7 +243,7 @@ class Diagram:
         at = self.point(point_id).parameter
         left: list[str] = []
         right: list[str] = []
-        for branch in self.branches:
+        for branch in self._meeting[point_id]:
             beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
             for end, p in zip(branch.ends, beside.tolist(), strict=True):
                 if end == point_id and p != at:

@@ -334,8 +334,8 @@ def _searched(everything: Found) -> str:
     """What a search came to, in lines."""
     lines = [
         f"P_{report.order}: {len(report.slices)} slices, {len(report.found_at)} showed something "
-        f"new, {len(report.not_followed)} places could not be followed, at most "
-        f"{report.unresolved:.1e} rad of a slice unresolved"
+        f"new, {len(report.not_followed)} places could not be followed, at most {report.steep} "
+        f"cycles of a slice too steep and {report.unresolved:.1e} rad of it unresolved"
         for report in everything.reports
     ]
     return "\n".join([*lines, f"P_1 was evaluated {everything.evaluations} times"])
