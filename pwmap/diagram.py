@@ -283,6 +283,16 @@ class Diagram:
         """The branches of one iterate, and the points they end in."""
         return self._part([branch for branch in self.branches if branch.order == order])
 
+    def within(self, low: float, high: float) -> Diagram:
+        """The branches that exist somewhere in an interval of the parameter, and their ends."""
+        return self._part(
+            [
+                branch
+                for branch in self.branches
+                if branch.parameter.min() <= high and branch.parameter.max() >= low
+            ]
+        )
+
     def _part(self, branches: Sequence[Branch]) -> Diagram:
         """Some branches and the points they end in, which know of no others."""
         kept = {branch.id for branch in branches}

@@ -217,7 +217,8 @@ def plot_local(
     """
     figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
-    plot_diagram(diagram, seen, kinds=(model.point.kind,), legend=False)
+    near = diagram.within(model.edge.p - 2.0 * reach, model.edge.p + 2.0 * reach)
+    plot_diagram(near, seen, kinds=(model.point.kind,), legend=False)
     lines = _predictions(model, reach)
     for line in lines:
         seen.plot(line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9)

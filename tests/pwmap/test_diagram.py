@@ -353,6 +353,19 @@ def test_components_and_paths() -> None:
         diagram.component_of("XX")
 
 
+def test_within_an_interval_of_the_parameter() -> None:
+    diagram = looped()
+    for low, high in ((-1.0, 0.1), (0.2, 0.21), (0.9, 2.0), (1.5, 2.0)):
+        expected = [
+            branch.id
+            for branch in diagram.branches
+            if any(low <= p <= high for p in np.linspace(*np.sort(branch.parameter)[[0, -1]], 1001))
+        ]
+        near = diagram.within(low, high)
+        assert [branch.id for branch in near.branches] == expected
+        assert {point.id for point in near.points} == {e for b in near.branches for e in b.ends}
+
+
 def test_words_and_stable_intervals() -> None:
     diagram = looped()
     assert [b.id for b in diagram.with_word("f2")] == ["F2"]
