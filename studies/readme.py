@@ -246,6 +246,15 @@ def checked(seen: Sequence[Results], order: int) -> str:
     )
 
 
+def counts(found: Results, orders: int) -> str:
+    """How many branches of each iterate there are."""
+    fixed, jumps = (
+        [str(found["branches"][f"{kind} of P_{j}"]) for j in range(1, orders + 1)]
+        for kind in ("fixed-point", "jump")
+    )
+    return f"{' + '.join(fixed)} branches of fixed points and {' + '.join(jumps)} of jumps"
+
+
 def again(inner: Results) -> str:
     """What became of samples that were simulated once more."""
     return (
@@ -265,10 +274,6 @@ def diagrams(results: All) -> str:
         for kind, note, p, x in sorted(one["collisions"], key=lambda place: place[2])
         if kind == "FF" or any(abs(p - named) < 1e-6 for named in NAMED)
     ]
-    kinds = [
-        ", ".join(f"{count} {name}" for name, count in found["branches"].items())
-        for found in (two, three)
-    ]
     return "\n\n".join(
         [
             rows(["point of P_1", "", "ε_N1", "φ_S [rad]"], lines),
@@ -280,11 +285,11 @@ def diagrams(results: All) -> str:
             f"at a spacing of {coarse['spacing']:g} rad, {number(fine['ratio'])} times at {fine['spacing']:g}. "
             f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
             f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos.",
-            f"P_1 and P_2 over the same span: {kinds[0]}, in {number(two['seconds']['wall'])} s of wall "
-            f"time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two['pairs'], 2)} "
+            f"P_1 and P_2 over the same span: {counts(two, 2)}, in {number(two['seconds']['wall'])} s of "
+            f"wall time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two['pairs'], 2)} "
             f"The number of jump crossings is odd in {len(two['odd_jumps'])}. The jump branches of P_2 "
             f"that start at A end at {places(two['from_a'])}. {again(two['residuals'])}",
-            f"P_1, P_2 and P_3: {kinds[1]}, in {number(three['seconds']['wall'])} s and "
+            f"P_1, P_2 and P_3: {counts(three, 3)}, in {number(three['seconds']['wall'])} s and "
             f"{number(three['evaluations'] / 1e6)} million evaluations. {checked(three['seen'], 3)} "
             f"{again(three['residuals'])} Left out as too steep, in one slice: up to "
             f"{three['steep']['P_2']} cycles of P_2 and {three['steep']['P_3']} of P_3.",
