@@ -19,11 +19,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from record import Results, command
 from style import PALE, canvas
-from whole import Part, between, counted, residuals, searched, summary, tally
+from whole import Part, examined, searched
 
-from pwmap import BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
-from woodpecker import Search
+from woodpecker import Search, Toy, first_return
+from woodpecker.atlas import passes
+from woodpecker.labelled import SEPARATOR
 
 SAME = 1e-6  # rad: a place that has a name
 POINT_A, POINT_C = (0.0421643, -0.8847733), (0.1851270, -0.7577873)  # eps_N1, phi_S
@@ -60,31 +62,44 @@ def study(part: Part, out: Path | None = None) -> Results:
     Returns
     -------
     dict
-        ``branches``, ``points``: how many by kind and order; ``slices``, ``steep``,
-        ``not_followed``, ``evaluations``, ``seconds``: of the search; ``pairs``: see
-        :class:`whole.Seen`; ``odd``: parameters of slices where fixed points do not pair up;
-        ``odd_jumps``: of slices with an odd number of crossings; ``residuals``,
-        ``residuals_at_ends``: see :func:`whole.summary`; ``from_a``, ``from_c``: where the jump
-        branches of P_2 lead that start there.
+        What :func:`whole.examined` says of P_2, and ``unpaired``: how many branches of period 2 P_1
+        does not map to another; ``odd_jumps``: parameters of slices with an odd number of
+        crossings; ``from_a``, ``from_c``: where the jump branches of P_2 lead that start there.
     """
     found, taken = searched(part, (1, 2))
-    pairs = [counted(found.diagram, part, 2, p) for p in between(found.diagram, part.slices)]
     if out is not None:
         draw(found.diagram, part).savefig(out / "fig10.png", dpi=200)
         plt.close("all")
-    return {
-        "span": part.span,
-        "window": part.window,
-        "seconds": taken._asdict(),
-        **tally(found),
-        "pairs": [slice_._asdict() for slice_ in pairs],
-        "odd": [slice_.eps_n1 for slice_ in pairs if not slice_.agrees],
-        "odd_jumps": [slice_.eps_n1 for slice_ in pairs if slice_.crossings % 2],
-        "residuals": summary(residuals(found.diagram, ends=False)),
-        "residuals_at_ends": summary(residuals(found.diagram, ends=True)),
+    results = examined(part, 2, found, taken)
+    return results | {
+        "unpaired": unpaired(found.diagram),
+        "odd_jumps": [slice_["eps_n1"] for slice_ in results["seen"] if slice_["crossings"] % 2],
         "from_a": leads(found.diagram, POINT_A),
         "from_c": leads(found.diagram, POINT_C),
     }
+
+
+# --- Pairs ----------------------------------------------------------------------------------------
+
+
+def unpaired(diagram: Diagram) -> int:
+    """How many branches of period 2 have a middle that P_1 maps to no branch of period 2."""
+    twos = [
+        branch
+        for branch in diagram.branches
+        if branch.kind is BranchKind.FIXED_POINT and branch.order == 2
+    ]
+    by_word: dict[str, list[Branch]] = {}
+    for branch in twos:
+        by_word.setdefault(branch.word, []).append(branch)
+    alone = 0
+    for branch in twos:
+        middle = len(branch) // 2
+        eps_n1 = float(branch.parameter[middle])
+        image = first_return(Toy(eps_n1=eps_n1), float(branch.x[middle])).phi_s
+        other = SEPARATOR.join(reversed(branch.word.split(SEPARATOR)))
+        alone += not any(passes(each, eps_n1, image) for each in by_word.get(other, []))
+    return alone
 
 
 # --- From A to C ----------------------------------------------------------------------------------

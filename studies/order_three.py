@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from record import Results, command
 from style import GREY, RED, canvas
-from whole import Part, between, counted, residuals, searched, summary, tally
+from whole import Part, examined, searched
 
 from pwmap import BranchKind, Diagram
 from pwmap.plot import STABLE
@@ -42,27 +42,14 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Returns
     -------
     dict
-        ``branches``, ``points``: how many by kind and order; ``slices``, ``steep``,
-        ``not_followed``, ``evaluations``, ``seconds``: of the search; ``seen``: of cycles of
-        period 3, see :class:`whole.Seen`; ``odd``: parameters of slices that do not agree with the
-        diagram; ``residuals``, ``residuals_at_ends``: see :func:`whole.summary`.
+        See :func:`whole.examined`.
     """
     part = FAST if fast else FULL
     found, taken = searched(part, ORDERS)
-    seen = [counted(found.diagram, part, 3, p) for p in between(found.diagram, part.slices)]
     if out is not None:
         draw(found.diagram, part).savefig(out / "order_three.png", dpi=200)
         plt.close("all")
-    return {
-        "span": part.span,
-        "window": part.window,
-        "seconds": taken._asdict(),
-        **tally(found),
-        "seen": [slice_._asdict() for slice_ in seen],
-        "odd": [slice_.eps_n1 for slice_ in seen if not slice_.agrees],
-        "residuals": summary(residuals(found.diagram, ends=False)),
-        "residuals_at_ends": summary(residuals(found.diagram, ends=True)),
-    }
+    return examined(part, 3, found, taken)
 
 
 def draw(diagram: Diagram, part: Part) -> Figure:

@@ -286,8 +286,9 @@ def diagrams(results: All) -> str:
             f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
             f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos.",
             f"P_1 and P_2 over the same span: {counts(two, 2)}, in {number(two['seconds']['wall'])} s of "
-            f"wall time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two['pairs'], 2)} "
-            f"The number of jump crossings is odd in {len(two['odd_jumps'])}. The jump branches of P_2 "
+            f"wall time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two['seen'], 2)} "
+            f"P_1 maps all but {two['unpaired']} branches of period 2 to another; the number of jump "
+            f"crossings is odd in {len(two['odd_jumps'])} slices. The jump branches of P_2 "
             f"that start at A end at {places(two['from_a'])}. {again(two['residuals'])}",
             f"P_1, P_2 and P_3: {counts(three, 3)}, in {number(three['seconds']['wall'])} s and "
             f"{number(three['evaluations'] / 1e6)} million evaluations. {checked(three['seen'], 3)} "

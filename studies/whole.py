@@ -63,6 +63,30 @@ def searched(part: Part, orders: tuple[int, ...]) -> tuple[Found, Seconds]:
     return kept[0], taken
 
 
+def examined(part: Part, order: int, found: Found, taken: Seconds) -> Results:
+    """What was found up to P_j, in numbers, and what the checks of P_j say.
+
+    Returns
+    -------
+    dict
+        ``branches``, ``points``: how many by kind and order; ``slices``, ``steep``,
+        ``not_followed``, ``evaluations``, ``seconds``: of the search; ``seen``: see :class:`Seen`;
+        ``odd``: parameters of slices that do not agree with the diagram; ``residuals``,
+        ``residuals_at_ends``: see :func:`summary`.
+    """
+    seen = [counted(found.diagram, part, order, p) for p in between(found.diagram, part.slices)]
+    return {
+        "span": part.span,
+        "window": part.window,
+        "seconds": taken._asdict(),
+        **tally(found),
+        "seen": [slice_._asdict() for slice_ in seen],
+        "odd": [slice_.eps_n1 for slice_ in seen if not slice_.agrees],
+        "residuals": summary(residuals(found.diagram, ends=False)),
+        "residuals_at_ends": summary(residuals(found.diagram, ends=True)),
+    }
+
+
 def tally(found: Found) -> Results:
     """What was found, in numbers."""
     diagram = found.diagram

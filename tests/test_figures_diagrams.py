@@ -77,13 +77,21 @@ def test_fixed_points_of_order_two_pair_up(second: tuple[dict[str, Any], Path]) 
     results, folder = second
     assert is_picture(folder / "fig10.png")
     assert results["odd"] == []
-    counts = [pairs["fixed_points"] for pairs in results["pairs"]]
+    assert results["unpaired"] == 0
+    counts = [seen["fixed_points"] for seen in results["seen"]]
     assert len(counts) == fig10.FAST.slices
     assert counts[0] == 0  # left of the first collision of period 2, at 0.05595
     assert counts[-1] == 2
-    for pairs in results["pairs"]:
-        assert pairs["sampled"] == pairs["fixed_points"]
-        assert pairs["only_sampled"] == pairs["missing"] == 0
+    for seen in results["seen"]:
+        assert seen["sampled"] == seen["fixed_points"]
+        assert seen["only_sampled"] == seen["missing"] == 0
+
+
+def test_a_branch_without_its_partner_is_seen() -> None:
+    """The fixed point of P_1 is its own partner; a branch beside it has none."""
+    x = shoot(Toy(), PHI_S).phi_s
+    assert fig10.unpaired(diagram_of(flat("F1", 2, [x] * 3))) == 0
+    assert fig10.unpaired(diagram_of(flat("F1", 2, [x + 0.01] * 3))) == 1
 
 
 @pytest.mark.slow
