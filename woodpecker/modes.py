@@ -80,13 +80,18 @@ def consistent(states: tuple[int, ...]) -> bool:
 
 def model(toy: Toy) -> Floats:
     """All numbers the kernel needs, shape (110, 29); a copy, to be changed at will."""
-    numbers = _model(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
+    return _bouncing(toy).copy()
+
+
+@lru_cache(maxsize=64)
+def _bouncing(toy: Toy) -> Floats:
+    numbers = _plastic(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
     numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
     return numbers
 
 
 @lru_cache(maxsize=64)
-def _model(toy: Toy) -> Floats:
+def _plastic(toy: Toy) -> Floats:
     mass: Floats = np.array(mass_matrix(toy))
     forces = np.column_stack([force_at_rest(toy), force_per_stretch(toy)])
     normal: Floats = np.array(normal_directions(toy))
