@@ -71,12 +71,7 @@ def follow_jump(
     diagonal, WC where the words beside the jump change, FALL where the map is lost beside it, EP at
     the end of the span or the window, or where the jump itself vanishes.
     """
-    first = start if isinstance(start, Jump) else jump_of(labelled_map, start, order)
-    if first is None:  # it is not one of P_1, as far as rounding can tell
-        labelled_map, order = iterate(labelled_map, order), 1
-        assert isinstance(start, Edge)
-        first = _made(labelled_map, (), (), start, 1)
-    course = _Course(labelled_map, settings, first, order)
+    course, first = _begun(labelled_map, start, settings, order)
     low, high = settings.span
     step = FIRST_STEP
     previous, current = first, first
@@ -95,13 +90,12 @@ def follow_jump(
                 step = abs(change.p - current.p)
                 continue
             last, found = change.last, change.beyond
-            side = _collided(current, last)
-            if side != 0:
-                end = course.collision(current, last, previous, side)
-                if end is None:
-                    step = 0.25 * abs(last.p - current.p)
-                    continue
-                yield end
+            met = course.meeting(current, last, previous)
+            if isinstance(met, float):
+                step = met
+                continue
+            if met is not None:
+                yield met
                 return
             if found is None:
                 yield course.end(last, change.p)
@@ -111,17 +105,13 @@ def follow_jump(
             if found.words != last.words:
                 yield JumpPoint(edge=last.whole, kind=PointKind.WC)
             restless = restless + 1 if last is current else 0
-        side = _collided(current, found)
-        if side != 0:
-            end = course.collision(current, found, previous, side)
-            if end is None:
-                step = 0.25 * abs(found.p - current.p)
-                continue
+        met = course.meeting(current, found, previous)
+        if isinstance(met, float):
+            step = met
+            continue
+        end = met or course.ending(current, found, previous)
+        if end is not None:
             yield end
-            return
-        ending = course.ending(current, found, previous)
-        if ending is not None:
-            yield ending
             return
         yield JumpPoint(edge=found.whole)
         if abs(found.p - current.p) > settings.tolerances.edge:
@@ -134,6 +124,18 @@ def follow_jump(
         speed = (current.x - previous.x) / (current.p - previous.p) if current is not first else 0.0
         step = min(1.5 * step, settings.max_step / math.hypot(1.0, speed))
     yield JumpPoint(edge=current.whole, kind=PointKind.EP, note="limit on the number of points")
+
+
+def _begun(
+    labelled_map: LabelledMap, start: Edge | Jump, settings: Settings, order: int
+) -> tuple[_Course, Jump]:
+    """How a jump is followed, and the jump itself with its orbits."""
+    first = start if isinstance(start, Jump) else jump_of(labelled_map, start, order)
+    if first is None:  # it is not one of P_1, as far as rounding can tell
+        labelled_map, order = iterate(labelled_map, order), 1
+        assert isinstance(start, Edge)
+        first = _made(labelled_map, (), (), start, 1)
+    return _Course(labelled_map, settings, first, order), first
 
 
 # --- The orbits of a jump -------------------------------------------------------------------------
@@ -483,15 +485,18 @@ class _Course:
             return JumpPoint(edge=whole, kind=PointKind.EP, note="end of the parameter span")
         return None
 
-    def collision(self, a: Jump, b: Jump, before: Jump, side: int) -> JumpPoint | None:
-        """Where the limit on one side meets the diagonal between two points of the branch.
+    def meeting(self, a: Jump, b: Jump, before: Jump) -> JumpPoint | float | None:
+        """Where a limit meets the diagonal between two points of the branch, if one does.
 
-        None if it does so among other words that lie between them.
+        If it does so among other words that lie between them: how far to go first.
         """
+        side = _collided(a, b)
+        if side == 0:
+            return None
         met = self.locate(a, b, before, lambda jump: _distance(jump, side))
         tolerances = self.settings.tolerances
         if abs(_distance(met, side)) > tolerances.jump and abs(b.p - a.p) > tolerances.edge:
-            return None
+            return 0.25 * abs(b.p - a.p)
         return JumpPoint(edge=met.whole, kind=PointKind.BC, side=side)
 
     def locate(self, a: Jump, b: Jump, before: Jump, measure: Callable[[Jump], float]) -> Jump:
