@@ -8,6 +8,10 @@ them the impulses are linear in the velocities ``free`` without impulses and in 
 
 and the coefficients depend on masses, geometry and friction only. So they are found once, by
 elimination, and an impact multiplies.
+
+Friction is bounded by |Lambda_T| <= F Lambda_N with a matrix F, equality where a contact slides.
+Coulomb's law contact by contact has F = diag(mu); in the expansion the paper's law has
+F = mu (1, 1), the sum of both normal impulses (:class:`woodpecker.toy.ExpansionFriction`).
 """
 
 from __future__ import annotations
@@ -27,13 +31,15 @@ SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-defici
 # is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
 
 
-def case_table(delassus: Floats, mu: Floats) -> Floats:
+def case_table(delassus: Floats, friction: Floats) -> Floats:
     """Impulses of all index combinations of two contacts.
 
     Parameters
     ----------
     delassus
-        (4, 4), (N, T) of each contact in turn; ``mu`` is (2,).
+        (4, 4), (N, T) of each contact in turn.
+    friction
+        (2, 2), the matrix F.
 
     Returns
     -------
@@ -42,12 +48,12 @@ def case_table(delassus: Floats, mu: Floats) -> Floats:
         contact, row after row; nan if the combination is rank-deficient.
     """
     table = np.empty((36, 24))
-    _fill(delassus, mu, table)
+    _fill(delassus, friction, table)
     return table
 
 
 @jit
-def _fill(delassus: Floats, mu: Floats, table: Floats) -> None:
+def _fill(delassus: Floats, friction: Floats, table: Floats) -> None:
     system = np.empty((4, 10))  # Lambda on one side, (free, floor) on the other
     for index in range(36):
         system[:, :] = 0.0
@@ -67,7 +73,9 @@ def _fill(delassus: Floats, mu: Floats, table: Floats) -> None:
                 system[row_t, 4 + row_t] = -1.0
             else:
                 system[row_t, row_t] = 1.0
-                system[row_t, row_n] = mu[k] if case % 3 == FORWARD else -mu[k]
+                for j in range(2):
+                    bound = friction[k, j]
+                    system[row_t, 2 * j] = bound if case % 3 == FORWARD else -bound
         regular = _eliminate(system)
         for i in range(4):
             for j in range(6):

@@ -7,6 +7,10 @@ Lambda with
     0 <= g_N  perp  Lambda_N - floor >= 0      (floor = 0, or eps_N Lambda_NC in expansion),
     |Lambda_T| <= mu Lambda_N,  Lambda_T = -mu Lambda_N sign(g_T) where g_T != 0.
 
+In the expansion of an impact at two contacts the paper's law bounds |Lambda_T| by mu times the sum
+of both normal impulses, Coulomb's law contact by contact does not
+(:class:`woodpecker.toy.ExpansionFriction`).
+
 With one contact the six index combinations have closed forms; with two, all 36 are tried from a
 table of :mod:`woodpecker.cases`. Either way a missing solution or a second one is seen.
 :mod:`woodpecker.lcp` solves the same problem by Lemke's method for any number of contacts and is
@@ -33,6 +37,7 @@ from woodpecker.modes import (
     CONTACT,
     DELASSUS,
     EPS,
+    EXPANSION,
     FORCE,
     LEVER,
     MU,
@@ -40,6 +45,7 @@ from woodpecker.modes import (
     RESPONSE_N,
     RESPONSE_T,
     SIGN,
+    SUMMED,
     TANGENT,
 )
 
@@ -159,8 +165,8 @@ def lent_pair(pair: Pair) -> Pair:
 
 @jit
 def two_contacts(
-    table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, floor: Floats,
-    feeds: Ints, cases: Ints, impulse: Floats, pair: Pair,
+    table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, coupling: float,
+    floor: Floats, feeds: Ints, cases: Ints, impulse: Floats, pair: Pair,
 ) -> int:  # fmt: skip
     """Try every index combination of two contacts.
 
@@ -170,6 +176,9 @@ def two_contacts(
         Impulses of the index combinations, see :mod:`woodpecker.cases`, from row ``first`` on.
     delassus
         (4, 4), (N, T) of each contact in turn; free is (4,), mu and floor are (2,).
+    coupling
+        What the other contact's normal impulse adds to the bound of friction, in units of mu: 0,
+        or 1 for the sum. The table is made for it.
     feeds
         (2,) nonzero where the normal impulse itself matters afterwards (it feeds the expansion).
     cases
@@ -198,10 +207,12 @@ def two_contacts(
         p, v = impulses[count], velocities[count]
         impulse_of(table, first + index, free, floor, p)
         velocity_of(index, delassus, free, p, v)
-        worst = _violation(index % 6, p[0], p[1], v[0], v[1], mu[0], floor[0], scale_v, scale_i)
+        bound = mu[0] * (p[0] + coupling * p[2])
+        worst = _violation(index % 6, p[0], p[1], v[0], v[1], bound, floor[0], scale_v, scale_i)
         if worst <= SLACK:
+            bound = mu[1] * (p[2] + coupling * p[0])
             second = _violation(
-                index // 6, p[2], p[3], v[2], v[3], mu[1], floor[1], scale_v, scale_i
+                index // 6, p[2], p[3], v[2], v[3], bound, floor[1], scale_v, scale_i
             )
             worst = max(worst, second)
         if worst <= SLACK:
@@ -233,13 +244,13 @@ def two_contacts(
 
 @jit
 def _violation(
-    case: int, p_n: float, p_t: float, v_n: float, v_t: float, mu: float, floor: float,
+    case: int, p_n: float, p_t: float, v_n: float, v_t: float, bound: float, floor: float,
     scale_v: float, scale_i: float,
 ) -> float:  # fmt: skip
     """Largest relative violation of the inequalities of one contact; inf for no impulses at all."""
     normal = (floor - p_n) / scale_i if case // 3 == REST else -v_n / scale_v
     if case % 3 == HOLD:
-        tangential = (abs(p_t) - mu * p_n) / scale_i
+        tangential = (abs(p_t) - bound) / scale_i
     else:
         tangential = (-v_t if case % 3 == FORWARD else v_t) / scale_v
     if not (normal <= SLACK and tangential <= SLACK):
@@ -407,7 +418,9 @@ def _double_impact(
         free[2 * k], free[2 * k + 1] = rates(model, i, z)
         floor[k] = 0.0
     table = PAIR + 36 * (contacts[1] - 1)
-    outcome = two_contacts(model, table, delassus, free, mu, floor, feeds, first, impulses[0], pair)
+    outcome = two_contacts(
+        model, table, delassus, free, mu, 0.0, floor, feeds, first, impulses[0], pair
+    )
     if outcome in (NO_SOLUTION, AMBIGUOUS):
         return outcome
     begun = first[0, 0] + 6 * first[0, 1]
@@ -420,8 +433,9 @@ def _double_impact(
         feeds[k] = 0
     if expands:
         status = two_contacts(
-            model, table, delassus, middle, mu, floor, feeds, second, impulses[1], pair
-        )
+            model, table + EXPANSION, delassus, middle, mu, model[FORCE, SUMMED], floor, feeds,
+            second, impulses[1], pair,
+        )  # fmt: skip
         if status != SOLVED:
             return status
         for k in range(2):
@@ -443,7 +457,7 @@ def _double_impact(
                 dfloor = seed[m, contacts[k]] * impulses[0, 2 * k]
                 floor[k] = eps[k] * change[2 * k] + dfloor
             velocity_of(begun, delassus, free, change, middle)
-            impulse_of(model, table + case[0] + 6 * case[1], middle, floor, more)
+            impulse_of(model, table + EXPANSION + case[0] + 6 * case[1], middle, floor, more)
         for k in range(2):
             p_n, p_t = change[2 * k] + more[2 * k], change[2 * k + 1] + more[2 * k + 1]
             _kick(model, contacts[k], p_n, p_t, tangents[m])

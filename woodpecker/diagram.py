@@ -222,8 +222,8 @@ def _about(toy: Toy, parameter: str, settings: Settings) -> Entry:
     return {"toy": _finite(fixed), "parameter": parameter, "settings": asdict(settings)}
 
 
-def _finite(values: dict[str, float]) -> Entry:
-    return {name: str(value) if math.isinf(value) else value for name, value in values.items()}
+def _finite(values: Entry) -> Entry:
+    return {name: str(value) if value == math.inf else value for name, value in values.items()}
 
 
 @contextmanager

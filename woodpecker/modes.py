@@ -28,7 +28,7 @@ from woodpecker.mechanics import (
     normal_directions,
     tangential_directions,
 )
-from woodpecker.toy import Toy
+from woodpecker.toy import ExpansionFriction, Toy
 
 
 class Contact(IntEnum):
@@ -48,10 +48,11 @@ CONTACT = 28  # one row per contact:
 LIMIT, MU, EPS, TANGENT, RESPONSE_N, RESPONSE_T = 0, 1, 2, 3, 6, 9
 # the gap over its lever arm is LIMIT + SIGN * angle; responses are M^-1 w_N and M^-1 w_T
 DELASSUS = 31  # rows and columns N1, T1, N2, T2, N3, T3 of W^T M^-1 W
-FORCE = 37  # h_0, h_1, then the length of the pole, then the lever arms of the gaps
-POLE, LEVER = 6, 7
-PAIR = 38  # impulses of the beak with contact 2, then with contact 3: 36 index combinations each
-SHAPE = (110, 29)
+FORCE = 37  # h_0, h_1, the length of the pole, the lever arms of the gaps, the law of expansion
+POLE, LEVER, SUMMED = 6, 7, 10  # SUMMED: 1 or 0, see toy.ExpansionFriction
+PAIR = 38  # impulses of the beak with contact 2, then with contact 3: 36 index combinations each,
+EXPANSION = 72  # in compression; so many rows further on the same in expansion
+SHAPE = (182, 29)
 
 SIGN = (-1.0, 1.0, -1.0)  # how the angle enters the gap of contacts 1, 2, 3
 ANGLE = (2, 1, 1)  # which coordinate closes it: phi_S, phi_M, phi_M
@@ -79,7 +80,7 @@ def consistent(states: tuple[int, ...]) -> bool:
 
 
 def model(toy: Toy) -> Floats:
-    """All numbers the kernel needs, shape (110, 29); a copy, to be changed at will."""
+    """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will."""
     return _bouncing(toy).copy()
 
 
@@ -97,6 +98,7 @@ def _plastic(toy: Toy) -> Floats:
     normal: Floats = np.array(normal_directions(toy))
     tangent: Floats = np.array(tangential_directions(toy))
     mu, lever = np.array([toy.mu_1, toy.mu_2, toy.mu_3]), np.array([toy.h_s, toy.h_m, toy.h_m])
+    summed = 1.0 if toy.expansion_friction == ExpansionFriction.SUMMED else 0.0
     numbers = np.full(SHAPE, np.nan)
     for index in range(MODES):
         states = mode_states(index)
@@ -114,9 +116,13 @@ def _plastic(toy: Toy) -> Floats:
     numbers[DELASSUS : DELASSUS + 6, :6] = directions @ responses.T
     for k in (1, 2):
         chosen = [0, 1, 2 * k, 2 * k + 1]
-        table = case_table((directions @ responses.T)[np.ix_(chosen, chosen)], mu[[0, k]])
-        numbers[PAIR + 36 * (k - 1) : PAIR + 36 * k, : table.shape[1]] = table
+        delassus = (directions @ responses.T)[np.ix_(chosen, chosen)]
+        for phase, coupling in enumerate((0.0, summed)):
+            friction = mu[[0, k], None] * np.where(np.eye(2) == 1.0, 1.0, coupling)
+            table, row = case_table(delassus, friction), PAIR + 36 * (k - 1) + EXPANSION * phase
+            numbers[row : row + 36, : table.shape[1]] = table
     numbers[FORCE, :6], numbers[FORCE, POLE] = forces.T.ravel(), toy.pole
+    numbers[FORCE, SUMMED] = summed
     numbers[FORCE, LEVER : LEVER + 3] = lever
     return numbers
 

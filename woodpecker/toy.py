@@ -7,6 +7,8 @@ import math
 import numbers
 from dataclasses import dataclass
 from decimal import Decimal
+from enum import StrEnum
+from typing import Any, Literal
 
 _POSITIVE = (
     *("m_m", "j_m", "m_s", "j_s", "g", "r_0", "r_m"),
@@ -14,6 +16,17 @@ _POSITIVE = (
 )
 _FRICTION = ("mu_1", "mu_2", "mu_3")
 _RESTITUTION = ("eps_n1", "eps_n2", "eps_n3")
+
+
+class ExpansionFriction(StrEnum):
+    """What bounds friction in the expansion of an impact at two contacts 1 and k.
+
+    The paper prints no contact problem. That its program used the sum is inferred: the paper's
+    Figures 8 to 11 follow from it, and not from Coulomb's law contact by contact.
+    """
+
+    SUMMED = "summed"  # |Lambda_TE,i| <= mu_i (Lambda_NE,1 + Lambda_NE,k), equality where i slides
+    SEPARATE = "separate"  # |Lambda_TE,i| <= mu_i Lambda_NE,i: Coulomb's law contact by contact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +60,9 @@ class Toy:
         Normal restitution coefficients [-], in [0, 1].
     pole
         Length of the pole below the start [m]; infinite unless given.
+    expansion_friction
+        ``"summed"`` or ``"separate"``: what bounds friction in the expansion of an impact at two
+        contacts, see :class:`ExpansionFriction`. All else is the same under both.
 
     Raises
     ------
@@ -76,13 +92,22 @@ class Toy:
     eps_n2: float = 0.0
     eps_n3: float = 0.0
     pole: float = math.inf
+    expansion_friction: ExpansionFriction | Literal["summed", "separate"] = ExpansionFriction.SUMMED
 
     def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
+        for name in parameters():
+            value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, numbers.Real | Decimal):
-                raise TypeError(f"{field.name} must be a real number, got {value!r}")
-            object.__setattr__(self, field.name, float(value))
+                raise TypeError(f"{name} must be a real number, got {value!r}")
+            object.__setattr__(self, name, float(value))
+        try:
+            law = ExpansionFriction(self.expansion_friction)
+        except ValueError:
+            raise ValueError(
+                "expansion_friction must be 'summed' or 'separate', "
+                f"got {self.expansion_friction!r}"
+            ) from None
+        object.__setattr__(self, "expansion_friction", law)
         for name in _POSITIVE:
             value = getattr(self, name)
             if not (value > 0.0 and (math.isfinite(value) or name == "pole")):
@@ -106,10 +131,11 @@ class Toy:
                 f"{self.l_m + self.l_g} and {self.l_s + self.r_0}"
             )
 
-    def replace(self, **changes: float) -> Toy:
-        """Copy with some parameters changed; TypeError names an unknown parameter."""
+    def replace(self, **changes: Any) -> Toy:
+        """Copy with some values changed; TypeError names an unknown one."""
         for name in changes:
-            known_parameter(name)
+            if name != LAW:
+                known_parameter(name)
         return dataclasses.replace(self, **changes)
 
     @property
@@ -123,9 +149,12 @@ class Toy:
         return (self.l_m + self.l_g - self.l_s - self.r_0) / self.h_s
 
 
+LAW = "expansion_friction"
+
+
 def parameters() -> tuple[str, ...]:
-    """Names of the toy's parameters."""
-    return tuple(field.name for field in dataclasses.fields(Toy))
+    """Names of the toy's parameters: all of its numbers."""
+    return tuple(field.name for field in dataclasses.fields(Toy) if field.name != LAW)
 
 
 def known_parameter(name: str) -> str:
