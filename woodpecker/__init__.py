@@ -33,7 +33,7 @@ from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot, toy_map, toy_samples
 from woodpecker.status import Status
 from woodpecker.tolerances import Tolerances
-from woodpecker.toy import Toy, parameters
+from woodpecker.toy import ExpansionFriction, Toy, parameters
 from woodpecker.trajectory import (
     EnergyBalance,
     Event,
@@ -52,6 +52,7 @@ __all__ = [
     "Evaluation",
     "Event",
     "EventKind",
+    "ExpansionFriction",
     "Found",
     "Impulse",
     "JumpPoint",

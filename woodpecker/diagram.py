@@ -61,8 +61,8 @@ def continuation(
     Returns
     -------
     Diagram
-        Fixed-point and jump branches of P_order with their special points; ``given`` says how
-        derivatives in the parameter were found.
+        Fixed-point and jump branches of P_order with their special points; ``given`` says
+        under which law of impact, and how derivatives in the parameter were found.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def continuation(
             labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s",
             progress=progress, journal=journal,
         )  # fmt: skip
-    return replace(found, given=(_derivatives(parameter),))
+    return replace(found, given=_given(toy.expansion_friction, parameter))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -157,8 +157,8 @@ def bifurcation_diagram(
     Returns
     -------
     Diagram
-        Fixed points of P_j are listed with their minimal period only; ``given`` says how
-        derivatives in the parameter were found.
+        Fixed points of P_j are listed with their minimal period only; ``given`` says
+        under which law of impact, and how derivatives in the parameter were found.
 
     Raises
     ------
@@ -202,18 +202,19 @@ def find_all(
             labelled_map, samples, chosen, wanted, looked, parameter_name=parameter,
             x_name="phi_s", progress=progress, workers=workers, journal=journal,
         )  # fmt: skip
-    return replace(found, diagram=replace(found.diagram, given=(_derivatives(parameter),)))
+    given = _given(toy.expansion_friction, parameter)
+    return replace(found, diagram=replace(found.diagram, given=given))
 
 
 def _middle(interval: tuple[float, float]) -> float:
     return 0.5 * (interval[0] + interval[1])
 
 
-def _derivatives(parameter: str) -> str:
-    """How the derivatives in a parameter were found, for the diagram to say."""
+def _given(law: str, parameter: str) -> tuple[str, str]:
+    """Under which law, and how derivatives in the parameter were found, for the diagram to say."""
     exact = parameter in RESTITUTIONS
     way = "the variational flow" if exact else "central differences of the return map"
-    return f"derivatives in {parameter}: {way}"
+    return f"friction in the expansion: {law}", f"derivatives in {parameter}: {way}"
 
 
 def _about(toy: Toy, parameter: str, settings: Settings) -> Entry:
@@ -253,7 +254,8 @@ def saved_diagram(run: Path) -> Diagram:
     atlas = Atlas()
     restore(atlas, entries)
     found = atlas.diagram(about["parameter"], "phi_s")
-    return replace(found, given=(_derivatives(about["parameter"]),))
+    law = str(about["toy"]["expansion_friction"])
+    return replace(found, given=_given(law, about["parameter"]))
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:
