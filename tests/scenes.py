@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from woodpecker import kernel
 from woodpecker.arrays import Codes, Floats, Ints
-from woodpecker.modes import model
+from woodpecker.modes import FIXED, model
 from woodpecker.toy import Toy
 from woodpecker.words import word
 
@@ -70,7 +70,7 @@ def run(
     phases = np.zeros((limit + 1, kernel.PHASE_COLUMNS))
     events = np.zeros((limit, kernel.EVENT_COLUMNS))
     code = kernel.run(
-        model(toy), state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end, codes,
+        model(toy), FIXED, state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end, codes,
         phases, events, counts,
     )  # fmt: skip
     return Run(

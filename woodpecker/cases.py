@@ -48,12 +48,13 @@ def case_table(delassus: Floats, friction: Floats) -> Floats:
         contact, row after row; nan if the combination is rank-deficient.
     """
     table = np.empty((36, 24))
-    _fill(delassus, friction, table)
+    fill_cases(delassus, friction, table)
     return table
 
 
 @jit
-def _fill(delassus: Floats, friction: Floats, table: Floats) -> None:
+def fill_cases(delassus: Floats, friction: Floats, table: Floats) -> None:
+    """Write the coefficients of :func:`case_table` into the first 24 columns of a table."""
     system = np.empty((4, 10))  # Lambda on one side, (free, floor) on the other
     for index in range(36):
         system[:, :] = 0.0

@@ -25,13 +25,12 @@ of the segment, the one choice that prefers no contact.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.arrays import Floats, Ints
 from woodpecker.cases import FORWARD, FREE, HOLD, REST, impulse_of
-from woodpecker.compiled import borrowed, jit
+from woodpecker.compiled import jit
 from woodpecker.modes import (
     ANGLE,
     CONTACT,
@@ -47,6 +46,7 @@ from woodpecker.modes import (
     SIGN,
     SUMMED,
     TANGENT,
+    fill_pair,
 )
 
 # Outcome of a contact problem.
@@ -119,48 +119,42 @@ def one_contact(
     return NO_SOLUTION, UNSOLVED, 0.0, 0.0
 
 
-class Pair(NamedTuple):
-    """Small arrays for an impact at two contacts, (N, T) of each contact in turn.
+PAIR_ROOM = np.dtype(
+    (
+        np.record,
+        [
+            ("delassus", "f8", (4, 4)),
+            ("mu", "f8", (2,)),
+            ("eps", "f8", (2,)),
+            ("feeds", "i8", (2,)),
+            ("floor", "f8", (2,)),
+            ("free", "f8", (4,)),
+            ("middle", "f8", (4,)),  # velocities between the phases
+            ("first", "i8", (2, 2)),  # combinations of the compression
+            ("second", "i8", (2, 2)),  # and of the expansion
+            ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
+            ("changes", "f8", (2, 4)),  # impulses along a tangent
+            ("found", "i8", (36,)),  # combinations that hold
+            ("violations", "f8", (36,)),
+            ("impulses", "f8", (36, 4)),
+            ("velocities", "f8", (36, 4)),
+            ("sizes", "f8", (4,)),  # of the terms of the velocities
+        ],
+    )
+)
+"""Room for an impact at two contacts, (N, T) of each contact in turn.
 
-    To make them anew would cost more than to fill them; all entries are overwritten each time.
-    """
+One record, because compiled code passes it by its address: arrays of their own take longer to make,
+and to pass, than the arithmetic. All entries are overwritten each time.
+"""
 
-    delassus: Floats  # (4, 4)
-    mu: Floats  # (2,)
-    eps: Floats  # (2,)
-    feeds: Ints  # (2,)
-    floor: Floats  # (2,)
-    free: Floats  # (4,)
-    middle: Floats  # (4,) velocities between the phases
-    first: Ints  # (2, 2) combinations of the compression
-    second: Ints  # (2, 2) and of the expansion
-    changes: Floats  # (3, 4) impulses along a tangent
-    found: Ints  # (36,) combinations that hold
-    violations: Floats  # (36,)
-    impulses: Floats  # (36, 4)
-    velocities: Floats  # (36, 4)
+Pair = np.record  # of PAIR_ROOM
 
 
-@jit
 def make_pair() -> Pair:
-    """Room for impacts at two contacts."""
-    return Pair(
-        np.empty((4, 4)), np.empty(2), np.empty(2), np.empty(2, dtype=np.int64), np.empty(2),
-        np.empty(4), np.empty(4), np.empty((2, 2), dtype=np.int64),
-        np.empty((2, 2), dtype=np.int64), np.empty((3, 4)), np.empty(36, dtype=np.int64),
-        np.empty(36), np.empty((36, 4)), np.empty((36, 4)),
-    )  # fmt: skip
-
-
-@jit
-def lent_pair(pair: Pair) -> Pair:
-    """The same for functions that do not outlive it."""
-    return Pair(
-        borrowed(pair.delassus), borrowed(pair.mu), borrowed(pair.eps), borrowed(pair.feeds),
-        borrowed(pair.floor), borrowed(pair.free), borrowed(pair.middle), borrowed(pair.first),
-        borrowed(pair.second), borrowed(pair.changes), borrowed(pair.found),
-        borrowed(pair.violations), borrowed(pair.impulses), borrowed(pair.velocities),
-    )  # fmt: skip
+    """Room for impacts at two contacts, for those who call :func:`impact` from outside."""
+    pair: Pair = np.zeros(1, dtype=PAIR_ROOM)[0]
+    return pair
 
 
 @jit
@@ -193,27 +187,16 @@ def two_contacts(
     SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
     they give the same velocities but different normal impulses where these matter.
     """
-    scale_v, scale_i = 1e-300, 1e-300
-    for i in range(4):
-        scale_v = max(scale_v, abs(free[i]))
-        scale_i = max(scale_i, abs(free[i]) / delassus[i, i])
-    for k in range(2):
-        scale_i = max(scale_i, floor[k])
-        scale_v = max(scale_v, floor[k] * delassus[2 * k, 2 * k])
     found, violations = pair.found, pair.violations
-    impulses, velocities = pair.impulses, pair.velocities
+    impulses, velocities, sizes = pair.impulses, pair.velocities, pair.sizes
     count = 0
     for index in range(36):
         p, v = impulses[count], velocities[count]
         impulse_of(table, first + index, free, floor, p)
         velocity_of(index, delassus, free, p, v)
-        bound = mu[0] * (p[0] + coupling * p[2])
-        worst = _violation(index % 6, p[0], p[1], v[0], v[1], bound, floor[0], scale_v, scale_i)
+        worst = _violation(index % 6, 0, delassus, free, mu[0], coupling, floor, p, v)
         if worst <= SLACK:
-            bound = mu[1] * (p[2] + coupling * p[0])
-            second = _violation(
-                index // 6, p[2], p[3], v[2], v[3], bound, floor[1], scale_v, scale_i
-            )
+            second = _violation(index // 6, 1, delassus, free, mu[1], coupling, floor, p, v)
             worst = max(worst, second)
         if worst <= SLACK:
             found[count], violations[count] = index, worst
@@ -224,13 +207,16 @@ def two_contacts(
     for s in range(1, count):
         if violations[s] < violations[best]:
             best = s
+    for i in range(4):
+        sizes[i] = _size(i, delassus, free, impulses[best])
     status = SOLVED
     for s in range(count):
         for i in range(4):
-            if abs(velocities[s, i] - velocities[best, i]) > SAME * scale_v:
+            if abs(velocities[s, i] - velocities[best, i]) > SAME * sizes[i]:
                 return AMBIGUOUS
         for k in range(2):
-            if feeds[k] and abs(impulses[s, 2 * k] - impulses[best, 2 * k]) > SAME * scale_i:
+            apart = abs(impulses[s, 2 * k] - impulses[best, 2 * k])
+            if feeds[k] and apart > SAME * _largest(impulses[best]):
                 status = INDETERMINATE
     low = high = best
     if status == INDETERMINATE:
@@ -244,18 +230,50 @@ def two_contacts(
 
 @jit
 def _violation(
-    case: int, p_n: float, p_t: float, v_n: float, v_t: float, bound: float, floor: float,
-    scale_v: float, scale_i: float,
+    case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
+    p: Floats, v: Floats,
 ) -> float:  # fmt: skip
-    """Largest relative violation of the inequalities of one contact; inf for no impulses at all."""
-    normal = (floor - p_n) / scale_i if case // 3 == REST else -v_n / scale_v
-    if case % 3 == HOLD:
-        tangential = (abs(p_t) - bound) / scale_i
+    """Largest violation of the inequalities of contact k (0 or 1); inf for no impulses at all.
+
+    Each is relative to the terms that rounding was made in, so that a slow impact of a contact
+    that slides fast is judged by its own velocities.
+    """
+    n, t = 2 * k, 2 * k + 1
+    if case // 3 == REST:
+        normal = floor[k] - p[n]
+        if normal > 0.0:
+            normal /= max(_largest(p), floor[k])
     else:
-        tangential = (-v_t if case % 3 == FORWARD else v_t) / scale_v
+        normal = -v[n]
+        if normal > 0.0:
+            normal /= _size(n, delassus, free, p)
+    if case % 3 == HOLD:
+        bound = mu * (p[n] + coupling * p[2 - n])
+        tangential = abs(p[t]) - bound
+        if tangential > 0.0:
+            tangential /= _largest(p)
+    else:
+        tangential = -v[t] if case % 3 == FORWARD else v[t]
+        if tangential > 0.0:
+            tangential /= _size(t, delassus, free, p)
     if not (normal <= SLACK and tangential <= SLACK):
         return math.inf
-    return max(0.0, normal, tangential)
+    return float(max(0.0, normal, tangential))
+
+
+@jit
+def _size(i: int, delassus: Floats, free: Floats, p: Floats) -> float:
+    """Sum of the moduli of the terms of a velocity."""
+    total = abs(free[i])
+    for j in range(4):
+        total += abs(delassus[i, j] * p[j])
+    return float(total)
+
+
+@jit
+def _largest(p: Floats) -> float:
+    """Largest modulus of an impulse."""
+    return float(max(abs(p[0]), abs(p[1]), abs(p[2]), abs(p[3])))
 
 
 @jit
@@ -305,14 +323,26 @@ def _mark(first: int, second: int, expands: bool, floor: float) -> int:
 
 
 @jit
+def halts(mark: int) -> bool:
+    """Whether a contact with this mark sticks at the end of the compression or of the expansion."""
+    return mark % 3 == 1 or mark // 3 % 2 == 1
+
+
+@jit
 def impact(
-    model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
-    impulses: Floats, marks: Ints, pair: Pair,
+    model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
+    case: Ints, impulses: Floats, marks: Ints, pair: Pair,
 ) -> int:  # fmt: skip
     """Poisson impact with Coulomb friction: compression, then expansion.
 
+    Derivatives need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at
+    contacts that slide, the derivative of Lambda solves the same equations as Lambda with
+    d(free) + dG Lambda + G_T tau for free and tau = -+dF Lambda_N added to its tangential part.
+
     Parameters
     ----------
+    change
+        Derivative of the model along the last tangent, or of length 0 if it stays.
     contacts
         (n,) the one or two contacts (0-based) with zero gap, ascending.
     z, tangents
@@ -326,9 +356,13 @@ def impact(
         Room for an impact at two contacts.
     """
     if len(contacts) == 1:
-        status = _single_impact(model, contacts[0], z, tangents, seed, case, impulses, marks)
+        status = _single_impact(
+            model, change, contacts[0], z, tangents, seed, case, impulses, marks
+        )
     else:
-        status = _double_impact(model, contacts, z, tangents, seed, case, impulses, marks, pair)
+        status = _double_impact(
+            model, change, contacts, z, tangents, seed, case, impulses, marks, pair
+        )
     if status in (SOLVED, INDETERMINATE):
         _clear(model, contacts, case, z)
         for m in range(len(tangents)):
@@ -338,6 +372,8 @@ def impact(
                 if seed[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
                     bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
             _clear(model, contacts, case, tangents[m])
+            if len(change) > 0 and m == len(tangents) - 1:
+                _clear_change(change, contacts, case, z, tangents[m])
             if bounce != 0.0:  # a larger eps_N makes this contact bounce
                 tangents[m, 3 + ANGLE[contacts[0]]] = bounce
     return status
@@ -363,7 +399,7 @@ def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
 
 @jit
 def _single_impact(
-    model: Floats, i: int, z: Floats, tangents: Floats, seed: Floats, case: Ints,
+    model: Floats, change: Floats, i: int, z: Floats, tangents: Floats, seed: Floats, case: Ints,
     impulses: Floats, marks: Ints,
 ) -> int:  # fmt: skip
     n, t = DELASSUS + 2 * i, 2 * i
@@ -384,29 +420,60 @@ def _single_impact(
     case[0], marks[0] = second, _mark(first, second, floor > 0.0, floor)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     for m in range(len(tangents)):
+        along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
         dv_n, dv_t = rates(model, i, tangents[m])
-        dc_n, dc_t = one_contact_case(first, g_nn, g_nt, g_tt, dv_n, dv_t, mu, 0.0)
+        if along >= 0:
+            more_n, more_t = rates(change, i, z)
+            dv_n, dv_t = dv_n + more_n, dv_t + more_t
+        dc_n, dc_t, dv_n, dv_t = _one_change(
+            model, change, along, i, first, c_n, c_t, dv_n, dv_t, 0.0
+        )
         dfloor = eps * dc_n + seed[m, i] * c_n
         de_n = de_t = 0.0
         if floor > 0.0 or dfloor != 0.0:
-            dv_n = 0.0 if first // 3 == REST else dv_n
-            dv_t = 0.0 if first % 3 == HOLD else dv_t + g_nt * dc_n + g_tt * dc_t
             case_e = second if floor > 0.0 else 3 * FREE + second % 3
-            de_n, de_t = one_contact_case(case_e, g_nn, g_nt, g_tt, dv_n, dv_t, mu, dfloor)
+            de_n, de_t, _, _ = _one_change(
+                model, change, along, i, case_e, e_n, e_t, dv_n, dv_t, dfloor
+            )
+        if along >= 0:
+            _kick(change, i, c_n + e_n, c_t + e_t, tangents[m])
         _kick(model, i, dc_n + de_n, dc_t + de_t, tangents[m])
     _kick(model, i, c_n + e_n, c_t + e_t, z)
     return SOLVED
 
 
 @jit
+def _one_change(
+    model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
+    free_n: float, free_t: float, floor: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """Derivatives of impulses (N, T) and velocities of one phase, from those of free and floor."""
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    tau = 0.0
+    if along >= 0:
+        if case % 3 != HOLD:
+            dmu = change[CONTACT + i, MU]
+            tau = -dmu * p_n if case % 3 == FORWARD else dmu * p_n
+        free_n += change[n, t] * p_n + change[n, t + 1] * p_t + g_nt * tau
+        free_t += change[n + 1, t] * p_n + change[n + 1, t + 1] * p_t + g_tt * tau
+    d_n, d_t = one_contact_case(
+        case, g_nn, g_nt, g_tt, free_n, free_t, model[CONTACT + i, MU], floor
+    )
+    v_n = 0.0 if case // 3 == REST else free_n + g_nn * d_n + g_nt * d_t
+    v_t = 0.0 if case % 3 == HOLD else free_t + g_nt * d_n + g_tt * d_t
+    return d_n, d_t + tau, v_n, v_t
+
+
+@jit
 def _double_impact(
-    model: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats, case: Ints,
-    impulses: Floats, marks: Ints, pair: Pair,
+    model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
+    case: Ints, impulses: Floats, marks: Ints, pair: Pair,
 ) -> int:  # fmt: skip
     delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
     feeds, free, middle = pair.feeds, pair.free, pair.middle
     first, second = pair.first, pair.second
-    change, part, more = pair.changes[0], pair.changes[1], pair.changes[2]
+    fill_pair(model, contacts[1])
     for a in range(4):
         for b in range(4):
             row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
@@ -445,27 +512,95 @@ def _double_impact(
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
     for m in range(len(tangents)):
-        for k in range(2):
-            free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangents[m])
-        floor[0] = floor[1] = 0.0
-        impulse_of(model, table + begun, free, floor, change)
-        impulse_of(model, table + first[1, 0] + 6 * first[1, 1], free, floor, part)
-        for k in range(4):
-            change[k], more[k] = 0.5 * (change[k] + part[k]), 0.0
-        if expands:
-            for k in range(2):
-                dfloor = seed[m, contacts[k]] * impulses[0, 2 * k]
-                floor[k] = eps[k] * change[2 * k] + dfloor
-            velocity_of(begun, delassus, free, change, middle)
-            impulse_of(model, table + EXPANSION + case[0] + 6 * case[1], middle, floor, more)
-        for k in range(2):
-            p_n, p_t = change[2 * k] + more[2 * k], change[2 * k + 1] + more[2 * k + 1]
-            _kick(model, contacts[k], p_n, p_t, tangents[m])
+        along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
+        _pair_tangent(
+            model, change, along, contacts, z, tangents[m], seed[m], case, impulses, expands, pair
+        )
     for k in range(2):
         p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
         p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
         _kick(model, contacts[k], p_n, p_t, z)
     return outcome
+
+
+@jit
+def _pair_tangent(
+    model: Floats, change: Floats, along: int, contacts: Ints, z: Floats, tangent: Floats,
+    seed: Floats, case: Ints, impulses: Floats, expands: bool, pair: Pair,
+) -> None:  # fmt: skip
+    """Change the velocities of a tangent by what an impact at two contacts does to them.
+
+    An indeterminate compression takes the mean of both ends of its segment.
+    """
+    free, floor, middle, end = pair.free, pair.floor, pair.middle, pair.end
+    total, part = pair.changes[0], pair.changes[1]
+    table = PAIR + 36 * (contacts[1] - 1)
+    for k in range(4):
+        total[k] = 0.0
+    for side in range(1, -1, -1):  # the first end comes last: its velocities go on
+        index = pair.first[side, 0] + 6 * pair.first[side, 1]
+        floor[0] = floor[1] = 0.0
+        if along >= 0:
+            for k in range(2):
+                free[2 * k], free[2 * k + 1] = rates(model, contacts[k], z)
+            impulse_of(model, table + index, free, floor, end)
+        for k in range(2):
+            free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangent)
+            if along >= 0:
+                more_n, more_t = rates(change, contacts[k], z)
+                free[2 * k], free[2 * k + 1] = free[2 * k] + more_n, free[2 * k + 1] + more_t
+        _pair_change(model, change, along, contacts, table, index, 0.0, end, part, middle, pair)
+        for k in range(4):
+            total[k] += 0.5 * part[k]
+    if expands:
+        for k in range(2):
+            dfloor = seed[contacts[k]] * impulses[0, 2 * k]
+            floor[k] = pair.eps[k] * total[2 * k] + dfloor
+            free[2 * k], free[2 * k + 1] = middle[2 * k], middle[2 * k + 1]
+        _pair_change(
+            model, change, along, contacts, table + EXPANSION, case[0] + 6 * case[1],
+            model[FORCE, SUMMED], impulses[1], part, middle, pair,
+        )  # fmt: skip
+        for k in range(4):
+            total[k] += part[k]
+    for k in range(2):
+        if along >= 0:
+            p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
+            p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
+            _kick(change, contacts[k], p_n, p_t, tangent)
+        _kick(model, contacts[k], total[2 * k], total[2 * k + 1], tangent)
+
+
+@jit
+def _pair_change(
+    model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
+    coupling: float, impulse: Floats, out: Floats, velocity: Floats, pair: Pair,
+) -> None:  # fmt: skip
+    """Derivatives of impulses and velocities (4,) of one phase, from those of free and floor.
+
+    ``pair.free`` and ``pair.floor`` hold the latter; ``impulse`` is that of the phase.
+    """
+    free, tau_0, tau_1 = pair.free, 0.0, 0.0
+    if along >= 0:
+        for a in range(4):
+            row = DELASSUS + 2 * contacts[a // 2] + a % 2
+            for b in range(4):
+                free[a] += change[row, 2 * contacts[b // 2] + b % 2] * impulse[b]
+        for k in range(2):
+            case = index // 6 if k else index % 6
+            if case % 3 == HOLD:
+                continue
+            tau = change[CONTACT + contacts[k], MU] * (
+                impulse[2 * k] + coupling * impulse[2 - 2 * k]
+            )
+            tau = -tau if case % 3 == FORWARD else tau
+            for a in range(4):
+                free[a] += pair.delassus[a, 2 * k + 1] * tau
+            tau_0, tau_1 = (tau_0, tau) if k else (tau, tau_1)
+    impulse_of(model, table + index, free, pair.floor, out)
+    velocity_of(index, pair.delassus, free, out, velocity)
+    out[1] += tau_0
+    out[3] += tau_1
 
 
 @jit
@@ -477,6 +612,14 @@ def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
     for k in range(len(contacts)):
         if case[k] % 3 == HOLD:
             hold(model, contacts[k], z)
+
+
+@jit
+def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
+    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it."""
+    for k in range(len(contacts)):
+        if case[k] % 3 == HOLD:
+            tangent[3] -= rates(change, contacts[k], z)[1]
 
 
 @jit

@@ -23,6 +23,8 @@ CLOCK = 0.01  # a swing that doubles resolve worse than this is too far away to 
 TERMS = 9  # the first one left out is below 1e-20
 SERIES_3 = tuple(1.0 / math.factorial(2 * n + 3) for n in reversed(range(TERMS)))
 SERIES_4 = tuple(1.0 / math.factorial(2 * n + 4) for n in reversed(range(TERMS)))
+SERIES_5 = tuple(1.0 / math.factorial(2 * n + 5) for n in reversed(range(TERMS)))
+SERIES_6 = tuple(1.0 / math.factorial(2 * n + 6) for n in reversed(range(TERMS)))
 
 
 @jit
@@ -50,6 +52,28 @@ def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, 
     s1 = 2.0 * s * c / omega
     s2 = 2.0 * (s / omega) * (s / omega)
     return c0, s1, s2, (s1 - t) / kappa, (s2 - 0.5 * t * t) / kappa
+
+
+@jit
+def stumpff_rates(
+    kappa: float, t: float, s1: float, s2: float, s3: float, s4: float
+) -> tuple[float, float, float]:
+    """Derivatives of t^2 c2, t^3 c3, t^4 c4 in kappa, from s_k = t^k c_k.
+
+    d s_k / d kappa = (t s_(k-1) - k s_k) / (2 kappa) = (t s_(k+1) - k s_(k+2)) / 2, by
+    2 x c_k'(x) = c_(k-1) - k c_k and c_k = 1/k! + x c_(k+2); the second form where the first
+    cancels.
+    """
+    x = kappa * t * t
+    if abs(x) < 1.0:
+        c5, c6 = SERIES_5[0], SERIES_6[0]
+        for n in range(1, TERMS):
+            c5 = SERIES_5[n] + c5 * x
+            c6 = SERIES_6[n] + c6 * x
+        s5, s6 = t**5 * c5, t**6 * c6
+        return 0.5 * (t * s3 - 2.0 * s4), 0.5 * (t * s4 - 3.0 * s5), 0.5 * (t * s5 - 4.0 * s6)
+    half = 0.5 / kappa
+    return half * (t * s1 - 2.0 * s2), half * (t * s2 - 3.0 * s3), half * (t * s3 - 4.0 * s4)
 
 
 @jit

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -23,16 +23,15 @@ from woodpecker.contact import (
     INDETERMINATE,
     MARKS,
     NO_SOLUTION,
+    PAIR_ROOM,
     SOLVED,
-    Pair,
+    halts,
     hold,
     impact,
-    lent_pair,
-    make_pair,
     rates,
     rest_is_possible,
 )
-from woodpecker.guards import first_root, stumpff
+from woodpecker.guards import first_root, stumpff, stumpff_rates
 from woodpecker.modes import (
     ALPHA,
     ANGLE,
@@ -73,52 +72,45 @@ OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = 0, 1, 2, 3
 
 CHATTER = 1e-9  # relative size of a bounce below which the rest of its geometric series is summed:
 # the neglected second order is its square, below rounding
+COLLAPSED = 1e-15  # angle of the free swing within which impacts of two contacts in turns must have
+# ended: what they still do to the velocities is about that part of them
+UNNAMED = 1e-7  # the same, below which they are not named: other orders change values by less than
+# Tolerances.jump, and there are infinitely many
 PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
 EVENT_COLUMNS = 16  # t, code, u before, u after, impulses (N, T) x (beak, sleeve) of both phases
 
 
-class Room(NamedTuple):
-    """Small arrays of a run; m is the number of tangents.
+ROOM = np.dtype(
+    (
+        np.record,
+        [
+            ("slips", "i8", (3,)),  # signs of the tangential velocities
+            ("stopped", "i8", (3,)),  # nonzero where the last impact stopped the slip, in any phase
+            ("gaps", "f8", (3,)),  # of the contacts, over their lever arms
+            ("work", "f8", (7,)),  # a state
+            ("event", "f8", (EVENT_COLUMNS,)),
+            ("bounce", "i8", (3,)),  # the last: contact, symbols; symbols before unnamed ones
+            ("mark", "f8", (8,)),  # its state and its speed
+            ("closed", "i8", (3,)),  # contacts that touch and stay
+            ("before", "i8", (3,)),  # states before an event
+            ("touching", "i8", (2,)),  # contacts with zero gap
+            ("case", "i8", (2,)),  # their index combinations
+            ("marks", "i8", (2,)),  # see contact.MARKS
+            ("impulses", "f8", (2, 4)),
+            ("trial", "i8", (3,)),  # states that are tried
+            ("pair", PAIR_ROOM),
+        ],
+    )
+)
+"""Room for a run, made once: see :data:`woodpecker.contact.PAIR_ROOM`."""
 
-    They are made once, because to make and to count them takes longer than the arithmetic.
-    """
-
-    slips: Ints  # (3,) signs of the tangential velocities
-    work: Floats  # (7,) a state
-    event: Floats  # (EVENT_COLUMNS,)
-    bounce: Ints  # (2,) the last bounce: contact, symbols
-    mark: Floats  # (8,) its state and its speed
-    mark_tangents: Floats  # (m, 7)
-    closed: Ints  # (3,) contacts that touch and stay
-    before: Ints  # (3,) states before an event
-    touching: Ints  # (2,) contacts with zero gap
-    case: Ints  # (2,) their index combinations
-    marks: Ints  # (2,) see contact.MARKS
-    impulses: Floats  # (2, 4)
-    trial: Ints  # (3,) states that are tried
-    pair: Pair
-
-
-@jit
-def make_room(m: int) -> Room:
-    """Room for a run with m tangents."""
-    return Room(
-        np.zeros(3, dtype=np.int64), np.zeros(7), np.zeros(EVENT_COLUMNS),
-        np.zeros(2, dtype=np.int64), np.zeros(8), np.zeros((m, 7)), np.zeros(3, dtype=np.int64),
-        np.zeros(3, dtype=np.int64), np.zeros(2, dtype=np.int64), np.zeros(2, dtype=np.int64),
-        np.zeros(2, dtype=np.int64), np.zeros((2, 4)), np.zeros(3, dtype=np.int64), make_pair(),
-    )  # fmt: skip
+Room = np.record  # of ROOM
 
 
-@jit
-def lent_room(room: Room) -> Room:
-    """The same for functions that do not outlive it."""
-    return Room(
-        borrowed(room.slips), borrowed(room.work), borrowed(room.event), borrowed(room.bounce),
-        borrowed(room.mark), borrowed(room.mark_tangents), borrowed(room.closed),
-        borrowed(room.before), borrowed(room.touching), borrowed(room.case), borrowed(room.marks),
-        borrowed(room.impulses), borrowed(room.trial), lent_pair(room.pair),
-    )  # fmt: skip
+def make_room() -> Room:
+    """Room for a run, for those who call :func:`arrive` from outside."""
+    room: Room = np.zeros(1, dtype=ROOM)[0]
+    return room
 
 
 @jit
@@ -140,9 +132,20 @@ def spring(model: Floats, mode: int, z: Floats) -> tuple[float, float, float]:
 @jit
 def flow(model: Floats, mode: int, z: Floats, t: float, out: Floats) -> None:
     """State after a time t in a mode."""
+    _, s1, s2, s3, s4 = stumpff(model[mode, KAPPA], model[mode, OMEGA], t)
+    displace(model, mode, z, t, s1, s2, s3, s4, out)
+    for j in range(3):
+        out[j] += z[j]
+
+
+@jit
+def displace(
+    model: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float, s4: float,
+    out: Floats,
+) -> None:  # fmt: skip
+    """Displacements, velocities and time after a time t in a mode, from s_k = t^k c_k."""
     kappa = model[mode, KAPPA]
     d0, d1, d2 = spring(model, mode, z)
-    _, s1, s2, s3, s4 = stumpff(kappa, model[mode, OMEGA], t)
     swinging = abs(kappa) * t * t >= 1.0
     for j in range(3):
         if swinging:  # oscillation about the secular motion; nothing grows that later cancels
@@ -150,14 +153,21 @@ def flow(model: Floats, mode: int, z: Floats, t: float, out: Floats) -> None:
         else:
             drift, rate, shift = model[mode, A + j] + model[mode, B + j] * d0, s3 * d2, s4 * d2
         velocity = z[3 + j]
-        out[j] = z[j] + velocity * t + 0.5 * drift * t * t + model[mode, B + j] * (s3 * d1 + shift)
+        out[j] = velocity * t + 0.5 * drift * t * t + model[mode, B + j] * (s3 * d1 + shift)
         out[3 + j] = velocity + drift * t + model[mode, B + j] * (s2 * d1 + rate)
     out[6] = z[6] + t
 
 
 @jit
+def measure(model: Floats, z: Floats, gaps: Floats) -> None:
+    """Gaps (3,) over their lever arms [rad] from the angles of a state."""
+    for i in range(3):
+        gaps[i] = model[CONTACT + i, LIMIT] + SIGN[i] * z[ANGLE[i]]
+
+
+@jit
 def jet(
-    model: Floats, mode: int, guard: int, z: Floats, states: Ints
+    model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints
 ) -> tuple[float, float, float, float]:
     """Value and first three derivatives of a guard at the start of a phase."""
     kind, i = (guard // 3) * 3, guard % 3
@@ -166,7 +176,7 @@ def jet(
     if kind == GAP:
         j, sign = ANGLE[i], SIGN[i]
         return (
-            model[CONTACT + i, LIMIT] + sign * z[j],
+            gaps[i],
             sign * z[3 + j],
             sign * (model[mode, A + j] + model[mode, B + j] * d0),
             sign * model[mode, B + j] * d1,
@@ -191,14 +201,14 @@ def jet(
 
 @jit
 def starting_jet(
-    model: Floats, mode: int, guard: int, z: Floats, states: Ints, fired: int
+    model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints, fired: int
 ) -> tuple[float, float, float, float]:
     """Jet of a guard right after ``fired``, whose zero it shares: exact zeros, not rounding.
 
     At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
     lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
     """
-    f0, f1, f2, f3 = jet(model, mode, guard, z, states)
+    f0, f1, f2, f3 = jet(model, mode, guard, z, gaps, states)
     if guard == fired:
         return 0.0, f1, f2, f3
     i = guard % 3
@@ -236,8 +246,8 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
 
 @jit
 def next_event(
-    model: Floats, mode: int, z: Floats, states: Ints, to_section: bool, horizon: float,
-    before: int, ignored: int,
+    model: Floats, mode: int, z: Floats, gaps: Floats, states: Ints, to_section: bool,
+    horizon: float, before: int, ignored: int,
 ) -> tuple[float, int]:  # fmt: skip
     """Time to the first guard that fires before the horizon, and which it is (-1: none).
 
@@ -255,7 +265,7 @@ def next_event(
         if guard == SECTION:
             t = time_to_minimum(model, mode, z) if to_section else math.inf
         else:
-            f0, f1, f2, f3 = starting_jet(model, mode, guard, z, states, before)
+            f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, states, before)
             t = first_root(max(0.0, f0), f1, f2, f3, kappa, omega, horizon)
         if t < horizon:
             horizon, fired = t, guard
@@ -286,16 +296,24 @@ def guard_rates(
 
 @jit
 def advance(
-    model: Floats, mode: int, guard: int, t: float, z: Floats, tangents: Floats, work: Floats
-) -> None:
-    """Move the state and its tangents to the event at time t (guard -1: to a fixed time)."""
-    flow(model, mode, z, t, work)
-    kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
-    end_d = work[2] - work[1]
+    model: Floats, change: Floats, mode: int, guard: int, t: float, z: Floats, gaps: Floats,
+    tangents: Floats, work: Floats,
+) -> None:  # fmt: skip
+    """Move the state and its tangents to the event at time t (guard -1: to a fixed time).
+
+    Gaps are moved by displacements, so that a small one has no rounding of the large angle that it
+    is a difference of.
+    """
+    _, s1, s2, s3, s4 = stumpff(model[mode, KAPPA], model[mode, OMEGA], t)
+    displace(model, mode, z, t, s1, s2, s3, s4, work)
+    for i in range(3):
+        gaps[i] += SIGN[i] * work[ANGLE[i]]
+    for j in range(3):
+        work[j] += z[j]
     if len(tangents) == 0:
         copy(work, z)
         return
-    _, s1, s2, s3, _ = stumpff(kappa, omega, t)
+    end_d = work[2] - work[1]
     for m in range(len(tangents)):
         v = tangents[m]
         d0, d1 = v[2] - v[1], v[5] - v[4]
@@ -303,15 +321,68 @@ def advance(
             acceleration = model[mode, B + j]
             v[j] += v[3 + j] * t + acceleration * (s2 * d0 + s3 * d1)
             v[3 + j] += acceleration * (s1 * d0 + s2 * d1)
+        moves = len(change) > 0 and m == len(tangents) - 1
+        if moves:
+            _change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
         if guard < 0:
             continue
-        change, rate = guard_rates(model, mode, guard, work, v)
-        delay = -change / rate if rate != 0.0 else math.nan
+        shift, rate = guard_rates(model, mode, guard, work, v)
+        if moves:
+            shift += guard_change(model, change, mode, guard, work)
+        delay = -shift / rate if rate != 0.0 else math.nan
         for j in range(3):
             v[j] += delay * work[3 + j]
             v[3 + j] += delay * (model[mode, A + j] + model[mode, B + j] * end_d)
         v[6] += delay
     copy(work, z)
+
+
+@jit
+def _change_flow(
+    model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
+    s4: float, v: Floats,
+) -> None:  # fmt: skip
+    """Add to a tangent what the coefficients of the mode, which change, do in a time t.
+
+    qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
+    once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
+    """
+    kappa = model[mode, KAPPA]
+    d0, d1, d2 = spring(model, mode, z)
+    once = d0 * t + d1 * s2 + d2 * s3
+    twice = 0.5 * d0 * t * t + d1 * s3 + d2 * s4
+    dkappa = change[mode, KAPPA]
+    dd2 = change[mode, ALPHA] + dkappa * d0
+    k2, k3, k4 = stumpff_rates(kappa, t, s1, s2, s3, s4)
+    d_once = dd2 * s3 + dkappa * (d1 * k2 + d2 * k3)
+    d_twice = dd2 * s4 + dkappa * (d1 * k3 + d2 * k4)
+    for j in range(3):
+        a, b = change[mode, A + j], change[mode, B + j]
+        v[j] += 0.5 * a * t * t + b * twice + model[mode, B + j] * d_twice
+        v[3 + j] += a * t + b * once + model[mode, B + j] * d_once
+
+
+@jit
+def guard_change(model: Floats, change: Floats, mode: int, guard: int, end: Floats) -> float:
+    """Change of a guard with the table at a fixed state, in the units of :func:`guard_rates`."""
+    kind, i = (guard // 3) * 3, guard % 3
+    if guard == SECTION:
+        return 0.0
+    if kind == GAP:
+        return SIGN[i] * float(change[CONTACT + i, LIMIT])
+    if kind == SLIP:
+        return rates(change, i, end)[1]
+    d = end[2] - end[1]
+    _, r = force_guard(model, mode, guard)
+    column = LAMBDA + 4 * i
+    normal = change[mode, column] + change[mode, column + 1] * d
+    if kind == NORMAL:
+        return float(normal / r)
+    sign = 1.0 if kind == CONE_POSITIVE else -1.0
+    tangential = change[mode, column + 2] + change[mode, column + 3] * d
+    friction = model[CONTACT + i, MU] * normal
+    friction += change[CONTACT + i, MU] * (model[mode, column] + model[mode, column + 1] * d)
+    return float((friction - sign * tangential) / r)
 
 
 @jit
@@ -323,8 +394,9 @@ def copy(source: Floats, target: Floats) -> None:
 
 @jit
 def settle(
-    model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, states: Ints, trial: Ints
-) -> int:
+    model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, states: Ints,
+    trial: Ints,
+) -> int:  # fmt: skip
     """Contact problem on acceleration level: the mode that starts now.
 
     Every combination of states of the touching contacts is tried. One is admissible if each guard
@@ -359,7 +431,7 @@ def settle(
             if sleeve >= 0:
                 trial[sleeve] = (index // beak_choices + 1) % 4
             if not _matches(trial, slips) or not _admissible(
-                model, z, closed, slips, fired, trial, sleeve, strict
+                model, z, gaps, closed, slips, fired, trial, sleeve, strict
             ):
                 continue
             mode = mode_of(trial)
@@ -393,8 +465,8 @@ def _matches(trial: Ints, slips: Ints) -> bool:
 
 @jit
 def _admissible(
-    model: Floats, z: Floats, closed: Ints, slips: Ints, fired: int, trial: Ints, sleeve: int,
-    strict: bool,
+    model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, trial: Ints,
+    sleeve: int, strict: bool,
 ) -> bool:  # fmt: skip
     mode = mode_of(trial)
     if sleeve >= 0 and trial[0] == STICK and trial[sleeve] == STICK:
@@ -410,7 +482,7 @@ def _admissible(
             watched, other = NORMAL + i, (SLIP + i if slips[i] == 0 else -1)
         for guard in (watched, other):
             if guard >= 0:
-                f0, f1, f2, f3 = starting_jet(model, mode, guard, z, trial, fired)
+                f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, trial, fired)
                 weight = 0.0 if guard < NORMAL or guard >= SLIP else _weight(model, mode, i, z)
                 if not _positive(f0, f1, f2, f3, weight, strict):
                     return False
@@ -457,8 +529,8 @@ def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
 
 @jit
 def arrive(
-    model: Floats, z: Floats, tangents: Floats, seed: Floats, fired: int, states: Ints,
-    slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
+    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, seed: Floats,
+    fired: int, states: Ints, slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
 ) -> int:  # fmt: skip
     """Apply an event: the impact if a gap closes, then the contact problem that follows.
 
@@ -468,7 +540,7 @@ def arrive(
     closed, before, case, impulses = room.closed, room.before, room.case, room.impulses
     for i in range(3):
         closed[i], before[i] = 0, states[i]
-    n, striking = _touching(model, z, states, fired, closed, room.touching)
+    n, striking = _touching(model, z, gaps, states, fired, closed, room.touching)
     contacts = room.touching[:n]
     for k in range(EVENT_COLUMNS):
         event[k] = z[1 + k] if 2 <= k < 5 else 0.0
@@ -477,7 +549,9 @@ def arrive(
         marks[0] = marks[1] = 0
         for k in range(4):
             impulses[0, k] = impulses[1, k] = 0.0
-        status = impact(model, contacts, z, tangents, seed, case, impulses, marks, room.pair)
+        status = impact(
+            model, change, contacts, z, tangents, seed, case, impulses, marks, room.pair
+        )
         if status in (NO_SOLUTION, AMBIGUOUS):
             return status
         kind = INDETERMINATE_IMPACT if status == INDETERMINATE else IMPACT
@@ -487,6 +561,7 @@ def arrive(
             mask += 1 << i
             closed[i] = 1 if case[k] // 3 == REST else 0
             slips[i] = 0 if case[k] % 3 == HOLD else _sign(rates(model, i, z)[1])
+            room.stopped[i] = 1 if status == INDETERMINATE or halts(marks[k]) else 0
             column = 8 + (0 if i == 0 else 2)
             for phase in range(2):
                 event[column + 4 * phase] = impulses[phase, 2 * k]
@@ -506,7 +581,7 @@ def arrive(
                 slips[i] = _sign(rates(model, i, z)[1])
     for j in range(3):
         event[5 + j] = z[3 + j]
-    status = settle(model, z, closed, slips, fired, states, room.trial)
+    status = settle(model, z, gaps, closed, slips, fired, states, room.trial)
     if status == SOLVED:
         _append_transitions(before, states, fired, word, counts)
         if striking:
@@ -529,22 +604,21 @@ def _still_contacts(states: Ints, tangents: Floats) -> None:
 
 @jit
 def _touching(
-    model: Floats, z: Floats, states: Ints, fired: int, closed: Ints, found: Ints
+    model: Floats, z: Floats, gaps: Floats, states: Ints, fired: int, closed: Ints, found: Ints
 ) -> tuple[int, bool]:
     """Find contacts with zero gap, and whether one of them strikes; their angles become exact."""
     n, striking = 0, False
     for i in range(3):
         j, sign = ANGLE[i], SIGN[i]
-        gap = model[CONTACT + i, LIMIT] + sign * z[j]
         if states[i] != OPEN:
             closed[i] = 1
-        elif fired == GAP + i or (gap <= 0.0 and sign * z[3 + j] < 0.0):
+        elif fired == GAP + i or (gaps[i] <= 0.0 and sign * z[3 + j] < 0.0):
             striking = True  # the second: it closes in the same instant
         else:
-            if gap < 0.0:  # it is just leaving, and rounding put it inside
-                z[j] = -sign * model[CONTACT + i, LIMIT]
+            if gaps[i] < 0.0:  # it is just leaving, and rounding put it inside
+                z[j], gaps[i] = -sign * model[CONTACT + i, LIMIT], 0.0
             continue
-        z[j] = -sign * model[CONTACT + i, LIMIT]
+        z[j], gaps[i] = -sign * model[CONTACT + i, LIMIT], 0.0
         if n < 2:
             found[n] = i
             n += 1
@@ -584,13 +658,15 @@ def _append_transitions(before: Ints, after: Ints, fired: int, word: Codes, coun
 
 @jit
 def run(
-    model: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints, to_section: bool,
-    t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints,
+    model: Floats, change: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints,
+    to_section: bool, t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints,
 ) -> int:  # fmt: skip
     """Follow the toy from event to event until it returns to the section or a limit is met.
 
     Parameters
     ----------
+    change
+        Derivative of the model along the last tangent (modes.CHANGE), or of length 0 if it stays.
     z, tangents, seed
         State (7,), derivatives of it (m, 7), derivatives of eps_N along them (m, 3); in place.
     states
@@ -604,35 +680,41 @@ def run(
     counts
         (3,) output: symbols, phases, events. Symbols already in the word are kept.
     """
-    room = make_room(len(tangents))
+    memory, owner = np.zeros((len(tangents), 7)), np.zeros(1, dtype=ROOM)
     return _follow(
-        borrowed(model), borrowed(z), borrowed(tangents), borrowed(seed), borrowed(states),
-        to_section, t_end, borrowed(word), borrowed(phases), borrowed(events), borrowed(counts),
-        lent_room(room), room,
+        borrowed(model), borrowed(change), borrowed(z), borrowed(tangents), borrowed(seed),
+        borrowed(states), to_section, t_end, borrowed(word), borrowed(phases), borrowed(events),
+        borrowed(counts), borrowed(memory), owner[0], owner, memory,
     )  # fmt: skip
 
 
 @jit
 def _follow(
-    model: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints, to_section: bool,
-    t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints, room: Room,
-    owner: Room,
+    model: Floats, change: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints,
+    to_section: bool, t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints,
+    memory: Floats, room: Room, owner: Any, owner_of_memory: Floats,
 ) -> int:  # fmt: skip
-    """The same with borrowed arrays; ``owner`` keeps those of ``room`` alive."""
-    slips, work, event = room.slips, room.work, room.event
+    """The same with borrowed arrays, and those that own ``room`` and ``memory``.
+
+    ``memory`` holds (m, 7) tangents at the last bounce.
+    """
+    slips, gaps, work, event = room.slips, room.gaps, room.work, room.event
+    measure(model, z, gaps)
     none = typed(-1)
-    fired = room.bounce[0] = none
+    fired = room.bounce[0] = room.bounce[2] = none
     room.mark[7] = 0.0
     slips[0] = slips[1] = slips[2] = 0
     while True:
         symbols = counts[0]
-        status = arrive(model, z, tangents, seed, fired, states, slips, word, counts, event, room)
+        status = arrive(
+            model, change, z, gaps, tangents, seed, fired, states, slips, word, counts, event, room
+        )
         if len(events) > 0:
             _record_events(events, counts, symbols, z[6], word, event)
         if status == SOLVED and 0 <= fired < 3:
             status = _watch_bounces(
-                model, z, tangents, fired, symbols, to_section, states, slips, word, counts,
-                events, room,
+                model, change, z, gaps, tangents, fired, symbols, to_section, states, slips, word,
+                counts, events, memory, room,
             )  # fmt: skip
         if status != SOLVED:
             return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
@@ -642,65 +724,77 @@ def _follow(
         if len(phases) > 0:
             _record_phase(phases, counts, z, mode)
         horizon = t_end - z[6]
-        t, fired = next_event(model, mode, z, states, to_section, horizon, fired, none)
+        t, fired = next_event(model, mode, z, gaps, states, to_section, horizon, fired, none)
         if t == math.inf:
             sticks = states[0] == STICK or states[1] == STICK or states[2] == STICK
             return AT_REST if sticks else FREE_FALL
-        advance(model, mode, fired, t, z, tangents, work)
+        advance(model, change, mode, fired, t, z, gaps, tangents, work)
         if z[0] < -model[FORCE, POLE]:
             return POLE_END
         if fired == SECTION:
-            _put_on_section(model, z, tangents)
+            _put_on_section(model, change, z, tangents)
             return RETURNED
         if fired < 0:
             return TIME_REACHED
 
 
 @jit
-def _put_on_section(model: Floats, z: Floats, tangents: Floats) -> None:
+def _put_on_section(model: Floats, change: Floats, z: Floats, tangents: Floats) -> None:
     """Make exact what the section says: the sleeve at its lower contact, everything at rest."""
     z[1] = -model[CONTACT + 1, LIMIT]
     z[3] = z[4] = z[5] = 0.0
     for m in range(len(tangents)):
         tangents[m, 1] = tangents[m, 3] = tangents[m, 4] = tangents[m, 5] = 0.0
+    if len(change) > 0:
+        tangents[len(tangents) - 1, 1] = -change[CONTACT + 1, LIMIT]
 
 
 @jit
 def _watch_bounces(
-    model: Floats, z: Floats, tangents: Floats, i: int, symbols: int, to_section: bool,
-    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, room: Room,
+    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, i: int, symbols: int,
+    to_section: bool, states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats,
+    memory: Floats, room: Room,
 ) -> int:  # fmt: skip
     """After an impact at contact i: sum the bounces that accumulate, or remember this one."""
-    bounce, mark, mark_tangents = room.bounce, room.mark, room.mark_tangents
+    bounce, mark = room.bounce, room.mark
+    pair = _pair_at_rest(model, z, gaps, states, i, symbols, bounce)
+    if pair != 0:
+        counts[0] = bounce[2]
+        bounce[0] = bounce[2] = -1
+        return _close(
+            model, change, z, gaps, tangents, pair, states, slips, word, counts, events, room
+        )
     if counts[0] != symbols + 1 or states[i] != OPEN:
         bounce[0] = -1
         return SOLVED
     speed = SIGN[i] * z[3 + ANGLE[i]]
     ratio = speed / mark[7] if mark[7] > 0.0 else 1.0
     again = bounce[0] == i and bounce[1] == symbols and 0.0 <= ratio < 1.0
-    if again and _chatters(model, z, states, to_section, i, mark[7], z[6] - mark[6], ratio):
+    if again and _chatters(model, z, gaps, states, to_section, i, mark[7], z[6] - mark[6], ratio):
         bounce[0] = -1
         return _close_chatter(
-            model, z, tangents, ratio, i, states, slips, word, counts, events, room
-        )
+            model, change, z, gaps, tangents, ratio, i, states, slips, word, counts, events, memory,
+            room,
+        )  # fmt: skip
     bounce[0], bounce[1], mark[7] = i, counts[0], speed
-    copy(z, mark)
-    for m in range(len(tangents)):
-        copy(tangents[m], mark_tangents[m])
+    for k in range(7):
+        mark[k] = z[k]
+        for m in range(len(tangents)):
+            memory[m, k] = tangents[m, k]
     return SOLVED
 
 
 @jit
 def _chatters(
-    model: Floats, z: Floats, states: Ints, to_section: bool, i: int, speed: float, lap: float,
-    ratio: float,
+    model: Floats, z: Floats, gaps: Floats, states: Ints, to_section: bool, i: int, speed: float,
+    lap: float, ratio: float,
 ) -> bool:  # fmt: skip
     """Whether the bounces at contact i are so small that the rest is a geometric series.
 
     No other event may fall into twice the time that is summed.
     """
     mode = mode_of(states)
-    _, _, f2, f3 = jet(model, mode, GAP + i, z, states)
+    _, _, f2, f3 = jet(model, mode, GAP + i, z, gaps, states)
     if f2 >= 0.0:
         return False
     flight = -2.0 * speed / f2
@@ -709,43 +803,109 @@ def _chatters(
     if flight * abs(f3 / f2) > CHATTER:
         return False
     tail = lap * ratio / (1.0 - ratio)
-    return next_event(model, mode, z, states, to_section, 2.0 * tail, GAP + i, GAP + i)[1] < 0
+    horizon = 2.0 * tail
+    return next_event(model, mode, z, gaps, states, to_section, horizon, GAP + i, GAP + i)[1] < 0
+
+
+@jit
+def _pair_at_rest(
+    model: Floats, z: Floats, gaps: Floats, states: Ints, i: int, symbols: int, bounce: Ints
+) -> int:
+    """The beak and a contact of the sleeve, as a mask, if their impacts have come to an end; or 0.
+
+    Impacts of two contacts can accumulate in turns. There is no series to sum, because their order
+    need not repeat, but what remains of them soon falls below rounding. The last ones are not
+    named in the word: their order changes less than is told apart anywhere.
+    """
+    sleeve = i if i > 0 else (1 if gaps[1] < gaps[2] else 2)
+    swing = 1.0
+    if states[0] == OPEN or states[sleeve] == OPEN:
+        swing = _remaining_swing(model, z, gaps, sleeve)
+    if swing > UNNAMED:
+        bounce[2] = -1
+        return 0
+    if bounce[2] < 0:
+        bounce[2] = symbols
+    return 1 + (1 << sleeve) if swing <= COLLAPSED else 0
+
+
+@jit
+def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> float:
+    """How long the beak and a contact of the sleeve can bounce, as an angle of the free swing."""
+    d, fastest, pull = z[2] - z[1], 0.0, 0.0
+    for i in (0, sleeve):
+        pull = max(pull, abs(model[0, B + ANGLE[i]] * d))
+    for i in (0, sleeve):
+        speed = z[3 + ANGLE[i]]
+        fastest = max(fastest, speed * speed + 2.0 * pull * max(0.0, gaps[i]))
+    if fastest == 0.0 or pull == 0.0:
+        return 1.0
+    return float(model[0, OMEGA] * math.sqrt(fastest) / pull)
 
 
 @jit
 def _close_chatter(
-    model: Floats, z: Floats, tangents: Floats, ratio: float, i: int, states: Ints, slips: Ints,
-    word: Codes, counts: Ints, events: Floats, room: Room,
+    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, ratio: float, i: int,
+    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, memory: Floats,
+    room: Room,
 ) -> int:  # fmt: skip
     """Sum the accumulating impacts at contact i and close it.
 
     Laps shrink by ``ratio``, so the state tends to z + (z - mark) ratio / (1 - ratio). In the word
     the run of equal impacts becomes the one symbol of the accumulation.
     """
-    mark, mark_tangents, closed, before = room.mark, room.mark_tangents, room.closed, room.before
+    mark = room.mark
     rest = ratio / (1.0 - ratio)
-    j = ANGLE[i]
     for k in range(7):
         z[k] += (z[k] - mark[k]) * rest
         for m in range(len(tangents)):
-            tangents[m, k] += (tangents[m, k] - mark_tangents[m, k]) * rest
-    z[j], z[3 + j] = -SIGN[i] * model[CONTACT + i, LIMIT], 0.0
-    for m in range(len(tangents)):
-        tangents[m, j] = tangents[m, 3 + j] = 0.0
-    for k in range(3):
-        before[k] = states[k]
-        closed[k] = 1 if k == i or states[k] != OPEN else 0
-        if states[k] != OPEN and states[k] != STICK:
-            slips[k] = _sign(rates(model, k, z)[1])
-    if slips[i] != 0:
-        slips[i] = _sign(rates(model, i, z)[1])
-    before[i] = SLIP_POSITIVE
-    status = settle(model, z, closed, slips, typed(-1), states, room.trial)
+            tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
         counts[0] -= 1
+    return _close(
+        model, change, z, gaps, tangents, 1 << i, states, slips, word, counts, events, room
+    )
+
+
+@jit
+def _close(
+    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, mask: int,
+    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, room: Room,
+) -> int:  # fmt: skip
+    """Close the contacts of a mask at the end of their accumulating impacts, and decide the mode.
+
+    Tangential velocities that every one of the impacts has stopped, in either phase, are zero in
+    the limit, whatever rounding has left of them.
+    """
+    closed, before = room.closed, room.before
+    for k in range(3):
+        before[k] = states[k]
+        closed[k] = 1 if states[k] != OPEN or mask >> k & 1 else 0
+    for k in range(3):
+        if mask >> k & 1:
+            before[k] = SLIP_POSITIVE
+            j = ANGLE[k]
+            z[j], z[3 + j], gaps[k] = -SIGN[k] * model[CONTACT + k, LIMIT], 0.0, 0.0
+            for m in range(len(tangents)):
+                tangents[m, j] = tangents[m, 3 + j] = 0.0
+            if len(change) > 0:
+                tangents[len(tangents) - 1, j] = -SIGN[k] * change[CONTACT + k, LIMIT]
+    for k in range(3):
+        if not closed[k] or states[k] == STICK:
+            continue
+        slips[k] = 0 if room.stopped[k] else _sign(rates(model, k, z)[1])
+        if room.stopped[k]:
+            hold(model, k, z)
+            for m in range(len(tangents)):
+                hold(model, k, tangents[m])
+            if len(change) > 0:
+                tangents[len(tangents) - 1, 3] -= rates(change, k, z)[1]
+    status = settle(model, z, gaps, closed, slips, typed(-1), states, room.trial)
     symbols = counts[0]
-    _append(word, counts, 8 * CHATTER_END + (1 << i))
+    _append(word, counts, 8 * CHATTER_END + mask)
+    for k in range(3):  # that they close is in the symbol
+        before[k] = states[k] if mask >> k & 1 and states[k] > STICK else before[k]
     _append_transitions(before, states, typed(-1), word, counts)
     if len(events) > 0:
         event = np.zeros(EVENT_COLUMNS)
@@ -786,13 +946,16 @@ def _record_events(
 
 @jit
 def sweep(
-    model: Floats, starts: Floats, order: int, seed: Floats, out: Floats, status: Ints,
-    lengths: Ints, words: Codes,
+    model: Floats, change: Floats, starts: Floats, order: int, seed: Floats, out: Floats,
+    status: Ints, lengths: Ints, words: Codes,
 ) -> None:  # fmt: skip
     """P_order at many starts on the section.
 
     Parameters
     ----------
+    change
+        Derivative of the model along the last direction (modes.CHANGE), or of length 0 if only
+        restitution changes.
     starts
         (n,) values of phi_S.
     seed
@@ -810,8 +973,7 @@ def sweep(
             seeds[1 + k, i] = seed[k, i]
     counts, separator = np.zeros(3, dtype=np.int64), typed(0)
     nothing, no_events = np.zeros((0, PHASE_COLUMNS)), np.zeros((0, EVENT_COLUMNS))
-    room = make_room(len(tangents))
-    lent = lent_room(room)
+    memory, owner = np.zeros((len(tangents), 7)), np.zeros(1, dtype=ROOM)
     for n in range(len(starts)):
         for k in range(7):
             z[k] = 0.0
@@ -819,14 +981,17 @@ def sweep(
                 tangents[m, k] = 0.0
         counts[0] = 0
         z[1], z[2], tangents[0, 2] = -model[CONTACT + 1, LIMIT], starts[n], 1.0
+        if len(change) > 0:
+            tangents[len(seed), 1] = -change[CONTACT + 1, LIMIT]
         for lap in range(order):
             if lap > 0:
                 _append(words[n], counts, separator)
             states[0], states[1], states[2] = OPEN, STICK, OPEN
             status[n] = _follow(
-                borrowed(model), borrowed(z), borrowed(tangents), borrowed(seeds),
-                borrowed(states), True, math.inf, borrowed(words[n]), borrowed(nothing),
-                borrowed(no_events), borrowed(counts), lent, room,
+                borrowed(model), borrowed(change), borrowed(z), borrowed(tangents),
+                borrowed(seeds), borrowed(states), True, math.inf, borrowed(words[n]),
+                borrowed(nothing), borrowed(no_events), borrowed(counts), borrowed(memory),
+                owner[0], owner, memory,
             )  # fmt: skip
             if status[n] != RETURNED:
                 break

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from woodpecker import kernel
 from woodpecker.arrays import Codes, Floats, Ints
 from woodpecker.compiled import COMPILED, announce
-from woodpecker.modes import model
+from woodpecker.modes import FIXED, model
 from woodpecker.status import Status, status
 from woodpecker.toy import Toy
 from woodpecker.words import EventKind, word
@@ -153,7 +153,7 @@ def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Co
     codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     words = np.empty((n, EVENT_LIMIT * order), dtype=np.int16)
     announce(kernel.sweep)
-    kernel.sweep(model(toy), starts, order, _SEED, out, codes, lengths, words)
+    kernel.sweep(model(toy), FIXED, starts, order, _SEED, out, codes, lengths, words)
     return out, codes, lengths, words
 
 

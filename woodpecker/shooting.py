@@ -15,7 +15,7 @@ from woodpecker.arrays import Floats
 from woodpecker.compiled import announce
 from woodpecker.edges import nearest_edge
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
-from woodpecker.modes import CONTACT, EPS, model
+from woodpecker.modes import CONTACT, EPS, FIXED, model
 from woodpecker.pieces import SampledMap, Samples, WordBook
 from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
 from woodpecker.status import status
@@ -136,7 +136,7 @@ def toy_samples(toy: Toy, parameter: str = "eps_n1") -> SampledMap:
             local.p, local.table = p, model(toy.replace(**{parameter: p}))
         out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
         codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        kernel.sweep(local.table, x, 1, seed, out, codes, lengths, texts)
+        kernel.sweep(local.table, FIXED, x, 1, seed, out, codes, lengths, texts)
         defined = codes == kernel.RETURNED
         out[~defined] = np.nan
         index = np.empty(n, dtype=np.int64)
@@ -175,7 +175,7 @@ def _restitution_map(toy: Toy, index: int) -> LabelledMap:
         if not phi_s < toy.phi_s_max:
             return _undefined("the beak touches the pole")
         numbers[CONTACT + index, EPS], start[0] = p, phi_s
-        kernel.sweep(numbers, start, 1, seed, out, codes, lengths, words)
+        kernel.sweep(numbers, FIXED, start, 1, seed, out, codes, lengths, words)
         if codes[0] != kernel.RETURNED:
             return _undefined(status(int(codes[0])).value)
         key = words[0, : lengths[0]].tobytes()

@@ -18,6 +18,7 @@ from woodpecker.mechanics import (
     tangential_directions,
 )
 from woodpecker.modes import (
+    FIXED,
     LAMBDA,
     OMEGA,
     Contact,
@@ -171,7 +172,7 @@ def simulate(
     none = np.zeros((0, 7)), np.zeros((0, 3))
     announce(kernel.run)
     reason = status(
-        kernel.run(numbers, z, *none, states, False, t_end, codes, phases, rows, counts)
+        kernel.run(numbers, FIXED, z, *none, states, False, t_end, codes, phases, rows, counts)
     )
     phases = phases[: max(1, counts[1])].copy()
     if counts[1] == 0:
