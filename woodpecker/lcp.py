@@ -459,14 +459,8 @@ def _contacts(
         raise ValueError(
             f"expected a normal and a tangential entry per contact, got {2 * n + 1} in all"
         )
-    friction, floor, s = (np.asarray(value, dtype=np.float64) for value in (mu, floor, sliding))
-    if friction.ndim < 2:
-        friction = np.diag(np.broadcast_to(friction, n))
-    friction, floor, s = (
-        np.broadcast_to(friction, (n, n)),
-        np.broadcast_to(floor, n),
-        np.broadcast_to(s, n),
-    )
+    friction = _friction_matrix(np.asarray(mu, dtype=np.float64), n)
+    floor, s = (np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (floor, sliding))
     for name, value in (("mu", friction), ("floor", floor)):
         if not (np.isfinite(value) & (value >= 0.0)).all():
             raise ValueError(f"{name} must be finite and >= 0, got {value}")
@@ -482,6 +476,13 @@ def _contacts(
         velocity=one,
         impulse=one,
     )
+
+
+def _friction_matrix(mu: FloatArray, n: int) -> FloatArray:
+    """Return F, shape (n, n), from a scalar, a diagonal or F itself."""
+    if mu.shape not in ((), (1,), (n,), (n, n)):
+        raise ValueError(f"mu must have shape (), ({n},) or ({n}, {n}), got {mu.shape}")
+    return mu if mu.ndim == 2 else np.diag(np.broadcast_to(mu, n))
 
 
 def _natural(problem: _Contacts) -> _Contacts:
