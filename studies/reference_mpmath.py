@@ -8,7 +8,12 @@ first zero can be isolated rigorously. Contact problems, in an impact and on acc
 are solved by trying every combination of index sets; none or several that fit end the run with a
 sentence.
 
-    python studies/reference_mpmath.py PHI_S [EPS_N1]
+What bounds friction in the expansion of an impact at two contacts 1 and k is a choice,
+`expansion_friction`: "summed" |Lambda_Ti| <= mu_i (Lambda_N1 + Lambda_Nk), with which the paper's
+figures come out, or "separate" |Lambda_Ti| <= mu_i Lambda_Ni. All else is Coulomb's law contact by
+contact.
+
+    python studies/reference_mpmath.py PHI_S [EPS_N1 [summed|separate]]
 """
 
 from __future__ import annotations
@@ -21,11 +26,14 @@ from itertools import product
 
 from mpmath import inf, mp, mpf, nan, nstr
 
-PAPER: dict[str, float] = {
+Toy = dict[str, float | str]
+
+PAPER: Toy = {
     "m_m": 0.0003, "j_m": 5.0e-9, "m_s": 0.0045, "j_s": 7.0e-7, "g": 9.81,
     "r_0": 0.0025, "r_m": 0.0031, "h_m": 0.0058, "l_m": 0.010, "l_g": 0.015,
     "h_s": 0.020, "l_s": 0.0201, "c_phi": 0.0056,
     "mu_1": 0.3, "mu_2": 0.3, "mu_3": 0.3, "eps_n1": 0.5, "eps_n2": 0.0, "eps_n3": 0.0,
+    "expansion_friction": "summed",
 }  # fmt: skip
 
 STEP = 5e-4  # length of a Taylor step [s]; the free oscillation turns by 0.23 rad in it
@@ -190,6 +198,7 @@ class Model:
 
     p: dict[str, mpf]
     step: mpf
+    summed: bool  # friction in the expansion at two contacts
     zero: mpf  # relative to the natural scale of the quantity
     motions: dict[Mode, Motion] = field(default_factory=dict)
 
@@ -315,8 +324,20 @@ def lead(model: Model, guard: Guard, known: Mapping[int, int]) -> Guard:
     return Guard(guard.kind, guard.contact, guard.c[order:])
 
 
+def bounds(model: Model, contacts: Sequence[int], normal: Sequence[mpf], summed: bool) -> Vector:
+    """Largest friction at each contact for these normal forces."""
+    if summed:
+        normal = [sum(normal, mpf(0))] * len(contacts)
+    return [model.mu[i] * n for i, n in zip(contacts, normal, strict=True)]
+
+
 def sticking_pair(
-    model: Model, pair: Sequence[int], load: Vector, floor: Sequence[mpf], small: mpf
+    model: Model,
+    pair: Sequence[int],
+    load: Vector,
+    floor: Sequence[mpf],
+    small: mpf,
+    summed: bool = False,
 ) -> list[Vector] | None:
     """Two contacts that both stick: the sleeve and the bird are at rest, W Lambda = load.
 
@@ -326,11 +347,11 @@ def sticking_pair(
     i, j = pair
     matrix = list(zip(model.w_n[i], model.w_n[j], model.w_t[j], strict=True))
     base, minus = solve(matrix, load, model.w_t[i])  # forces = base - minus * lambda_Ti
-    mu_i, mu_j = model.mu[i], model.mu[j]
     conditions = [(base[0] - floor[0], -minus[0]), (base[1] - floor[1], -minus[1])]
+    most, less = (bounds(model, pair, x[:2], summed) for x in (base, minus))
     for s in (1, -1):
-        conditions.append((mu_i * base[0], s - mu_i * minus[0]))
-        conditions.append((mu_j * base[1] + s * base[2], -mu_j * minus[1] - s * minus[2]))
+        conditions.append((most[0], s - less[0]))
+        conditions.append((most[1] + s * base[2], -less[1] - s * minus[2]))
     low, high = -inf, inf
     for const, slope in conditions:  # const + slope * lambda_Ti >= 0
         if slope > 0:
@@ -345,25 +366,30 @@ def sticking_pair(
 
 
 def impact_phase(
-    model: Model, hit: Sequence[int], u: Vector, floor: Sequence[mpf], small: mpf
+    model: Model,
+    hit: Sequence[int],
+    u: Vector,
+    floor: Sequence[mpf],
+    small: mpf,
+    summed: bool = False,
 ) -> tuple[Vector, list[Vector]]:
-    """One phase of an impact: 0 <= gdot_N perp (Lambda_N - floor) >= 0 with Coulomb friction.
+    """One phase of an impact: 0 <= gdot_N perp (Lambda_N - floor) >= 0 with friction.
 
-    Friction is judged by the tangential velocity at the end of the phase. Returns the velocity
-    and the normal impulses (both ends of the segment where they are not unique).
+    Friction is judged by the tangential velocity at the end of the phase, and bounded contact by
+    contact or by the sum of the normal impulses. Returns the velocity and the normal impulses
+    (both ends of the segment where they are not unique).
     """
     w = [x for i in hit for x in (model.w_n[i], model.w_t[i])]
     m_w = solve(model.mass, *w)
     delassus = [[dot(x, y) for y in m_w] for x in w]
     v = [dot(x, u) for x in w]
-    mu = [model.mu[i] for i in hit]
     small_force = small * model.mass[0][0]
     found: list[tuple[Vector, list[Vector]]] = []
     states = list(product((True, False), (0, 1, -1)))  # normally closed; slip direction
     for choice in product(states, repeat=len(hit)):
         if choice == ((True, 0),) * 2:
             load = [-dot(row, u) for row in model.mass]
-            ends = sticking_pair(model, hit, load, floor, small_force)
+            ends = sticking_pair(model, hit, load, floor, small_force, summed)
             found += [([mpf(0)] * 3, ends)] if ends else []
             continue
         matrix: list[Vector] = []
@@ -373,21 +399,22 @@ def impact_phase(
             unit = [mpf(j == normal) for j in range(len(w))]
             matrix.append(delassus[normal] if closed else unit)
             rhs.append(-v[normal] if closed else floor[k])
-            coulomb = [slip * mu[k] * x for x in unit]  # Lambda_T + slip mu Lambda_N = 0
-            coulomb[tangential] = mpf(1)
-            matrix.append(coulomb if slip else delassus[tangential])
+            slide = slip * model.mu[hit[k]]
+            bound = [slide * (j % 2 == 0 and (summed or j == normal)) for j in range(len(w))]
+            bound[tangential] = mpf(1)  # Lambda_T + slip times the bound = 0
+            matrix.append(bound if slip else delassus[tangential])
             rhs.append(mpf(0) if slip else -v[tangential])
         try:
             (impulse,) = solve(matrix, rhs)
         except ZeroDivisionError:
             continue
         after = [x + dot(row, impulse) for x, row in zip(v, delassus, strict=True)]
-        fits = True
+        fits, most = True, bounds(model, hit, impulse[::2], summed)
         for k, (_, slip) in enumerate(choice):
             (n, t), (v_n, v_t) = impulse[2 * k : 2 * k + 2], after[2 * k : 2 * k + 2]
             fits &= n - floor[k] >= -small_force and v_n >= -small
-            fits &= abs(t) <= mu[k] * n + small_force  # without an impulse any slip will do
-            fits &= slip * v_t >= -small or abs(n) <= small_force
+            fits &= abs(t) <= most[k] + small_force  # without a bound any slip will do
+            fits &= slip * v_t >= -small or most[k] <= small_force
         if fits:
             kick = [dot(impulse, x) for x in zip(*m_w, strict=True)]
             found.append(([x + y for x, y in zip(u, kick, strict=True)], [impulse[::2]] * 2))
@@ -410,7 +437,7 @@ def impact(model: Model, hit: Sequence[int], u: Vector) -> tuple[Vector, list[in
     spread = [model.eps_n[i] * (x - y) for i, x, y in zip(hit, lambda_n, other, strict=True)]
     if max(abs(x) for x in spread) > small * model.mass[0][0]:
         raise Lost(f"impact at {names(hit)}: the impulses of compression are not unique")
-    u, _ = impact_phase(model, hit, u, floor, small)
+    u, _ = impact_phase(model, hit, u, floor, small, model.summed)
     resting = [i for i in hit if abs(dot(model.w_n[i], u)) <= 1000 * small]
     return halted(u, resting), resting
 
@@ -575,7 +602,7 @@ class Run:
 
 def first_return(
     phi_s: float,
-    toy: dict[str, float] = PAPER,
+    toy: Toy = PAPER,
     digits: int = 30,
     max_events: int = 400,
     step: float = STEP,
@@ -585,10 +612,14 @@ def first_return(
     Every number of `toy` and `phi_s` stands for the exact value of its double. The Taylor step [s]
     is there to test convergence with; results do not depend on it.
     """
+    law = toy.get("expansion_friction", "summed")
+    if law not in ("summed", "separate"):
+        raise ValueError(f"expansion_friction must be 'summed' or 'separate', got {law!r}")
     with mp.workdps(digits + GUARD_DIGITS):
         model = Model(
-            p={name: mpf(x) for name, x in toy.items()},
+            p={name: mpf(x) for name, x in toy.items() if name != "expansion_friction"},
             step=mpf(step),
+            summed=law == "summed",
             zero=mpf(10) ** (-mpf(2 * digits) / 3),
         )
         q = [mpf(0), -model.gap_0[1] / model.p["h_m"], mpf(phi_s)]
@@ -614,6 +645,7 @@ def first_return(
 def main(arguments: Sequence[str]) -> None:
     """Print one return to thirty digits."""
     toy = PAPER | ({"eps_n1": float(arguments[1])} if len(arguments) > 1 else {})
+    toy |= {"expansion_friction": arguments[2]} if len(arguments) > 2 else {}
     result = first_return(float(arguments[0]), toy)
     lines = [
         f"status  {result.status}",

@@ -186,11 +186,14 @@ def solve_contact_lcp(
 ) -> ContactLcp:
     """Impulses (or forces) of n contacts by Lemke's path on :func:`contact_lcp`.
 
-    Solves gamma = G Lambda + free with, per contact,
+    Solves gamma = G Lambda + free with, per contact and with the bound B = F Lambda_N on friction,
 
     - 0 <= Lambda_N - floor  perp  gamma_N >= 0,
-    - |Lambda_T| <= mu Lambda_N; gamma_T > 0 => Lambda_T = -mu Lambda_N and
-      gamma_T < 0 => Lambda_T = +mu Lambda_N; if it slides already: Lambda_T = -s mu Lambda_N.
+    - |Lambda_T| <= B; gamma_T > 0 => Lambda_T = -B and gamma_T < 0 => Lambda_T = +B; if it
+      slides already: Lambda_T = -s B.
+
+    Coulomb's law contact by contact has F = diag(mu); a full F bounds friction at one contact by
+    normal impulses of others too (:class:`woodpecker.toy.ExpansionFriction`).
 
     Compression: free = velocities before the impact, floor 0. Expansion: free = velocities
     after compression, floor = eps_N Lambda_NC. Acceleration level: free = accelerations without
@@ -206,7 +209,8 @@ def solve_contact_lcp(
     free
         Relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, shape (2n,).
     mu
-        Friction coefficients [-] >= 0, scalar or shape (n,).
+        Friction coefficients [-] >= 0: the matrix F, shape (n, n); or a scalar or shape (n,),
+        its diagonal.
     floor
         Smallest normal impulses [N s] >= 0, scalar or shape (n,).
     sliding
@@ -216,9 +220,9 @@ def solve_contact_lcp(
     -------
     ContactLcp
         One solution; there may be several (:func:`enumerate_contacts`). If no sliding
-        direction is given and ``free`` comes from a motion (free = W^T u), there is one and the
-        path leads to it. With given directions there may be none (Painleve), and a ray does
-        not prove it.
+        direction is given and ``free`` comes from a motion (free = W^T u), there is one, whatever
+        F, and the path leads to it. With given directions there may be none (Painleve), and a
+        ray does not prove it.
 
     Raises
     ------
@@ -266,28 +270,29 @@ def contact_lcp(
     """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
 
     Arguments as in :func:`solve_contact_lcp`. Size 3 per contact that does not slide and 1 per
-    sliding contact; E selects the former (columns of I), D = diag(mu), S = diag(s) with s = 1
-    where no direction is given. The derivation, after [Pfeiffer1996, chs. 6-8]:
+    sliding contact; E selects the former (columns of I), F >= 0 is the friction matrix, S =
+    diag(s) with s = 1 where no direction is given. The derivation, after [Pfeiffer1996, chs. 6-8],
+    who have F = diag(mu):
 
     Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
 
-    Tangential: Coulomb's law is a step from +mu Lambda_N to -mu Lambda_N. It splits into two
+    Tangential: the law is a step from +F Lambda_N to -F Lambda_N, row by row. It splits into two
     unilateral laws: the friction reserves and the two halves of the velocity,
 
-        Lambda_TR = E^T (D Lambda_N + Lambda_T) >= 0   perp   gamma_T^+ >= 0,
-        Lambda_TL = E^T (D Lambda_N - Lambda_T) >= 0   perp   gamma_T^- >= 0,
+        Lambda_TR = E^T (F Lambda_N + Lambda_T) >= 0   perp   gamma_T^+ >= 0,
+        Lambda_TL = E^T (F Lambda_N - Lambda_T) >= 0   perp   gamma_T^- >= 0,
         E^T gamma_T = gamma_T^+ - gamma_T^-.
 
-    Elimination: Lambda_T = E Lambda_TR - S D Lambda_N holds for both kinds of contact, so
+    Elimination: Lambda_T = E Lambda_TR - S F Lambda_N holds for both kinds of contact, so
 
-        Lambda = N (P + floor) + T Lambda_TR,   N = [I; -S D],   T = [0; E],
+        Lambda = N (P + floor) + T Lambda_TR,   N = [I; -S F],   T = [0; E],
 
-    and Lambda_TL = 2 E^T D (P + floor) - Lambda_TR. With G_N, G_T the upper and lower n rows of
+    and Lambda_TL = 2 E^T F (P + floor) - Lambda_TR. With G_N, G_T the upper and lower n rows of
     G, inserting Lambda in gamma = G Lambda + free leaves y = A x + b for
 
         [gamma_N  ]   [G_N N      G_N T      0] [P        ]   [G_N N floor + free_N        ]
         [gamma_T^+] = [E^T G_T N  E^T G_T T  I] [Lambda_TR] + [E^T (G_T N floor + free_T)  ]
-        [Lambda_TL]   [2 E^T D    -I         0] [gamma_T^-]   [2 E^T D floor               ].
+        [Lambda_TL]   [2 E^T F    -I         0] [gamma_T^-]   [2 E^T F floor               ].
     """
     return _contact_matrices(_contacts(delassus, free, mu, floor, sliding))
 
@@ -307,15 +312,15 @@ def contact_residual(
     velocities and floors 1, so that the number has no unit. NaN if not SOLVED.
     """
     problem = _natural(_contacts(delassus, free, mu, floor, sliding))
-    n = problem.mu.size
+    n = problem.floor.size
     impulse = np.append(solution.impulse_n, solution.impulse_t) / problem.impulse
     gamma = np.append(solution.gamma_n, solution.gamma_t) / problem.velocity
     dynamics = problem.delassus @ impulse + problem.free - gamma
     normal = np.minimum(impulse[:n] - problem.floor, gamma[:n])
-    bound = problem.mu * np.abs(impulse[:n])  # a negative Lambda_N shows in the normal law
+    bound = problem.friction @ np.abs(impulse[:n])  # negative Lambda_N show in the normal law
     nearest = np.clip(impulse[n:] - gamma[n:], -bound, bound)
-    coulomb = np.where(problem.sliding == 0, nearest, -problem.sliding * bound)
-    violations = np.concatenate([dynamics, normal, impulse[n:] - coulomb])
+    friction = np.where(problem.sliding == 0, nearest, -problem.sliding * bound)
+    violations = np.concatenate([dynamics, normal, impulse[n:] - friction])
     return float(np.abs(violations).max(initial=0.0))
 
 
@@ -433,7 +438,7 @@ class _Contacts:
 
     delassus: FloatArray  # (2n, 2n)
     free: FloatArray  # (2n,)
-    mu: FloatArray  # (n,)
+    friction: FloatArray  # (n, n), the matrix F
     floor: FloatArray  # (n,)
     sliding: IntArray  # (n,)
     velocity: FloatArray  # unit of gamma and free, (2n,)
@@ -454,18 +459,30 @@ def _contacts(
         raise ValueError(
             f"expected a normal and a tangential entry per contact, got {2 * n + 1} in all"
         )
-    mu, floor, s = (
-        np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (mu, floor, sliding)
-    )
-    for name, value in (("mu", mu), ("floor", floor)):
+    friction = _friction_matrix(np.asarray(mu, dtype=np.float64), n)
+    floor, s = (np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (floor, sliding))
+    for name, value in (("mu", friction), ("floor", floor)):
         if not (np.isfinite(value) & (value >= 0.0)).all():
             raise ValueError(f"{name} must be finite and >= 0, got {value}")
     if not np.isin(s, (-1.0, 0.0, 1.0)).all():
         raise ValueError(f"sliding must be -1, 0 or +1, got {s}")
     one = np.ones(2 * n)
     return _Contacts(
-        delassus=g, free=free, mu=mu, floor=floor, sliding=s.astype(int), velocity=one, impulse=one
+        delassus=g,
+        free=free,
+        friction=friction,
+        floor=floor,
+        sliding=s.astype(int),
+        velocity=one,
+        impulse=one,
     )
+
+
+def _friction_matrix(mu: FloatArray, n: int) -> FloatArray:
+    """Return F, shape (n, n), from a scalar, a diagonal or F itself."""
+    if mu.shape not in ((), (1,), (n,), (n, n)):
+        raise ValueError(f"mu must have shape (), ({n},) or ({n}, {n}), got {mu.shape}")
+    return mu if mu.ndim == 2 else np.diag(np.broadcast_to(mu, n))
 
 
 def _natural(problem: _Contacts) -> _Contacts:
@@ -473,14 +490,14 @@ def _natural(problem: _Contacts) -> _Contacts:
 
     Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
     """
-    n = problem.mu.size
+    n = problem.floor.size
     root = np.sqrt(_positive(np.diag(problem.delassus)))
     sizes = np.append(np.abs(problem.free) / root, problem.floor * root[:n])
     v = float(_positive(sizes.max(initial=0.0)))
     return _Contacts(
         delassus=problem.delassus / np.outer(root, root),
         free=problem.free / (v * root),
-        mu=problem.mu * root[n:] / root[:n],
+        friction=problem.friction * np.divide.outer(root[n:], root[:n]),
         floor=problem.floor * root[:n] / v,
         sliding=problem.sliding,
         velocity=v * root,
@@ -490,15 +507,15 @@ def _natural(problem: _Contacts) -> _Contacts:
 
 def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
     """Return A and b of :func:`contact_lcp`."""
-    g, mu, n = problem.delassus, problem.mu, problem.mu.size
+    g, friction, n = problem.delassus, problem.friction, problem.floor.size
     undecided = np.flatnonzero(problem.sliding == 0)
     k = undecided.size
     rows = np.append(np.arange(n), n + undecided)  # of G: gamma_N and E^T gamma_T
     to_impulse = np.zeros((2 * n, n + k))  # [N T]
     to_impulse[:n, :n] = np.eye(n)
-    to_impulse[n:, :n] = np.diag(-_signs(problem) * mu)
+    to_impulse[n:, :n] = -_signs(problem)[:, None] * friction
     to_impulse[n + undecided, n + np.arange(k)] = 1.0
-    reserve = 2.0 * np.diag(mu)[undecided]  # 2 E^T D
+    reserve = 2.0 * friction[undecided]  # 2 E^T F
     a = np.zeros((n + 2 * k, n + 2 * k))
     a[: n + k, : n + k] = (g @ to_impulse)[rows]
     a[n : n + k, n + k :] = np.eye(k)
@@ -510,34 +527,45 @@ def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
 def _contact_cover(problem: _Contacts) -> FloatArray:
     """Return a covering vector d for which sticking or sliding onset never ends in a ray.
 
-    Let all s = 0 and d = (1, c, 0) with 0 < c mu < 1: z adds an opening velocity, tilted less
-    than the cone is wide. Let dx, dz >= 0 be the direction of a ray, dLambda its impulses. The
-    signs of the complementary products make dLambda . dgamma <= 0 with |dLambda_T| <= mu
-    dLambda_N, and dgamma = G dLambda + dz (1, c), so
+    Let all s = 0 and d = (1, c, 0) with c > 0 and F^T c < 1: z adds an opening velocity, tilted
+    less than the cones are wide. Let dx, dz >= 0 be the direction of a ray, dLambda its impulses:
+    dLambda_N >= 0 and |dLambda_T| <= F dLambda_N, because z does not enter the reserves, so
+
+        sum(dLambda_N + c dLambda_T) >= (1 - F^T c) . dLambda_N >= 0, = 0 only if dLambda = 0.
+
+    Complementary products vanish along a ray, those of dx with dy and with y. What is left of
+    the friction reserves is dLambda . dgamma = -F dLambda_N . (dgamma_T^+ + dgamma_T^-) <= 0, and
+    dgamma = G dLambda + dz (1, c), so
 
         dLambda . G dLambda + dz sum(dLambda_N + c dLambda_T) <= 0:
 
-    both terms vanish. dLambda = 0 is the ray on which the path starts. Otherwise dz = 0 and
-    W dLambda = 0; then dLambda . gamma <= 0 with gamma = G Lambda + W^T u + z (1, c) leaves
-    z sum(dLambda_N + c dLambda_T) <= 0, so z = 0 and the problem is solved.
+    both terms vanish. If dLambda = 0, gamma_T^+ and gamma_T^- of one contact do not grow together
+    (its reserves sum to a row of 2 F Lambda_N, which the lexicographic order keeps above zero), so
+    z alone grows: the ray on which the path starts. Otherwise dz = 0 and W dLambda = 0; then
+    dLambda . gamma = -F dLambda_N . (gamma_T^+ + gamma_T^-) <= 0 with gamma = G Lambda + W^T u +
+    z (1, c) leaves z sum(dLambda_N + c dLambda_T) <= 0, so z = 0 and the problem is solved. Hence
+    there is a solution for every F >= 0: for Coulomb's law contact by contact and for the sum.
     """
     undecided = problem.sliding == 0
-    ahead = 1.0 / (1.0 + problem.mu[undecided])
-    return np.concatenate([np.ones(problem.mu.size), ahead, np.zeros(ahead.size)])
+    friction = problem.friction[undecided]
+    # c_i = 1 / (1 + the largest column sum that row i takes part in): sum_i c_i F_ij < 1
+    largest = np.where(friction > 0.0, friction.sum(axis=0), 0.0).max(axis=1, initial=0.0)
+    ahead = 1.0 / (1.0 + largest)
+    return np.concatenate([np.ones(problem.floor.size), ahead, np.zeros(ahead.size)])
 
 
 def _signs(problem: _Contacts) -> FloatArray:
-    """Diagonal of S: Lambda_T = Lambda_TR - s mu Lambda_N, s = 1 where none is given."""
+    """Diagonal of S: Lambda_T = Lambda_TR - s F Lambda_N, s = 1 where none is given."""
     return np.where(problem.sliding == 0, 1.0, problem.sliding)
 
 
 def _read(problem: _Contacts, x: FloatArray, y: FloatArray, status: LcpStatus) -> ContactLcp:
     """Impulses and velocities in SI units from x and y of :func:`contact_lcp`."""
-    n = problem.mu.size
+    n = problem.floor.size
     undecided = problem.sliding == 0
     k = int(undecided.sum())
     impulse_n = x[:n] + problem.floor
-    impulse_t = -_signs(problem) * problem.mu * impulse_n
+    impulse_t = -_signs(problem) * (problem.friction @ impulse_n)
     impulse_t[undecided] += x[n : n + k]
     gamma_t = problem.delassus[n:] @ np.append(impulse_n, impulse_t) + problem.free[n:]
     gamma_t[undecided] = y[n : n + k] - x[n + k :]

@@ -396,6 +396,133 @@ def test_three_contacts_of_a_body_with_few_freedoms(seed: int, freedoms: int) ->
     assert contact_residual(result, s.delassus, s.free, s.mu) < RESIDUAL
 
 
+# --- A full friction matrix: the bound F Lambda_N ------------------------------------------------
+
+
+@settings(deadline=None, derandomize=True, max_examples=400)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(1, 3),
+    freedoms=st.integers(2, 7),
+    eps_n=st.floats(0.01, 1.0),
+    summed=st.booleans(),
+)
+def test_every_friction_matrix_has_a_solution(
+    seed: int, n: int, freedoms: int, eps_n: float, summed: bool
+) -> None:
+    """Any F >= 0, that of the summed law among them, in compression and expansion."""
+    rng = np.random.default_rng(seed)
+    s = scene(rng, n, freedoms)
+    friction = np.outer(s.mu, np.ones(n)) if summed else rng.uniform(-0.5, 3.0, (n, n)).clip(0.0)
+    pressed = solve_contact_lcp(s.delassus, s.free, friction)
+    assert pressed.status is LcpStatus.SOLVED
+    assert contact_residual(pressed, s.delassus, s.free, friction) < RESIDUAL
+    between = np.append(pressed.gamma_n, pressed.gamma_t)
+    floor = eps_n * pressed.impulse_n
+    released = solve_contact_lcp(s.delassus, between, friction, floor)
+    assert released.status is LcpStatus.SOLVED
+    assert contact_residual(released, s.delassus, between, friction, floor) < RESIDUAL
+
+
+@pytest.mark.parametrize("seed", [4, 57, 186, 199, 279, 339, 413, 469])
+def test_friction_mostly_from_the_other_contact_does_not_end_in_a_ray(seed: int) -> None:
+    """F up to 40 off the diagonal: covered with c_i F_ii < 1 alone, each scene ends in a ray."""
+    rng = np.random.default_rng(seed)
+    s = scene(rng, 2, int(rng.integers(2, 6)))
+    size = np.array([[8.0, 40.0], [40.0, 8.0]])
+    friction = size * rng.uniform(size=(2, 2)) * (rng.random((2, 2)) < 0.7)
+    result = solve_contact_lcp(s.delassus, s.free, friction)
+    assert contact_residual(result, s.delassus, s.free, friction) < RESIDUAL
+
+
+@pytest.mark.parametrize(("n", "scenes"), [(1, 100), (2, 100), (3, 10)])
+def test_solution_with_a_friction_matrix_is_among_the_enumerated(n: int, scenes: int) -> None:
+    rng = np.random.default_rng(40 + n)
+    unique = 0
+    for _ in range(scenes):
+        s = scene(rng, n, 2 * n + 1)
+        friction = rng.uniform(0.0, 0.6, size=(n, n))
+        sliding = rng.integers(-1, 2, size=n)
+        floor = rng.uniform(size=n) * np.abs(s.free[:n] / np.diag(s.delassus)[:n])
+        arguments = (s.delassus, s.free, friction, floor, sliding)
+        result, every = solve_contact_lcp(*arguments), enumerate_contacts(*arguments)
+        for other in every:
+            # 1e-9 is what the enumeration itself allows; a margin of 10.
+            assert contact_residual(other, *arguments) < 1e-8
+        if len(every) == 1 and result.success:
+            unique += 1
+            np.testing.assert_allclose(
+                np.append(result.impulse_n, result.impulse_t),
+                np.append(every[0].impulse_n, every[0].impulse_t),
+                atol=SAME * np.abs(every[0].impulse_n).max(),
+            )
+        assert result.success <= bool(every)
+    assert unique > 0.7 * scenes  # the comparison is not vacuous
+
+
+@pytest.mark.parametrize("sliding", [0, 1])
+def test_a_vector_of_friction_is_a_diagonal_matrix(sliding: int) -> None:
+    """To the last bit, in all that takes friction."""
+    s = scene(np.random.default_rng(45), 3, 7)
+    both = [(s.delassus, s.free, mu, 0.1, sliding) for mu in (s.mu, np.diag(s.mu))]
+    for one, other in zip(*(contact_lcp(*arguments) for arguments in both), strict=True):
+        assert (one == other).all()
+    one, other = (solve_contact_lcp(*arguments) for arguments in both)
+    assert (one.impulse_n == other.impulse_n).all()
+    assert (one.impulse_t == other.impulse_t).all()
+    assert contact_residual(one, *both[0]) == contact_residual(one, *both[1]) < RESIDUAL
+
+
+def test_friction_at_a_contact_without_normal_impulse() -> None:
+    """Uncoupled contacts 1 (pressed) and 2 (separating), G = I, free N (-4, 1), T (9, 9).
+
+    The bounds are F (4, 0): (4 F_11, 4 F_21); contact 2 slides and is braked by 4 F_21, or sticks
+    if 4 F_21 > 9.
+    """
+    for f_21, braked in ((0.0, 0.0), (0.5, 2.0), (2.0, 8.0), (3.0, 9.0)):
+        friction = np.array([[0.25, 0.75], [f_21, 0.5]])
+        result = solve_contact_lcp(np.eye(4), [-4.0, 1.0, 9.0, 9.0], friction)
+        np.testing.assert_allclose(result.impulse_n, [4.0, 0.0], atol=EXACT)
+        np.testing.assert_allclose(result.impulse_t, [-1.0, -braked], rtol=EXACT, atol=EXACT)
+        np.testing.assert_allclose(result.gamma_t, [8.0, 9.0 - braked], rtol=EXACT, atol=EXACT)
+
+
+def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
+    """The blocks of the docstring entry by entry, one contact free to stick and one sliding."""
+    rng = np.random.default_rng(46)
+    s, f, floor = scene(rng, 2, 5), rng.uniform(size=(2, 2)), np.array([0.3, 0.7])
+    a, b = contact_lcp(s.delassus, s.free, f, floor, sliding=[0, -1])
+    normal = np.vstack([np.eye(2), [-f[0], f[1]]])  # S = diag(1, -1)
+    tangential = np.eye(4)[:, 2]
+    g_n, g_1 = s.delassus[:2], s.delassus[2]  # rows of both normals, of the first tangent
+    expected = np.zeros((4, 4))
+    expected[:2, :2], expected[:2, 2] = g_n @ normal, g_n @ tangential
+    expected[2] = [*(g_1 @ normal), g_1 @ tangential, 1.0]
+    expected[3] = [2.0 * f[0, 0], 2.0 * f[0, 1], -1.0, 0.0]
+    np.testing.assert_allclose(a, expected, rtol=EXACT)
+    start = [*(g_n @ normal @ floor + s.free[:2]), g_1 @ normal @ floor + s.free[2]]
+    np.testing.assert_allclose(b, [*start, 2.0 * f[0] @ floor], rtol=EXACT)
+
+
+@settings(deadline=None, derandomize=True, max_examples=200)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
+def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit: float) -> None:
+    """Tangents measured in another unit at every second contact, F with them: same motion."""
+    s = scene(np.random.default_rng(seed), n, 2 * n + 1)
+    friction = np.outer(0.1 * s.mu, np.ones(n))  # small: one solution
+    root = np.append(np.ones(n), 10.0 ** (unit * (np.arange(n) % 2 == 0)))
+    one = solve_contact_lcp(s.delassus, s.free, friction)
+    changed = s.delassus * np.outer(root, root), s.free * root, friction / root[n:, None]
+    other = solve_contact_lcp(*changed)
+    assert contact_residual(other, *changed) < RESIDUAL
+    scale = np.abs(one.impulse_n).max(initial=1e-300)
+    np.testing.assert_allclose(other.impulse_n, one.impulse_n, atol=SAME * scale)
+    np.testing.assert_allclose(other.impulse_t * root[n:], one.impulse_t, atol=SAME * scale)
+
+
+# --- Energy and invariance -----------------------------------------------------------------------
+
+
 @settings(deadline=None, derandomize=True, max_examples=200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), freedoms=st.integers(2, 7))
 def test_compression_never_adds_energy(seed: int, n: int, freedoms: int) -> None:
@@ -736,6 +863,14 @@ def test_residual_sees_wrong_friction() -> None:
     assert contact_residual(result, ONE, [-7.0, 0.0], 0.6, sliding=-1) > 0.05
 
 
+def test_residual_sees_friction_of_another_law() -> None:
+    """Friction 1 at a contact without normal impulse: lawful for F_21 = 1/4, not for diag."""
+    free, friction = [-4.0, 1.0, 0.0, 9.0], np.array([[0.25, 0.25], [0.25, 0.25]])
+    result = solve_contact_lcp(np.eye(4), free, friction)
+    assert contact_residual(result, np.eye(4), free, friction) < RESIDUAL
+    assert contact_residual(result, np.eye(4), free, 0.25) > 0.05
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -743,6 +878,9 @@ def test_residual_sees_wrong_friction() -> None:
         ({"floor": math.nan}, "floor must be"),
         ({"sliding": 2}, "sliding must be -1, 0 or"),
         ({"mu": [0.1, 0.2]}, "broadcast|shape"),
+        ({"mu": [[-0.1]]}, "mu must be"),
+        ({"mu": [[0.1, 0.2]]}, r"mu must have shape \(\), \(1,\) or \(1, 1\), got \(1, 2\)"),
+        ({"mu": [[0.1]], "delassus": np.eye(4), "free": np.ones(4)}, r"or \(2, 2\), got \(1, 1\)"),
         ({"delassus": np.eye(3), "free": np.ones(3)}, "normal and a tangential entry"),
         ({"free": np.ones(3)}, "expected shapes"),
     ],

@@ -1,0 +1,96 @@
+"""Impacts of the toy: scenes, random states, and the blow the kernel makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from woodpecker import mechanics
+from woodpecker.contact import impact, make_pair
+from woodpecker.modes import ANGLE, SIGN, model
+from woodpecker.toy import ExpansionFriction, Toy
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+LAWS = list(ExpansionFriction)
+laws = pytest.mark.parametrize("law", LAWS)
+
+UNITS = np.array([0.2, 10.0, 10.0])  # of the velocities
+
+SCENES = {"1": (0,), "2": (1,), "3": (2,), "1+2": (0, 1), "1+3": (0, 2)}
+scenes = pytest.mark.parametrize("contacts", SCENES.values(), ids=SCENES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blow:
+    """Result of :func:`impact`."""
+
+    outcome: int
+    u: FloatArray
+    tangents: FloatArray
+    case: IntArray
+    impulses: FloatArray  # phases x (N, T of each contact)
+
+
+def strike(
+    toy: Toy,
+    contacts: tuple[int, ...],
+    u: npt.ArrayLike,
+    tangents: npt.ArrayLike = (),
+    seed: npt.ArrayLike = (),
+) -> Blow:
+    z, case, impulses = np.zeros(7), np.zeros(2, dtype=np.int64), np.zeros((2, 4))
+    z[3:6] = u
+    rows = np.zeros((len(np.reshape(tangents, (-1, 3))), 7))
+    rows[:, 3:6] = np.reshape(tangents, (-1, 3))
+    seeds = np.array(seed, dtype=float).reshape(-1, 3)
+    hit = np.array(contacts, dtype=np.int64)
+    marks = np.zeros(2, dtype=np.int64)
+    outcome = impact(model(toy), hit, z, rows, seeds, case, impulses, marks, make_pair())
+    return Blow(
+        outcome=outcome, u=z[3:6], tangents=rows[:, 3:6], case=case[: len(hit)], impulses=impulses
+    )
+
+
+def random_toy(
+    rng: np.random.Generator, friction: float, law: ExpansionFriction = ExpansionFriction.SUMMED
+) -> Toy:
+    eps, mu = rng.uniform(0.0, 1.0, size=3), friction * rng.uniform(0.5, 1.0, size=3)
+    return Toy(
+        eps_n1=eps[0], eps_n2=eps[1], eps_n3=eps[2], mu_1=mu[0], mu_2=mu[1], mu_3=mu[2],
+        expansion_friction=law,
+    )  # fmt: skip
+
+
+def frictions(toy: Toy, contacts: tuple[int, ...]) -> FloatArray:
+    return np.array([(toy.mu_1, toy.mu_2, toy.mu_3)[i] for i in contacts])
+
+
+def restitutions(toy: Toy, contacts: tuple[int, ...]) -> FloatArray:
+    return np.array([(toy.eps_n1, toy.eps_n2, toy.eps_n3)[i] for i in contacts])
+
+
+def coupling_of(toy: Toy, contacts: tuple[int, ...]) -> float:
+    """What the other contact adds to the bound of friction in the expansion."""
+    summed = toy.expansion_friction == ExpansionFriction.SUMMED
+    return 1.0 if summed and len(contacts) == 2 else 0.0
+
+
+def approach(rng: np.random.Generator, contacts: tuple[int, ...]) -> FloatArray:
+    """Velocities of the size that occurs; the contacts close, or one of two rests."""
+    u = rng.normal(size=3) * [0.2, 10.0, 10.0]
+    for i in contacts:
+        u[ANGLE[i]] = -SIGN[i] * abs(u[ANGLE[i]])
+    if len(contacts) == 2 and rng.random() < 0.3:
+        u[ANGLE[contacts[rng.integers(2)]]] = 0.0
+    return u
+
+
+def directions(toy: Toy, contacts: tuple[int, ...]) -> FloatArray:
+    """W, columns N and T of each contact in turn."""
+    normal, tangential = mechanics.normal_directions(toy), mechanics.tangential_directions(toy)
+    return np.array([w for i in contacts for w in (normal[i], tangential[i])]).T
