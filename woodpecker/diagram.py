@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 from pwmap.diagram import BranchKind, Diagram
 from woodpecker.atlas import Atlas
 from woodpecker.complete import Report, Search, complete
-from woodpecker.crew import Alone, crew
+from woodpecker.executors import Serial, scheduler
 from woodpecker.explore import Explorer, Progress, Start, restore
 from woodpecker.journal import Entry, Journal, read_journal
 from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
@@ -124,6 +125,7 @@ def bifurcation_diagram(
     run: Path | None = None,
     resume: bool = False,
     workers: int | None = None,
+    executor: Executor | None = None,
 ) -> Diagram:
     """Every branch of some iterates in a window, and how they hang together.
 
@@ -151,8 +153,11 @@ def bifurcation_diagram(
     resume
         Go on with the run in that file.
     workers
-        How many processes do the work, by default one for each core where processes can be copied
-        (Linux). The result does not depend on it.
+        How many processes do the work, by default one for each core; see
+        :func:`woodpecker.executors.scheduler`. The result does not depend on it.
+    executor
+        Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) to do the work
+        instead; it is not shut down.
 
     Returns
     -------
@@ -168,7 +173,7 @@ def bifurcation_diagram(
     """
     return find_all(
         toy, parameter, span, orders, window, settings=settings, search=search, progress=progress,
-        run=run, resume=resume, workers=workers,
+        run=run, resume=resume, workers=workers, executor=executor,
     ).diagram  # fmt: skip
 
 
@@ -185,6 +190,7 @@ def find_all(
     run: Path | None = None,
     resume: bool = False,
     workers: int | None = None,
+    executor: Executor | None = None,
 ) -> Found:
     """Like :func:`bifurcation_diagram`, with a report of the search."""
     labelled_map, samples = toy_map(toy, parameter), toy_samples(toy, parameter)
@@ -196,11 +202,11 @@ def find_all(
     looked = search if search is not None else Search()
     wanted = _wanted(orders)
     about = _about(toy, parameter, chosen) | {"orders": wanted, "search": asdict(looked)}
-    labelled_map(*map(_middle, (chosen.window, chosen.span)))  # compiled before it is copied
+    labelled_map(*map(_middle, (chosen.window, chosen.span)))  # compiled before there are processes
     with _journal(run, about, resume) as journal:
         found = whole_diagram(
             labelled_map, samples, chosen, wanted, looked, parameter_name=parameter,
-            x_name="phi_s", progress=progress, workers=workers, journal=journal,
+            x_name="phi_s", progress=progress, workers=workers, executor=executor, journal=journal,
         )  # fmt: skip
     given = _given(toy.expansion_friction, parameter)
     return replace(found, diagram=replace(found.diagram, given=given))
@@ -276,20 +282,25 @@ def whole_diagram(
     x_name: str = "x",
     progress: Progress | None = None,
     workers: int | None = 1,
+    executor: Executor | None = None,
     journal: Journal | None = None,
 ) -> Found:
     """Every branch of some iterates of a labelled map; see :func:`bifurcation_diagram`.
 
-    ``workers`` processes do the work; the result does not depend on how many.
+    Maps that are to be sent to other processes must pickle: a function at the top level of a
+    module does, a lambda does not.
     """
     wanted = _wanted(orders)
     low, high = settings.window
     inside = windowed(labelled_map, (low - MARGIN, high + MARGIN))
     looked = search if search is not None else Search()
-    worker = Worker(inside, settings, wanted, samples, looked.resolution)
-    with crew(worker, workers) as hands:
-        explorer = Explorer(hands, progress, journal)
-        reports = complete(explorer, hands, settings, wanted, looked)
+    worker = Worker(
+        labelled_map=inside, settings=settings, orders=tuple(wanted), samples=samples,
+        resolution=looked.resolution,
+    )  # fmt: skip
+    with scheduler(worker, workers, executor) as tasks:
+        explorer = Explorer(tasks, progress, journal)
+        reports = complete(explorer, tasks, settings, wanted, looked)
     return Found(
         diagram=explorer.atlas.diagram(parameter_name, x_name),
         reports=tuple(reports),
@@ -319,7 +330,8 @@ def connected(
             f"the slopes of the cycle must multiply to {settings.steepest:g} at most (steepest), "
             f"got {start.steepness:g}"
         )
-    explorer = Explorer(Alone(Worker(labelled_map, settings)), progress, journal)
+    worker = Worker(labelled_map=labelled_map, settings=settings)
+    explorer = Explorer(Serial(worker), progress, journal)
     if explorer.atlas.branches:
         explorer.go_on()
     else:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 import threading
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import partial
 
 import numpy as np
 
 from woodpecker import kernel
-from woodpecker.arrays import Floats
+from woodpecker.arrays import Codes, Floats
 from woodpecker.compiled import announce
 from woodpecker.edges import nearest_edge
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
 from woodpecker.modes import CONTACT, EPS, model
-from woodpecker.pieces import SampledMap, Samples, WordBook
+from woodpecker.pieces import Samples, WordBook
 from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
 from woodpecker.status import status
 from woodpecker.tolerances import DEFAULT, Tolerances
@@ -81,7 +82,94 @@ class PeriodicOrbit:
         return abs(self.multiplier) < 1.0
 
 
-def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
+class _PerThread(threading.local):
+    """What a thread keeps of a map between calls; no part of the map, and no copy has it."""
+
+    evaluation: LabelledMap | None = None
+    table: Floats | None = None
+    p = math.nan  # the parameter of the table
+
+    def __reduce__(self) -> tuple[type[_PerThread], tuple[()]]:
+        return _PerThread, ()
+
+
+@dataclass(frozen=True, slots=True)
+class ToyMap:
+    """P_1 of the toy as a labelled map of (phi_S, parameter); it pickles, and threads may share it.
+
+    Parameters
+    ----------
+    toy
+        The toy; its own value of the parameter does not matter.
+    parameter
+        The parameter of the toy that varies.
+    """
+
+    toy: Toy
+    parameter: str = "eps_n1"
+    _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        known_parameter(self.parameter)
+
+    def __call__(self, phi_s: float, p: float) -> Evaluation:
+        """The return from phi_S [rad]; at an impossible p or phi_S it is not defined."""
+        evaluation = self._cache.evaluation
+        if evaluation is None:
+            evaluation = self._cache.evaluation = _evaluation(self.toy, self.parameter)
+        return evaluation(phi_s, p)
+
+
+@dataclass(frozen=True, slots=True)
+class ToySamples:
+    """P_1 of the toy as a map that takes many points at once; see :class:`ToyMap`."""
+
+    toy: Toy
+    parameter: str = "eps_n1"
+    _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
+    _book: WordBook = field(default_factory=WordBook, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        known_parameter(self.parameter)
+
+    @property
+    def words(self) -> Sequence[str]:
+        """Word of each index that ``sweep`` has given out so far."""
+        return self._book.texts
+
+    def sweep(self, x: Floats, p: float) -> Samples:
+        """Returns from phi_S = x (n,) [rad] at one value of the parameter."""
+        n = len(x)
+        exact = self.parameter in RESTITUTIONS
+        seed = np.eye(3)[[RESTITUTIONS.index(self.parameter)]] if exact else np.zeros((1, 3))
+        out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
+        codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+        announce(kernel.sweep)
+        kernel.sweep(self._table(p), x, 1, seed, out, codes, lengths, texts)
+        defined = codes == kernel.RETURNED
+        out[~defined] = np.nan
+        index = np.array(
+            [self._number(int(codes[i]), texts[i, : lengths[i]]) for i in range(n)], dtype=np.int64
+        )
+        rate = out[:, 4] if exact else np.full(n, np.nan)
+        return Samples(x, out[:, 0], out[:, 3], rate, index, defined)
+
+    def _table(self, p: float) -> Floats:
+        """Each thread keeps the mode table of its last parameter."""
+        cache = self._cache
+        if cache.table is None or cache.p != p:
+            cache.p, cache.table = p, model(self.toy.replace(**{self.parameter: p}))
+        return cache.table
+
+    def _number(self, code: int, symbols: Codes) -> int:
+        """Index of the word of a return, or of the reason why there is none."""
+        if code == kernel.RETURNED:
+            return self._book.index(symbols.tobytes(), partial(word, symbols.tolist()))
+        reason = status(code).value
+        return self._book.index(reason, reason.__str__)
+
+
+def toy_map(toy: Toy, parameter: str = "eps_n1") -> ToyMap:
     """P_1 of the toy as a labelled map of (phi_S, parameter).
 
     The derivative in a restitution coefficient is exact, except where the coefficient is zero and
@@ -93,7 +181,20 @@ def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
     TypeError
         If the parameter is unknown.
     """
-    if known_parameter(parameter) in RESTITUTIONS:
+    return ToyMap(toy, parameter)
+
+
+def toy_samples(toy: Toy, parameter: str = "eps_n1") -> ToySamples:
+    """P_1 of the toy as a map that takes many points at once; see :func:`toy_map`.
+
+    Parameters other than a restitution coefficient have no derivative here: ``rate`` is nan.
+    """
+    return ToySamples(toy, parameter)
+
+
+def _evaluation(toy: Toy, parameter: str) -> LabelledMap:
+    """P_1 over a parameter with buffers of its own: one for each thread."""
+    if parameter in RESTITUTIONS:
         return _restitution_map(toy, RESTITUTIONS.index(parameter))
 
     def value(phi_s: float, p: float) -> Evaluation:
@@ -118,41 +219,6 @@ def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
         return here._replace(rate=(first[0] - second[0]) / (first[1] - second[1]))
 
     return with_difference
-
-
-def toy_samples(toy: Toy, parameter: str = "eps_n1") -> SampledMap:
-    """P_1 of the toy as a map that takes many points at once; see :func:`toy_map`.
-
-    Parameters other than a restitution coefficient have no derivative here: ``rate`` is nan.
-    """
-    exact = known_parameter(parameter) in RESTITUTIONS
-    seed = np.eye(3)[[RESTITUTIONS.index(parameter)]] if exact else np.zeros((1, 3))
-    book, local = WordBook(), threading.local()
-    announce(kernel.sweep)
-
-    def sweep(x: Floats, p: float) -> Samples:
-        n = len(x)
-        if getattr(local, "p", math.nan) != p:  # each thread keeps the table of its last parameter
-            local.p, local.table = p, model(toy.replace(**{parameter: p}))
-        out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
-        codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        kernel.sweep(local.table, x, 1, seed, out, codes, lengths, texts)
-        defined = codes == kernel.RETURNED
-        out[~defined] = np.nan
-        index = np.empty(n, dtype=np.int64)
-        for i in range(n):
-            if defined[i]:
-                codes_of_word = texts[i, : lengths[i]]
-                index[i] = book.index(
-                    codes_of_word.tobytes(), partial(word, codes_of_word.tolist())
-                )
-            else:
-                reason = status(int(codes[i])).value
-                index[i] = book.index(reason, reason.__str__)
-        rate = out[:, 4] if exact else np.full(n, np.nan)
-        return Samples(x, out[:, 0], out[:, 3], rate, index, defined)
-
-    return SampledMap(sweep, book.texts)
 
 
 def _undefined(reason: str) -> Evaluation:
