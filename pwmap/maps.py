@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -302,6 +302,9 @@ class PiecewiseLinearMap:
         self._set(map_._model, map_._chain, judge, None, orbits)
         return self
 
+    def __reduce__(self) -> tuple[Callable[..., PiecewiseLinearMap], tuple[object, ...]]:
+        return _restored, (self._model, self._chain, self.judge, self.orbits)
+
     def _with_chain(self, chain: Chain) -> PiecewiseLinearMap:
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
         other._set(self._model, chain, self.judge, self._known, self.orbits)
@@ -417,7 +420,7 @@ class PiecewiseLinearMap:
 
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``."""
-        if inner._model is self._model:
+        if inner._model == self._model:
             return self._with_chain(inner._chain + self._chain)
         model, shift = _joined(inner._model, self._model)
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
@@ -716,6 +719,13 @@ class PiecewiseLinearMap:
         return (
             rf"$\displaystyle {head} = \left\{{\begin{{array}}{{lll}} {body} \end{{array}}\right.$"
         )
+
+
+def _restored(model: Model, chain: Chain, judge: Judge, orbits: Orbits) -> PiecewiseLinearMap:
+    """A map as it was before it was copied or pickled; its pieces are made anew."""
+    map_ = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
+    map_._set(model, chain, judge, None, orbits)
+    return map_
 
 
 def checked_order(j: object) -> int:
