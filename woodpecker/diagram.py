@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import math
+import operator
+import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from pwmap.diagram import BranchKind, Diagram
 from woodpecker.atlas import Atlas
 from woodpecker.complete import Report, Search, complete
-from woodpecker.executors import Serial, scheduler
+from woodpecker.executors import Serial, scheduler, worker_count
 from woodpecker.explore import Explorer, Progress, Start, restore
-from woodpecker.journal import Entry, Journal, read_journal
+from woodpecker.journal import START, Entry, Journal, read_journal
 from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
 from woodpecker.pieces import SampledMap
 from woodpecker.returns import RESTITUTIONS
 from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map, toy_samples
-from woodpecker.toy import Toy
+from woodpecker.toy import LAW, Toy, parameters
 from woodpecker.worker import Worker
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
@@ -36,7 +40,7 @@ def continuation(
     *,
     settings: Settings | None = None,
     progress: Progress | None = None,
-    run: Path | None = None,
+    run: str | os.PathLike[str] | None = None,
     resume: bool = False,
 ) -> Diagram:
     """Follow a periodic solution both ways, and every branch that is connected to it.
@@ -76,7 +80,7 @@ def continuation(
     if orbit.toy != toy:
         raise ValueError("continuation needs an orbit of this toy, got one of another toy")
     chosen = settings if settings is not None else Settings(window=WINDOW)
-    chosen = replace(chosen, span=(float(span[0]), float(span[1])))
+    chosen = replace(chosen, span=_interval(span))
     labelled_map = toy_map(toy, parameter)
     p = float(getattr(toy, parameter))
     if not span[0] <= p <= span[1]:
@@ -84,7 +88,8 @@ def continuation(
     start = cycle_of(orbit, labelled_map, p)
     if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
         start, _, _ = correct(labelled_map, start.x, SMALLEST)
-    about = _about(toy, parameter, chosen) | {"start": orbit.points}
+    _followable(start, chosen)
+    about = _about(toy, parameter, chosen) | {START: orbit.points}
     with _journal(run, about, resume) as journal:
         found = connected(
             labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s",
@@ -122,7 +127,7 @@ def bifurcation_diagram(
     settings: Settings | None = None,
     search: Search | None = None,
     progress: Progress | None = None,
-    run: Path | None = None,
+    run: str | os.PathLike[str] | None = None,
     resume: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -168,8 +173,8 @@ def bifurcation_diagram(
     Raises
     ------
     ValueError
-        If an order is not at least 1, the span or window does not ascend, or there is no such run
-        to resume.
+        If an order is not at least 1, the span or window does not ascend or is not finite, or there
+        is no such run to resume.
     """
     return find_all(
         toy, parameter, span, orders, window, settings=settings, search=search, progress=progress,
@@ -187,7 +192,7 @@ def find_all(
     settings: Settings | None = None,
     search: Search | None = None,
     progress: Progress | None = None,
-    run: Path | None = None,
+    run: str | os.PathLike[str] | None = None,
     resume: bool = False,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -196,9 +201,10 @@ def find_all(
     labelled_map, samples = toy_map(toy, parameter), toy_samples(toy, parameter)
     chosen = replace(
         settings if settings is not None else Settings(),
-        span=(float(span[0]), float(span[1])),
-        window=(float(window[0]), float(window[1])),
-    )
+        span=_interval(span), window=_interval(window),
+    )  # fmt: skip
+    _searchable(chosen)
+    worker_count(workers)
     looked = search if search is not None else Search()
     wanted = _wanted(orders)
     about = _about(toy, parameter, chosen) | {"orders": wanted, "search": asdict(looked)}
@@ -234,7 +240,9 @@ def _finite(values: Entry) -> Entry:
 
 
 @contextmanager
-def _journal(run: Path | None, about: Entry, resume: bool) -> Iterator[Journal | None]:
+def _journal(
+    run: str | os.PathLike[str] | None, about: Entry, resume: bool
+) -> Iterator[Journal | None]:
     """A journal for the time of a run, or none."""
     if run is None:
         if resume:
@@ -248,8 +256,8 @@ def _journal(run: Path | None, about: Entry, resume: bool) -> Iterator[Journal |
         journal.close()
 
 
-def saved_diagram(run: Path) -> Diagram:
-    """The branches that a run has finished so far.
+def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
+    """The branches that a run of the toy has finished so far.
 
     Raises
     ------
@@ -257,17 +265,45 @@ def saved_diagram(run: Path) -> Diagram:
         If the file is not that of a run.
     """
     about, entries = read_journal(run)
+    toy, parameter = about.get("toy"), about.get("parameter")
+    if not isinstance(toy, dict) or LAW not in toy or parameter not in parameters():
+        raise ValueError(f"{run}, line 1: expected a run of the toy, got one of {sorted(about)}")
     atlas = Atlas()
-    restore(atlas, entries)
-    found = atlas.diagram(about["parameter"], "phi_s")
-    law = str(about["toy"]["expansion_friction"])
-    return replace(found, given=_given(law, about["parameter"]))
+    restore(atlas, entries, Path(run))
+    found = atlas.diagram(parameter, "phi_s")
+    return replace(found, given=_given(str(toy[LAW]), parameter))
+
+
+def _interval(ends: tuple[float, float]) -> tuple[float, float]:
+    low, high = ends
+    return float(low), float(high)
+
+
+def _searchable(settings: Settings) -> None:
+    """Complain of a window that slices cannot cover."""
+    if not all(map(math.isfinite, settings.window)):
+        raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
+
+
+def _followable(start: Cycle, settings: Settings) -> None:
+    """Complain of a cycle whose branch would end where it begins."""
+    if not start.steepness <= settings.steepest:
+        raise ValueError(
+            f"the slopes of the cycle must multiply to {settings.steepest:g} at most (steepest), "
+            f"got {start.steepness:g}"
+        )
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:
-    wanted = sorted(set(orders))
-    if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
-        raise ValueError(f"orders must be integers j >= 1, got {tuple(orders)}")
+    """Orders of iterates, ascending, each once."""
+    given = tuple(orders)
+    if any(
+        isinstance(order, bool | np.bool_) or not hasattr(order, "__index__") for order in given
+    ):
+        raise ValueError(f"orders must be integers j >= 1, got {given}")
+    wanted = sorted({operator.index(order) for order in given})
+    if not wanted or wanted[0] < 1:
+        raise ValueError(f"orders must be integers j >= 1, got {given}")
     return wanted
 
 
@@ -291,6 +327,7 @@ def whole_diagram(
     module does, a lambda does not.
     """
     wanted = _wanted(orders)
+    _searchable(settings)
     low, high = settings.window
     inside = windowed(labelled_map, (low - MARGIN, high + MARGIN))
     looked = search if search is not None else Search()
@@ -325,11 +362,7 @@ def connected(
     ValueError
         If the cycle is steeper than ``settings.steepest``.
     """
-    if not start.steepness <= settings.steepest:
-        raise ValueError(
-            f"the slopes of the cycle must multiply to {settings.steepest:g} at most (steepest), "
-            f"got {start.steepness:g}"
-        )
+    _followable(start, settings)
     worker = Worker(labelled_map=labelled_map, settings=settings)
     explorer = Explorer(Serial(worker), progress, journal)
     if explorer.atlas.branches:

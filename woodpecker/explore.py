@@ -11,6 +11,7 @@ import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from pwmap.diagram import BranchKind
@@ -67,7 +68,7 @@ class Explorer:
         self.atlas, self.slices, self.evaluations = Atlas(), 0, 0
         self._progress = progress or (lambda _: None)
         if journal is not None:
-            restore(self.atlas, journal.entries)
+            restore(self.atlas, journal.entries, journal.path)
 
     def explore(
         self, starts: Sequence[Start], known: Callable[[Start], bool] = lambda _: False
@@ -151,12 +152,23 @@ def _task(start: Start) -> tuple[Any, ...]:
     return Task.CYCLE, start.at
 
 
-def restore(atlas: Atlas, entries: Iterable[Entry]) -> None:
-    """Put an atlas back to where a journal says it was."""
-    for entry in entries:
+def restore(atlas: Atlas, entries: Iterable[Entry], path: Path) -> None:
+    """Put an atlas back to where a journal says it was.
+
+    Raises
+    ------
+    ValueError
+        If an entry does not follow from those before it.
+    """
+    for line, entry in enumerate(entries, 2):
         if PATH in entry:
             runs, kind, order = to_runs(entry)
             for run in runs:
                 atlas.add(run, kind, order)
         elif DONE in entry:
-            atlas.finish(entry[DONE], entry["order"])
+            try:
+                atlas.finish(entry[DONE], entry["order"])
+            except (KeyError, ValueError):
+                raise ValueError(
+                    f"{path}, line {line}: nothing is left to follow at {entry[DONE]}"
+                ) from None

@@ -293,11 +293,13 @@ def partition(
     Raises
     ------
     ValueError
-        If the window is not an interval.
+        If the window is not a finite interval.
     """
     low, high = window
     if not low < high:
         raise ValueError(f"a window must ascend, got ({low}, {high})")
+    if math.isinf(low) or math.isinf(high):
+        raise ValueError(f"a window must be finite to be cut into pieces, got ({low}, {high})")
     chosen = resolution if resolution is not None else Resolution()
     search = _Search(map_, p, chosen, diagonal)
     n = max(2, math.ceil((high - low) / chosen.spacing) + 1)
