@@ -11,6 +11,7 @@ processes a search works alone.
 from __future__ import annotations
 
 import logging
+import math
 import multiprocessing
 import operator
 import os
@@ -18,16 +19,18 @@ import pickle
 import signal
 import sys
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import lru_cache, partial
 from multiprocessing.connection import Connection, wait
 from typing import Any, NamedTuple, Protocol
 
 WATCH = 1.0  # s: how often a worker looks whether its owner is still there
+PATIENCE = 2.0  # s: what takes less is done before processes that are started anew could help
 KEPT = 4  # descriptions of tasks that a process remembers: one for each search it works for
 
 
@@ -54,7 +57,9 @@ Work = Callable[..., Done]
 class Scheduler(Protocol):
     """Takes tasks."""
 
-    ahead: int  # how many tasks are worth submitting before they are needed
+    @property
+    def ahead(self) -> int:
+        """How many tasks are worth submitting before they are needed."""
 
     def submit(self, *arguments: Any) -> Pending:
         """Submit a task."""
@@ -106,6 +111,46 @@ class Parallel:
             future.cancel()
 
 
+class Joined:
+    """The calling thread, and processes that join it once they have been started anew.
+
+    Parameters
+    ----------
+    work, sent
+        What is to be done with the arguments of a task, and what does it elsewhere.
+    workers
+        How many processes.
+    stack
+        Ends the processes.
+    """
+
+    def __init__(self, work: Work, sent: Work, workers: int, stack: ExitStack) -> None:
+        self._here, self._sent, self._workers, self._stack = Serial(work), sent, workers, stack
+        self._elsewhere: Parallel | None = None
+        self._ready, self._due = threading.Event(), time.monotonic() + PATIENCE
+
+    @property
+    def ahead(self) -> int:
+        """How many tasks are worth submitting before they are needed."""
+        return self._now.ahead
+
+    @property
+    def _now(self) -> Scheduler:
+        if self._elsewhere is not None and self._ready.is_set():
+            return self._elsewhere
+        return self._here
+
+    def submit(self, *arguments: Any) -> Pending:
+        """A task for the processes if they are there, for the calling thread if not."""
+        if time.monotonic() >= self._due:
+            self._due = math.inf
+            pool = self._stack.enter_context(processes(self._workers))
+            if pool is not None:
+                self._elsewhere = Parallel(pool, self._sent, self._workers)
+                pool.submit(os.getpid).add_done_callback(lambda _: self._ready.set())
+        return self._now.submit(*arguments)
+
+
 @contextmanager
 def scheduler(
     work: Work, workers: int | None, executor: Executor | None = None
@@ -119,7 +164,9 @@ def scheduler(
     workers
         How many processes are started for it; by default one for each core. One works in this
         thread, and so does whoever cannot make processes: the workers of a
-        :class:`multiprocessing.Pool`, or a system without them.
+        :class:`multiprocessing.Pool`, or a system without them. Where processes cannot be copied
+        safely, beside other threads and on systems other than Linux, this thread works alone until
+        they have been started anew.
     executor
         What carries the tasks out instead; it is not shut down. ``workers`` then says how many it
         does at once.
@@ -143,7 +190,11 @@ def scheduler(
         yield Serial(work)
         return
     sent = _sent(work)
-    with processes(count) as pool:
+    with ExitStack() as stack:
+        if start_method() != "fork":
+            yield Joined(work, sent, count, stack)
+            return
+        pool = stack.enter_context(processes(count))
         yield Serial(work) if pool is None else Parallel(pool, sent, count)
 
 
@@ -207,7 +258,7 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     """Processes of this one's own, all started at once; None where none can be made.
 
     Ctrl-C is left to this process. They end with the block, at once if it ends by an error, and
-    do not outlive this process.
+    do not outlive this process. Those that are still starting then are not waited for.
 
     Raises
     ------
@@ -217,12 +268,13 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     if multiprocessing.current_process().daemon:  # such a process may have no children
         yield None
         return
-    context = multiprocessing.get_context(start_method())
+    method = start_method()
+    context = multiprocessing.get_context(method)
     leash, hand = context.Pipe(duplex=False)
     with leash, hand:
         try:
             pool = ProcessPoolExecutor(count, context, initializer=_begin, initargs=(leash,))
-            _start(pool, count)
+            started = _started(pool, count)
         except (OSError, NotImplementedError) as error:
             logging.getLogger("woodpecker").info("working alone: no processes (%s)", error)
             yield None
@@ -235,7 +287,8 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
                 raise RuntimeError(_BROKEN) from error
             raise
         finally:
-            pool.shutdown(cancel_futures=True)
+            there = method == "fork" or all(future.done() for future in started)
+            pool.shutdown(wait=there, cancel_futures=True)
 
 
 _BROKEN = (
@@ -254,12 +307,12 @@ def start_method() -> str:
     return "fork" if sys.platform == "linux" and alone else "spawn"
 
 
-def _start(pool: ProcessPoolExecutor, count: int) -> None:
+def _started(pool: ProcessPoolExecutor, count: int) -> list[Future[int]]:
+    """One task for each process, done when it is there."""
     with warnings.catch_warnings():
         # Threads of compiled libraries count here; they look after their locks themselves.
         warnings.simplefilter("ignore", DeprecationWarning)
-        for _ in range(count):  # a process is started for each task for which none is free
-            pool.submit(os.getpid)
+        return [pool.submit(os.getpid) for _ in range(count)]  # each starts one if none is free
 
 
 def _begin(leash: Connection) -> None:

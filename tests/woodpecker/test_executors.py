@@ -36,6 +36,11 @@ def whose(_: int) -> Done:
     return Done(os.getpid(), 0)
 
 
+def short(x: int) -> Done:
+    with scheduler(squared, 2) as tasks:
+        return tasks.submit(x).result()
+
+
 class Table:
     """A task that remembers something."""
 
@@ -101,20 +106,30 @@ def test_an_interruption_does_not_wait_for_the_workers() -> None:
 
 
 @pytest.mark.slow
-def test_processes_are_not_copied_beside_other_threads() -> None:
-    """Processes started anew import this file again: they keep the same promises."""
-    found: list[object] = []
+def test_processes_are_not_copied_beside_other_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are started anew; until they are there this one goes on alone."""
+    monkeypatch.setattr(executors, "PATIENCE", 0.0)
+    found: list[int] = []
 
     def other() -> None:
-        found.append(start_method())
-        with scheduler(Table({3: 30}), 2) as tasks:
-            found.append(tasks.submit(3).result().value)
+        assert start_method() == "spawn"
+        with scheduler(whose, 2) as tasks:
+            assert tasks.ahead == 1
+            while found[-1:] in ([], [os.getpid()]):
+                found.append(tasks.submit(0).result().value)
+            assert tasks.ahead == 4
 
-    thread = threading.Thread(target=other)
-    thread.start()
-    thread.join()
-    assert found == ["spawn", 30]
-    assert multiprocessing.active_children() == []
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(other).result(timeout=120.0)
+    assert found[0] == os.getpid()
+
+
+def test_a_short_search_beside_other_threads_starts_no_processes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(executors, "processes", None)
+    with ThreadPoolExecutor(1) as thread:
+        assert thread.submit(short, 3).result() == Done(9, 1)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux only")
