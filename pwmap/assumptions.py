@@ -9,7 +9,7 @@ parameter; it never claims too much, but may miss a sign that needs more than th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import product
@@ -23,6 +23,7 @@ from sympy.polys.rings import PolyElement
 
 from pwmap.exact import (
     Number,
+    Packed,
     Ring,
     constant,
     dense,
@@ -30,9 +31,11 @@ from pwmap.exact import (
     evaluate,
     expression,
     is_constant,
+    packed,
     polynomial_ring,
     sign,
     to_sympy,
+    unpacked,
 )
 from pwmap.roots import Dense, gaps_and_roots, inside, real_roots, sign_at
 
@@ -71,7 +74,7 @@ class Constraint(NamedTuple):
         return (sympy.Gt if self.strict else sympy.Ge)(rest, -constant_, evaluate=False)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Region:
     """All parameter values that satisfy some inequalities.
 
@@ -85,6 +88,10 @@ class Region:
 
     ring: Ring
     constraints: tuple[Constraint, ...] = ()
+
+    def __reduce__(self) -> tuple[Callable[..., Region], tuple[object, ...]]:
+        kept = packed(self.ring, [constraint.polynomial for constraint in self.constraints])
+        return _region, (kept, tuple(constraint.strict for constraint in self.constraints))
 
     @cached_property
     def sample(self) -> dict[str, Number]:
@@ -160,6 +167,11 @@ class Region:
     def __str__(self) -> str:
         """The inequalities, or "no assumption"."""
         return ", ".join(str(r) for r in self.relations()) or "no assumption"
+
+
+def _region(kept: Packed, strict: tuple[bool, ...]) -> Region:
+    ring, polynomials = unpacked(kept)
+    return Region(ring, tuple(map(Constraint, polynomials, strict)))
 
 
 def read_constraints(given: Iterable[object], ring: Ring) -> tuple[Constraint, ...]:

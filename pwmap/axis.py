@@ -150,6 +150,16 @@ class Axis(ABC):
         return ()
 
 
+@dataclass(frozen=True, slots=True)
+class _SignAt:
+    """Signs at an algebraic number."""
+
+    root: RealRoot
+
+    def __call__(self, number: Number) -> int:
+        return self.root.sign_of(dense(number))
+
+
 class RationalAxis(Axis):
     """The only parameter of a map."""
 
@@ -165,7 +175,7 @@ class RationalAxis(Axis):
 
     def judge(self, place: Any) -> Judge:
         if isinstance(place, RealRoot):
-            return Judge(self.orbits, lambda number: place.sign_of(dense(number)))
+            return Judge(self.orbits, _SignAt(place))
         table = self.model.table.mapped(lambda number: _at(number, place))
         return Judge(Orbits(table), sign)
 

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
@@ -111,6 +111,33 @@ def _refusal(value: object) -> str:
 def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
     """The ring ``QQ[symbols]``, or None for no symbols: then numbers are elements of ``QQ``."""
     return PolyRing(tuple(symbols), QQ, lex) if symbols else None
+
+
+class Packed(NamedTuple):
+    """Numbers without their ring, whose elements sympy does not pickle."""
+
+    symbols: tuple[sympy.Symbol, ...]
+    numbers: tuple[Any, ...]  # elements of QQ, or terms (exponents, coefficient) of the ring
+
+
+def packed(ring: Ring, numbers: Sequence[Number]) -> Packed:
+    """Numbers of one ring, or of ``QQ``, to be pickled."""
+    if ring is None:
+        return Packed((), tuple(numbers))
+    return Packed(tuple(ring.symbols), tuple(tuple(number.terms()) for number in numbers))
+
+
+def unpacked(kept: Packed) -> tuple[Ring, tuple[Number, ...]]:
+    """The ring, and the numbers in it; undoes :func:`packed`."""
+    ring = polynomial_ring(kept.symbols)
+    if ring is None:
+        return None, kept.numbers
+    return ring, tuple(ring.from_dict(dict(terms)) for terms in kept.numbers)
+
+
+def ring_of(number: Number) -> Ring:
+    """The ring of an element, or None for an element of ``QQ``."""
+    return number.ring if isinstance(number, PolyElement) else None
 
 
 def element(ring: Ring, expr: sympy.Expr, what: str) -> Number:

@@ -18,7 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pwmap.exact import Fraction_, Number
+from pwmap.exact import Fraction_, Number, Packed, packed, ring_of, unpacked
 
 Word = tuple[int, ...]
 
@@ -34,7 +34,7 @@ class Layout(NamedTuple):
     slots: tuple[int, ...]  # the letter that owns each slot
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Table:
     """Coefficients of one or more maps: slope and intercept by letter, breaks by index."""
 
@@ -53,6 +53,16 @@ class Table:
             self.layouts,
             change(self.one),
         )
+
+    def __reduce__(self) -> tuple[Callable[..., Table], tuple[object, ...]]:
+        numbers = (*self.slopes, *self.intercepts, *self.breaks, self.one)
+        return _table, (packed(ring_of(self.one), numbers), len(self.slopes), self.layouts)
+
+
+def _table(kept: Packed, letters: int, layouts: tuple[Layout, ...]) -> Table:
+    numbers = unpacked(kept)[1]
+    slopes, intercepts = numbers[:letters], numbers[letters : 2 * letters]
+    return Table(slopes, intercepts, numbers[2 * letters : -1], layouts, numbers[-1])
 
 
 class Order(NamedTuple):
@@ -100,6 +110,9 @@ class Orbits:
         zero = table.one - table.one
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
+
+    def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
+        return Orbits, (self.table,)
 
     def affine(self, word: Word) -> tuple[Number, Number]:
         """Slope and intercept of A_word."""
@@ -160,6 +173,9 @@ class Judge:
         self.answers: dict[Question, int] = {}
         self._sign = sign
         self._slots: dict[tuple[int, int, Word], int] = {}
+
+    def __reduce__(self) -> tuple[type[Judge], tuple[Orbits, Callable[[Number], int]]]:
+        return Judge, (self.orbits, self._sign)
 
     def ask(self, question: Question) -> int:
         """The sign of the polynomial of a question."""

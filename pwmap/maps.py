@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -31,7 +31,7 @@ from pwmap.exact import (
     to_ring,
     to_sympy,
 )
-from pwmap.itineraries import Judge, Layout, Orbits, Table, Word
+from pwmap.itineraries import Judge, Layout, Offset, Orbits, Table, Word
 from pwmap.reading import Model, read
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
@@ -197,7 +197,7 @@ class Cycle:
     points
         The points, in the order of the word.
     multiplier
-        Product of the slopes.
+        Product of the slopes of the pieces visited; ``nan`` if one of them is a single point.
     conditions
         What must hold for the cycle to exist: each point in its piece.
     """
@@ -301,6 +301,9 @@ class PiecewiseLinearMap:
         self = cls.__new__(cls)
         self._set(map_._model, map_._chain, judge, None, orbits)
         return self
+
+    def __reduce__(self) -> tuple[Callable[..., PiecewiseLinearMap], tuple[object, ...]]:
+        return _restored, (self._model, self._chain, self.judge, self.orbits)
 
     def _with_chain(self, chain: Chain) -> PiecewiseLinearMap:
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
@@ -417,7 +420,7 @@ class PiecewiseLinearMap:
 
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``."""
-        if inner._model is self._model:
+        if inner._model == self._model:
             return self._with_chain(inner._chain + self._chain)
         model, shift = _joined(inner._model, self._model)
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
@@ -606,7 +609,10 @@ class PiecewiseLinearMap:
         Raises
         ------
         ValueError
-            If a letter is unknown, or the word's slope is 1: then no cycle is isolated.
+            If a letter is unknown, or the word's slope is 1 and its points form a band, which is
+            listed by :meth:`fixed_intervals`, or no cycle at all.
+        UndecidedError
+            If the word's slope is 1, and the assumptions leave open which of these it is.
         """
         for letter in word:
             if letter not in self.letters:
@@ -624,7 +630,10 @@ class PiecewiseLinearMap:
         ):
             for k, side, closed in _bounds(layout, index):
                 value = self._model.table.breaks[k]
-                signs.append(((side * (top - value * bottom), bottom), closed))
+                over = side * (top - value * bottom)
+                if closed and not over:  # the point is this break
+                    continue
+                signs.append(((over, bottom), closed))
                 relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
                 relation = relations[0 if closed else 1]
                 conditions.append(relation(fraction_to_sympy((top, bottom)), to_sympy(value)))
@@ -642,19 +651,39 @@ class PiecewiseLinearMap:
         return [self._model.table.layouts[self._chain[i % self.order]] for i in range(n)]
 
     def _cycle_points(self, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
-        """Points and multiplier of a cycle; through a piece that is a point, from that point on."""
+        """Points and multiplier of a cycle."""
+        at = self._point_piece(word)
+        slope = sympy.nan if at is not None else to_sympy(self.orbits.affine(word)[0])
+        if at is None and slope == 1:
+            at = self._only_point(word)
+        if at is None:
+            rotations = [word[i:] + word[:i] for i in range(len(word))]
+            return [self.orbits.fixed_point(rotation) for rotation in rotations], slope
+        turned = word[at.steps :] + word[: at.steps]
+        orbit = [self.orbits.orbit(at.k, turned[:n]) for n in range(len(word))]
+        values = [(value, self._model.table.one) for value in orbit]
+        return values[len(word) - at.steps :] + values[: len(word) - at.steps], slope
+
+    def _point_piece(self, word: Word) -> Cut | None:
+        """Where a cycle passes through a piece that is a point."""
         for i, (layout, letter) in enumerate(zip(self._layouts(len(word)), word, strict=True)):
             if layout.slots.count(letter) == 1 and layout.slots.index(letter) % 2:
-                k = layout.breaks[layout.slots.index(letter) // 2]
-                turned = word[i:] + word[:i]
-                orbit = [self.orbits.orbit(k, turned[: n or None]) for n in range(len(word))]
-                values = [(value, self._model.table.one) for value in orbit]
-                return values[len(word) - i :] + values[: len(word) - i], sympy.nan
-        slope = self.orbits.affine(word)[0]
-        if slope == self._model.table.one:
-            raise ValueError(f"the slope of {self.spelled(word)} is 1: it has no isolated cycle")
-        rotations = [word[i:] + word[:i] for i in range(len(word))]
-        return [self.orbits.fixed_point(rotation) for rotation in rotations], to_sympy(slope)
+                return Cut(layout.breaks[layout.slots.index(letter) // 2], i)
+        return None
+
+    def _only_point(self, word: Word) -> Cut:
+        """Where a cycle passes whose word has slope 1.
+
+        All points of such a word are fixed, or none. The cycle is isolated where the word has one
+        point only: its neighbours, on both sides, visit other pieces.
+        """
+        if self.judge.ask(Offset(word)) == 0:
+            repeated = self.iterate(len(word) // self.order)
+            for cylinder in repeated.cylinders:
+                if cylinder.word == word and cylinder.is_point:
+                    assert cylinder.lower is not None
+                    return cylinder.lower
+        raise ValueError(f"the slope of {self.spelled(word)} is 1: it has no isolated cycle")
 
     # --- As text --------------------------------------------------------------------------------
 
@@ -690,6 +719,13 @@ class PiecewiseLinearMap:
         return (
             rf"$\displaystyle {head} = \left\{{\begin{{array}}{{lll}} {body} \end{{array}}\right.$"
         )
+
+
+def _restored(model: Model, chain: Chain, judge: Judge, orbits: Orbits) -> PiecewiseLinearMap:
+    """A map as it was before it was copied or pickled; its pieces are made anew."""
+    map_ = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
+    map_._set(model, chain, judge, None, orbits)
+    return map_
 
 
 def checked_order(j: object) -> int:

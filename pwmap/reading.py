@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import groupby, pairwise
@@ -17,7 +17,7 @@ from pwmap.exact import Number, Ring, element, expression, polynomial_ring
 from pwmap.itineraries import Layout, Table
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Model:
     """A map as it was written: its variable, parameters, assumptions and coefficients."""
 
@@ -26,6 +26,13 @@ class Model:
     region: Region
     table: Table
     letters: tuple[str, ...]
+
+    def __reduce__(self) -> tuple[Callable[..., Model], tuple[object, ...]]:
+        return _model, (self.x, self.region, self.table, self.letters)
+
+
+def _model(x: sympy.Symbol, region: Region, table: Table, letters: tuple[str, ...]) -> Model:
+    return Model(x, region.ring, region, table, letters)
 
 
 def read(

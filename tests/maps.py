@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,17 +22,35 @@ A = 1.25  # the constant a of the paper's example
 def pieces(left: Formula, right: Formula, edge: float = 0.0, owner: str = "R") -> LabelledMap:
     """Two formulas that meet at a fixed edge, whose own value the piece ``owner`` gives."""
 
-    def labelled(x: float, p: float) -> Evaluation:
-        if x < edge or (x == edge and owner == "L"):
-            return Evaluation(*left(x, p), "L")
-        return Evaluation(*right(x, p), "R")
+    return _Pieces(left, right, edge, owner)
 
-    return labelled
+
+@dataclass(frozen=True)
+class _Pieces:
+    left: Formula
+    right: Formula
+    edge: float
+    owner: str
+
+    def __call__(self, x: float, p: float) -> Evaluation:
+        if x < self.edge or (x == self.edge and self.owner == "L"):
+            return Evaluation(*self.left(x, p), "L")
+        return Evaluation(*self.right(x, p), "R")
 
 
 def line(slope: float, rate: float, constant: float = 0.0) -> Formula:
     """slope * x + rate * p + constant."""
-    return lambda x, p: (slope * x + rate * p + constant, slope, rate)
+    return _Line(slope, rate, constant)
+
+
+@dataclass(frozen=True)
+class _Line:
+    slope: float
+    rate: float
+    constant: float
+
+    def __call__(self, x: float, p: float) -> tuple[float, float, float]:
+        return self.slope * x + self.rate * p + self.constant, self.slope, self.rate
 
 
 def paper(a: float = A) -> LabelledMap:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -24,11 +25,28 @@ _announced = not COMPILED
 
 
 def jit(function: F) -> F:
-    """``numba.njit`` with a cache on disk and without the GIL, or the function itself."""
+    """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
+
+    Where no folder for the cache can be written there is none, and a warning says so once.
+    """
     if not COMPILED:
         return function
-    compiled: F = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    compiled: F
+    try:
+        compiled = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    except RuntimeError:
+        compiled = numba.njit(error_model="numpy", nogil=True)(function)
+        _say_that_nothing_is_cached()
     return compiled
+
+
+@cache
+def _say_that_nothing_is_cached() -> None:
+    logging.getLogger("woodpecker").warning(
+        "the kernel is compiled anew in every process, which takes some seconds, because neither "
+        "the package's folder nor the user's cache folder can be written: set NUMBA_CACHE_DIR to "
+        "one that can"
+    )
 
 
 def _same(array: A) -> A:
@@ -68,9 +86,11 @@ def announce(function: Any) -> None:
     if _announced:
         return
     _announced = True
-    cache = Path(function.stats.cache_path)
+    if function.stats.cache_path is None:  # it was said before that nothing is cached
+        return
+    folder = Path(function.stats.cache_path)
     module = Path(function.py_func.__code__.co_filename).stem
-    if not any(cache.glob(f"{module}.{function.py_func.__name__}-*.nbi")):
+    if not any(folder.glob(f"{module}.{function.py_func.__name__}-*.nbi")):
         logging.getLogger("woodpecker").warning(
             "compiling the kernel; this happens once and takes some seconds"
         )

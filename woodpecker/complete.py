@@ -19,7 +19,7 @@ import numpy as np
 from pwmap.diagram import Branch, BranchKind
 from woodpecker.arrays import Floats
 from woodpecker.atlas import ON_BRANCH, Atlas
-from woodpecker.crew import Crew, Ordered
+from woodpecker.executors import Pending, Scheduler
 from woodpecker.explore import Explorer, Start
 from woodpecker.journal import SLICE, Entry
 from woodpecker.jumps import Jump
@@ -27,6 +27,7 @@ from woodpecker.labelled import minimal_period
 from woodpecker.pieces import Resolution
 from woodpecker.settings import Settings
 from woodpecker.slices import Found
+from woodpecker.worker import Task
 
 AT_END = 1e-9  # in the parameter: a slice can fall on the very end of a branch
 AT_JUMP = 1e-3  # of a chord: how far a jump of other words strays from it, at most
@@ -89,7 +90,11 @@ class Report:
 
 
 def complete(
-    explorer: Explorer, crew: Crew, settings: Settings, orders: Sequence[int], search: Search
+    explorer: Explorer,
+    scheduler: Scheduler,
+    settings: Settings,
+    orders: Sequence[int],
+    search: Search,
 ) -> list[Report]:
     """Take slices until they show nothing new; follow what they show.
 
@@ -97,8 +102,8 @@ def complete(
     ----------
     explorer
         Follows and keeps branches.
-    crew
-        Takes the slices: orders for :meth:`woodpecker.slices.Slicer.take`.
+    scheduler
+        Where slices are taken.
     settings
         Span of the parameter.
     orders
@@ -112,12 +117,12 @@ def complete(
         report
         for group in groups
         if set(group) <= set(orders)
-        for report in _complete(explorer, crew, settings, tuple(group), orders, search)
+        for report in _complete(explorer, scheduler, settings, tuple(group), orders, search)
     ]
 
 
 def _complete(
-    explorer: Explorer, crew: Crew, settings: Settings, group: tuple[int, ...],
+    explorer: Explorer, scheduler: Scheduler, settings: Settings, group: tuple[int, ...],
     orders: Sequence[int], search: Search,
 ) -> list[Report]:  # fmt: skip
     entries = [] if explorer.journal is None else explorer.journal.entries
@@ -128,7 +133,7 @@ def _complete(
     plan = _Plan(search)
     for each in zip(*taken.values(), strict=True):
         plan.took(any(entry["new"] for entry in each))
-    for slice_, evaluations in _slices(crew, group, plan, settings):
+    for slice_, evaluations in _slices(scheduler, group, plan, settings):
         explorer.slices = plan.done + 1
         for found in slice_:
             before = len(explorer.atlas.branches)
@@ -189,16 +194,17 @@ class _Plan:
 
 
 def _slices(
-    crew: Crew, group: tuple[int, ...], plan: _Plan, settings: Settings
+    scheduler: Scheduler, group: tuple[int, ...], plan: _Plan, settings: Settings
 ) -> Iterator[tuple[list[Found], int]]:
-    """Slices as they are planned, ordered ahead."""
+    """Slices as they are planned, submitted ahead."""
     low, high = settings.span
-    ahead: deque[Ordered] = deque()
+    ahead: deque[Pending] = deque()
     try:
         while plan.done < len(plan.places):
-            last = min(plan.done + crew.ahead, len(plan.places))
+            last = min(plan.done + scheduler.ahead, len(plan.places))
             for k in range(plan.done + len(ahead), last):
-                ahead.append(crew.order("take", low + (high - low) * plan.places[k], group))
+                p = low + (high - low) * plan.places[k]
+                ahead.append(scheduler.submit(Task.SLICE, p, group))
             done = ahead.popleft().result()
             yield done.value, done.evaluations
     finally:

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import math
+import operator
+import os
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from pwmap.diagram import BranchKind, Diagram
 from woodpecker.atlas import Atlas
 from woodpecker.complete import Report, Search, complete
-from woodpecker.crew import Alone, crew
+from woodpecker.executors import Serial, scheduler, worker_count
 from woodpecker.explore import Explorer, Progress, Start, restore
-from woodpecker.journal import Entry, Journal, read_journal
+from woodpecker.journal import START, Entry, Journal, read_journal
 from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
 from woodpecker.pieces import SampledMap
 from woodpecker.returns import RESTITUTIONS
 from woodpecker.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map, toy_samples
-from woodpecker.toy import Toy
+from woodpecker.toy import LAW, Toy, parameters
 from woodpecker.worker import Worker
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
@@ -35,7 +40,7 @@ def continuation(
     *,
     settings: Settings | None = None,
     progress: Progress | None = None,
-    run: Path | None = None,
+    run: str | os.PathLike[str] | None = None,
     resume: bool = False,
 ) -> Diagram:
     """Follow a periodic solution both ways, and every branch that is connected to it.
@@ -75,7 +80,7 @@ def continuation(
     if orbit.toy != toy:
         raise ValueError("continuation needs an orbit of this toy, got one of another toy")
     chosen = settings if settings is not None else Settings(window=WINDOW)
-    chosen = replace(chosen, span=(float(span[0]), float(span[1])))
+    chosen = replace(chosen, span=_interval(span))
     labelled_map = toy_map(toy, parameter)
     p = float(getattr(toy, parameter))
     if not span[0] <= p <= span[1]:
@@ -83,7 +88,8 @@ def continuation(
     start = cycle_of(orbit, labelled_map, p)
     if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
         start, _, _ = correct(labelled_map, start.x, SMALLEST)
-    about = _about(toy, parameter, chosen) | {"start": orbit.points}
+    _followable(start, chosen)
+    about = _about(toy, parameter, chosen) | {START: orbit.points}
     with _journal(run, about, resume) as journal:
         found = connected(
             labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s",
@@ -121,9 +127,10 @@ def bifurcation_diagram(
     settings: Settings | None = None,
     search: Search | None = None,
     progress: Progress | None = None,
-    run: Path | None = None,
+    run: str | os.PathLike[str] | None = None,
     resume: bool = False,
     workers: int | None = None,
+    executor: Executor | None = None,
 ) -> Diagram:
     """Every branch of some iterates in a window, and how they hang together.
 
@@ -151,8 +158,11 @@ def bifurcation_diagram(
     resume
         Go on with the run in that file.
     workers
-        How many processes do the work, by default one for each core where processes can be copied
-        (Linux). The result does not depend on it.
+        How many processes do the work, by default one for each core; see
+        :func:`woodpecker.executors.scheduler`. The result does not depend on it.
+    executor
+        Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) to do the work
+        instead; it is not shut down.
 
     Returns
     -------
@@ -163,12 +173,12 @@ def bifurcation_diagram(
     Raises
     ------
     ValueError
-        If an order is not at least 1, the span or window does not ascend, or there is no such run
-        to resume.
+        If an order is not at least 1, the span or window does not ascend or is not finite, or there
+        is no such run to resume.
     """
     return find_all(
         toy, parameter, span, orders, window, settings=settings, search=search, progress=progress,
-        run=run, resume=resume, workers=workers,
+        run=run, resume=resume, workers=workers, executor=executor,
     ).diagram  # fmt: skip
 
 
@@ -182,25 +192,27 @@ def find_all(
     settings: Settings | None = None,
     search: Search | None = None,
     progress: Progress | None = None,
-    run: Path | None = None,
+    run: str | os.PathLike[str] | None = None,
     resume: bool = False,
     workers: int | None = None,
+    executor: Executor | None = None,
 ) -> Found:
     """Like :func:`bifurcation_diagram`, with a report of the search."""
     labelled_map, samples = toy_map(toy, parameter), toy_samples(toy, parameter)
     chosen = replace(
         settings if settings is not None else Settings(),
-        span=(float(span[0]), float(span[1])),
-        window=(float(window[0]), float(window[1])),
-    )
+        span=_interval(span), window=_interval(window),
+    )  # fmt: skip
+    _searchable(chosen)
+    worker_count(workers)
     looked = search if search is not None else Search()
     wanted = _wanted(orders)
     about = _about(toy, parameter, chosen) | {"orders": wanted, "search": asdict(looked)}
-    labelled_map(*map(_middle, (chosen.window, chosen.span)))  # compiled before it is copied
+    labelled_map(*map(_middle, (chosen.window, chosen.span)))  # compiled before there are processes
     with _journal(run, about, resume) as journal:
         found = whole_diagram(
             labelled_map, samples, chosen, wanted, looked, parameter_name=parameter,
-            x_name="phi_s", progress=progress, workers=workers, journal=journal,
+            x_name="phi_s", progress=progress, workers=workers, executor=executor, journal=journal,
         )  # fmt: skip
     given = _given(toy.expansion_friction, parameter)
     return replace(found, diagram=replace(found.diagram, given=given))
@@ -228,7 +240,9 @@ def _finite(values: Entry) -> Entry:
 
 
 @contextmanager
-def _journal(run: Path | None, about: Entry, resume: bool) -> Iterator[Journal | None]:
+def _journal(
+    run: str | os.PathLike[str] | None, about: Entry, resume: bool
+) -> Iterator[Journal | None]:
     """A journal for the time of a run, or none."""
     if run is None:
         if resume:
@@ -242,8 +256,8 @@ def _journal(run: Path | None, about: Entry, resume: bool) -> Iterator[Journal |
         journal.close()
 
 
-def saved_diagram(run: Path) -> Diagram:
-    """The branches that a run has finished so far.
+def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
+    """The branches that a run of the toy has finished so far.
 
     Raises
     ------
@@ -251,17 +265,45 @@ def saved_diagram(run: Path) -> Diagram:
         If the file is not that of a run.
     """
     about, entries = read_journal(run)
+    toy, parameter = about.get("toy"), about.get("parameter")
+    if not isinstance(toy, dict) or LAW not in toy or parameter not in parameters():
+        raise ValueError(f"{run}, line 1: expected a run of the toy, got one of {sorted(about)}")
     atlas = Atlas()
-    restore(atlas, entries)
-    found = atlas.diagram(about["parameter"], "phi_s")
-    law = str(about["toy"]["expansion_friction"])
-    return replace(found, given=_given(law, about["parameter"]))
+    restore(atlas, entries, Path(run))
+    found = atlas.diagram(parameter, "phi_s")
+    return replace(found, given=_given(str(toy[LAW]), parameter))
+
+
+def _interval(ends: tuple[float, float]) -> tuple[float, float]:
+    low, high = ends
+    return float(low), float(high)
+
+
+def _searchable(settings: Settings) -> None:
+    """Complain of a window that slices cannot cover."""
+    if not all(map(math.isfinite, settings.window)):
+        raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
+
+
+def _followable(start: Cycle, settings: Settings) -> None:
+    """Complain of a cycle whose branch would end where it begins."""
+    if not start.steepness <= settings.steepest:
+        raise ValueError(
+            f"the slopes of the cycle must multiply to {settings.steepest:g} at most (steepest), "
+            f"got {start.steepness:g}"
+        )
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:
-    wanted = sorted(set(orders))
-    if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
-        raise ValueError(f"orders must be integers j >= 1, got {tuple(orders)}")
+    """Orders of iterates, ascending, each once."""
+    given = tuple(orders)
+    if any(
+        isinstance(order, bool | np.bool_) or not hasattr(order, "__index__") for order in given
+    ):
+        raise ValueError(f"orders must be integers j >= 1, got {given}")
+    wanted = sorted({operator.index(order) for order in given})
+    if not wanted or wanted[0] < 1:
+        raise ValueError(f"orders must be integers j >= 1, got {given}")
     return wanted
 
 
@@ -276,20 +318,26 @@ def whole_diagram(
     x_name: str = "x",
     progress: Progress | None = None,
     workers: int | None = 1,
+    executor: Executor | None = None,
     journal: Journal | None = None,
 ) -> Found:
     """Every branch of some iterates of a labelled map; see :func:`bifurcation_diagram`.
 
-    ``workers`` processes do the work; the result does not depend on how many.
+    Maps that are to be sent to other processes must pickle: a function at the top level of a
+    module does, a lambda does not.
     """
     wanted = _wanted(orders)
+    _searchable(settings)
     low, high = settings.window
     inside = windowed(labelled_map, (low - MARGIN, high + MARGIN))
     looked = search if search is not None else Search()
-    worker = Worker(inside, settings, wanted, samples, looked.resolution)
-    with crew(worker, workers) as hands:
-        explorer = Explorer(hands, progress, journal)
-        reports = complete(explorer, hands, settings, wanted, looked)
+    worker = Worker(
+        labelled_map=inside, settings=settings, orders=tuple(wanted), samples=samples,
+        resolution=looked.resolution,
+    )  # fmt: skip
+    with scheduler(worker, workers, executor) as tasks:
+        explorer = Explorer(tasks, progress, journal)
+        reports = complete(explorer, tasks, settings, wanted, looked)
     return Found(
         diagram=explorer.atlas.diagram(parameter_name, x_name),
         reports=tuple(reports),
@@ -314,12 +362,9 @@ def connected(
     ValueError
         If the cycle is steeper than ``settings.steepest``.
     """
-    if not start.steepness <= settings.steepest:
-        raise ValueError(
-            f"the slopes of the cycle must multiply to {settings.steepest:g} at most (steepest), "
-            f"got {start.steepness:g}"
-        )
-    explorer = Explorer(Alone(Worker(labelled_map, settings)), progress, journal)
+    _followable(start, settings)
+    worker = Worker(labelled_map=labelled_map, settings=settings)
+    explorer = Explorer(Serial(worker), progress, journal)
     if explorer.atlas.branches:
         explorer.go_on()
     else:

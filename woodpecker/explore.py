@@ -2,7 +2,7 @@
 
 Where a branch of one kind ends in a border collision one of the other kind begins. What is found is
 kept in an :class:`woodpecker.atlas.Atlas`, and written down in a journal if there is one. Branches
-are ordered from a crew some time before they are needed; one that turns out not to be is dropped.
+are submitted some time before they are needed; one that turns out not to be is dropped.
 """
 
 from __future__ import annotations
@@ -11,14 +11,16 @@ import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from pwmap.diagram import BranchKind
 from woodpecker.atlas import Atlas
-from woodpecker.crew import Crew, Done, Ordered
+from woodpecker.executors import Done, Pending, Scheduler
 from woodpecker.journal import DONE, PATH, Entry, Journal, of_runs, to_runs
 from woodpecker.jumps import Jump
 from woodpecker.labelled import Cycle
+from woodpecker.worker import Task
 
 MOST_BRANCHES = 100_000
 
@@ -48,8 +50,8 @@ class Explorer:
 
     Parameters
     ----------
-    crew
-        Follows branches: it takes orders for the methods of :class:`woodpecker.paths.Paths`.
+    scheduler
+        Where tasks are carried out that follow branches.
     progress
         Called now and then.
     journal
@@ -57,13 +59,16 @@ class Explorer:
     """
 
     def __init__(
-        self, crew: Crew, progress: Progress | None = None, journal: Journal | None = None
+        self,
+        scheduler: Scheduler,
+        progress: Progress | None = None,
+        journal: Journal | None = None,
     ) -> None:
-        self.crew, self.journal = crew, journal
+        self.scheduler, self.journal = scheduler, journal
         self.atlas, self.slices, self.evaluations = Atlas(), 0, 0
         self._progress = progress or (lambda _: None)
         if journal is not None:
-            restore(self.atlas, journal.entries)
+            restore(self.atlas, journal.entries, journal.path)
 
     def explore(
         self, starts: Sequence[Start], known: Callable[[Start], bool] = lambda _: False
@@ -72,39 +77,39 @@ class Explorer:
 
         A start that is known when its turn comes is passed over.
         """
-        ordered: dict[int, Ordered] = {}
+        pending: dict[int, Pending] = {}
         passed: set[int] = set()
         for k, start in enumerate(starts):
-            for later in range(k, min(k + self.crew.ahead, len(starts))):
-                if later in ordered or later in passed:
+            for later in range(k, min(k + self.scheduler.ahead, len(starts))):
+                if later in pending or later in passed:
                     continue
                 if known(starts[later]):
                     passed.add(later)
                 else:
-                    ordered[later] = self.crew.order(*_task(starts[later]))
+                    pending[later] = self.scheduler.submit(*_task(starts[later]))
             if k in passed:
                 continue
-            order = ordered.pop(k)
+            here = pending.pop(k)
             if known(start):
-                order.cancel()
+                here.cancel()
             else:
-                self._keep(order.result(), start.kind, start.order)
+                self._keep(here.result(), start.kind, start.order)
                 self.go_on()
 
     def go_on(self) -> None:
         """Follow what hangs on the border collisions that were met."""
         waiting = self.atlas.waiting
-        ordered: dict[tuple[str, int, BranchKind], Ordered] = {}
+        pending: dict[tuple[str, int, BranchKind], Pending] = {}
         while waiting and len(self.atlas.branches) < MOST_BRANCHES:
-            for soon in islice(waiting, self.crew.ahead):
-                for kind, name in _FROM.items():
+            for soon in islice(waiting, self.scheduler.ahead):
+                for kind, follow in _FROM.items():
                     key = soon.node.id, soon.departure.order, kind
-                    if kind not in soon.followed and key not in ordered:
-                        ordered[key] = self.crew.order(name, soon.departure)
+                    if kind not in soon.followed and key not in pending:
+                        pending[key] = self.scheduler.submit(follow, soon.departure)
             collision = waiting[0]
             node, order = collision.node, collision.departure.order
             for kind in _FROM:
-                task = ordered.pop((node.id, order, kind), None)
+                task = pending.pop((node.id, order, kind), None)
                 if task is None:
                     continue
                 if kind in collision.followed:
@@ -138,21 +143,32 @@ class Explorer:
             self.journal.write(entry)
 
 
-_FROM = {BranchKind.JUMP: "jump_from", BranchKind.FIXED_POINT: "cycle_from"}
+_FROM = {BranchKind.JUMP: Task.JUMP_FROM, BranchKind.FIXED_POINT: Task.CYCLE_FROM}
 
 
 def _task(start: Start) -> tuple[Any, ...]:
     if start.kind is BranchKind.JUMP:
-        return "jump", start.at, start.order
-    return "cycle", start.at
+        return Task.JUMP, start.at, start.order
+    return Task.CYCLE, start.at
 
 
-def restore(atlas: Atlas, entries: Iterable[Entry]) -> None:
-    """Put an atlas back to where a journal says it was."""
-    for entry in entries:
+def restore(atlas: Atlas, entries: Iterable[Entry], path: Path) -> None:
+    """Put an atlas back to where a journal says it was.
+
+    Raises
+    ------
+    ValueError
+        If an entry does not follow from those before it.
+    """
+    for line, entry in enumerate(entries, 2):
         if PATH in entry:
             runs, kind, order = to_runs(entry)
             for run in runs:
                 atlas.add(run, kind, order)
         elif DONE in entry:
-            atlas.finish(entry[DONE], entry["order"])
+            try:
+                atlas.finish(entry[DONE], entry["order"])
+            except (KeyError, ValueError):
+                raise ValueError(
+                    f"{path}, line {line}: nothing is left to follow at {entry[DONE]}"
+                ) from None

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -180,28 +181,40 @@ def windowed(labelled_map: LabelledMap, window: tuple[float, float]) -> Labelled
 
     Dips of a map are infinitely deep and have infinitely many words; what is there does not matter.
     """
+    return _Windowed(labelled_map, *window)
 
-    def within(x: float, p: float) -> Evaluation:
-        if not window[0] <= x <= window[1]:
+
+@dataclass(frozen=True, slots=True)
+class _Windowed:
+    map: LabelledMap
+    low: float
+    high: float
+
+    def __call__(self, x: float, p: float) -> Evaluation:
+        if not self.low <= x <= self.high:
             return Evaluation(math.nan, math.nan, math.nan, "outside the window", False)
-        lap = labelled_map(x, p)
-        return lap._replace(word=BELOW) if lap.value < window[0] else lap
-
-    return within
+        lap = self.map(x, p)
+        return lap._replace(word=BELOW) if lap.value < self.low else lap
 
 
 def iterate(labelled_map: LabelledMap, order: int) -> LabelledMap:
     """The labelled map of ``order`` laps, derivatives by the chain rule."""
-    if order == 1:
-        return labelled_map
+    return labelled_map if order == 1 else _Iterated(labelled_map, order)
 
-    def laps(x: float, p: float) -> Iterator[Evaluation]:
-        for _ in range(order):
-            lap = labelled_map(x, p)
+
+@dataclass(frozen=True, slots=True)
+class _Iterated:
+    map: LabelledMap
+    order: int
+
+    def __call__(self, x: float, p: float) -> Evaluation:
+        return composed(self._laps(x, p))
+
+    def _laps(self, x: float, p: float) -> Iterator[Evaluation]:
+        for _ in range(self.order):
+            lap = self.map(x, p)
             yield lap
             x = lap.value
-
-    return lambda x, p: composed(laps(x, p))
 
 
 def composed(laps: Iterable[Evaluation]) -> Evaluation:

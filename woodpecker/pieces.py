@@ -18,7 +18,7 @@ from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -91,12 +91,18 @@ class Samples(NamedTuple):
 
 
 class WordBook:
-    """Numbers for words, given out as they come; several threads may ask at once."""
+    """Numbers for words, given out as they come; several threads may ask at once.
+
+    A copy begins anew: numbers mean something to the book only that has given them out.
+    """
 
     def __init__(self) -> None:
         self.texts: list[str] = []
         self._known: dict[Hashable, int] = {}
         self._lock = threading.Lock()
+
+    def __reduce__(self) -> tuple[type[WordBook], tuple[()]]:
+        return WordBook, ()
 
     def index(self, key: Hashable, text: Callable[[], str]) -> int:
         """The number of a key; ``text`` makes its word when it is new."""
@@ -110,34 +116,37 @@ class WordBook:
         return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SampledMap:
-    """A map that takes many points at once.
+class SampledMap(Protocol):
+    """A map that takes many points at once, such as :func:`sampled` makes of a labelled map."""
 
-    Parameters
-    ----------
-    sweep
-        Takes points (n,) and a parameter.
-    words
-        Word of each index that ``sweep`` has given out so far.
-    """
+    @property
+    def words(self) -> Sequence[str]:
+        """Word of each index that ``sweep`` has given out so far."""
 
-    sweep: Callable[[Floats, float], Samples]
-    words: list[str] = field(default_factory=list)
+    def sweep(self, x: Floats, p: float) -> Samples:
+        """The map at points (n,) and a parameter."""
 
 
 def sampled(labelled_map: LabelledMap) -> SampledMap:
     """Any labelled map, one point after the other."""
-    book = WordBook()
+    return _PointByPoint(labelled_map)
 
-    def sweep(x: Floats, p: float) -> Samples:
-        laps = [labelled_map(value, p) for value in x.tolist()]
+
+@dataclass(frozen=True, slots=True)
+class _PointByPoint:
+    map: LabelledMap
+    book: WordBook = field(default_factory=WordBook, init=False, repr=False, compare=False)
+
+    @property
+    def words(self) -> Sequence[str]:
+        return self.book.texts
+
+    def sweep(self, x: Floats, p: float) -> Samples:
+        laps = [self.map(value, p) for value in x.tolist()]
         value, slope, rate = np.array([lap[:3] for lap in laps], dtype=float).reshape(-1, 3).T
-        index = np.array([book.index(w, w.__str__) for *_, w, _ in laps], dtype=np.int64)
+        index = np.array([self.book.index(w, w.__str__) for *_, w, _ in laps], dtype=np.int64)
         defined = np.array([lap.defined for lap in laps], dtype=bool)
         return Samples(x, value, slope, rate, index, defined)
-
-    return SampledMap(sweep, book.texts)
 
 
 def iterated(
@@ -149,40 +158,54 @@ def iterated(
     the infinitely deep dips of a map cost nothing. Where an earlier point lies outside, the iterate
     is not followed and not defined.
     """
-    book = WordBook()
+    return _Iterated(map_, order, window)
 
-    def sweep(x: Floats, p: float) -> Samples:
-        n = len(x)
+
+@dataclass(frozen=True, slots=True)
+class _Iterated:
+    map: SampledMap
+    order: int
+    window: tuple[float, float]
+    book: WordBook = field(default_factory=WordBook, init=False, repr=False, compare=False)
+
+    @property
+    def words(self) -> Sequence[str]:
+        return self.book.texts
+
+    def sweep(self, x: Floats, p: float) -> Samples:
+        n, (low, high) = len(x), self.window
         value, slope, rate = x.astype(float), np.ones(n), np.zeros(n)
-        laps, alive = np.full((n, order), -1), np.arange(n)
-        for lap in range(order):
-            here = map_.sweep(value[alive], p)
+        laps, alive = np.full((n, self.order), -1), np.arange(n)
+        for lap in range(self.order):
+            here = self.map.sweep(value[alive], p)
             laps[alive, lap] = here.words
             slope[alive], rate[alive] = (
                 here.slope * slope[alive],
                 here.slope * rate[alive] + here.rate,
             )
             value[alive] = here.value
-            stays = (window[0] <= here.value) & (here.value <= window[1])
-            followed = here.defined & (stays | (lap == order - 1))
+            stays = (low <= here.value) & (here.value <= high)
+            followed = here.defined & (stays | (lap == self.order - 1))
             value[alive[~followed]] = np.nan
             alive = alive[followed]
-        below = value < window[0]
-        codes = np.empty(n, dtype=np.int64)
+        words, defined = self._numbers(laps, value), ~np.isnan(value)
+        slope, rate = np.where(defined, slope, np.nan), np.where(defined, rate, np.nan)
+        return Samples(x, value, slope, rate, words, defined)
+
+    def _numbers(self, laps: Ints, value: Floats) -> Ints:
+        """The words of orbits (n,), from those of their laps (n, order) and where they end (n,)."""
+        below, book, texts = value < self.window[0], self.book, self.map.words
+        numbers = np.empty(len(value), dtype=np.int64)
         for i, row in enumerate(laps.tolist()):
             if below[i]:
-                codes[i] = book.index(BELOW, BELOW.__str__)
+                numbers[i] = book.index(BELOW, BELOW.__str__)
             elif math.isnan(value[i]):
                 last = [k for k in row if k >= 0][-1]
-                lost = map_.words[last] if row[-1] >= 0 else BELOW
-                codes[i] = book.index((lost, last), lost.__str__)
+                lost = texts[last] if row[-1] >= 0 else BELOW
+                numbers[i] = book.index((lost, last), lost.__str__)
             else:
-                codes[i] = book.index(tuple(row), partial(_joined_words, map_.words, row))
-        defined = ~np.isnan(value)
-        return Samples(x, value, np.where(defined, slope, np.nan), np.where(defined, rate, np.nan),
-                       codes, defined)  # fmt: skip
-
-    return SampledMap(sweep, book.texts)
+                numbers[i] = book.index(tuple(row), partial(_joined_words, texts, row))
+        return numbers
 
 
 def _joined_words(words: Sequence[str], row: Sequence[int]) -> str:
@@ -270,11 +293,13 @@ def partition(
     Raises
     ------
     ValueError
-        If the window is not an interval.
+        If the window is not a finite interval.
     """
     low, high = window
     if not low < high:
         raise ValueError(f"a window must ascend, got ({low}, {high})")
+    if math.isinf(low) or math.isinf(high):
+        raise ValueError(f"a window must be finite to be cut into pieces, got ({low}, {high})")
     chosen = resolution if resolution is not None else Resolution()
     search = _Search(map_, p, chosen, diagonal)
     n = max(2, math.ceil((high - low) / chosen.spacing) + 1)

@@ -15,9 +15,10 @@ class Settings:
     Parameters
     ----------
     span
-        Interval of the parameter; the branch ends (EP) at its ends.
+        Interval of the parameter, finite; the branch ends (EP) at its ends.
     window
-        Interval of x; the branch ends (EP) where it leaves it.
+        Interval of x; the branch ends (EP) where it leaves it. A search for every branch needs a
+        finite one.
     step, max_step
         First and largest step in arclength of (x, p).
     max_turn
@@ -48,6 +49,8 @@ class Settings:
             if not low < high:
                 raise ValueError(f"{name} must ascend, got ({low}, {high})")
             object.__setattr__(self, name, (float(low), float(high)))
+        if not all(map(math.isfinite, self.span)):
+            raise ValueError(f"span must be finite, got {self.span}")
         if not 0.0 < self.step <= self.max_step:
             raise ValueError(f"step must lie in (0, {self.max_step}], got {self.step}")
         if not self.steepest > 1.0:

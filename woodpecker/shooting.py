@@ -4,157 +4,18 @@ from __future__ import annotations
 
 import math
 import threading
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import partial
 
 import numpy as np
 
 from woodpecker import kernel
-from woodpecker.arrays import Floats
+from woodpecker.arrays import Codes, Floats
 from woodpecker.compiled import announce
 from woodpecker.edges import nearest_edge
 from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
-from woodpecker.modes import CONTACT, EPS, FIXED, model
-from woodpecker.pieces import SampledMap, Samples, WordBook
-from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
-from woodpecker.status import status
-from woodpecker.tolerances import DEFAULT, Tolerances
-from woodpecker.toy import Toy, known_parameter
-from woodpecker.words import word
-
-RELATIVE_STEP = 1e-6  # of central differences in parameters the variational flow does not carry:
-# the cube root of the kernel's rounding
-
-
-class ShootingStatus(Enum):
-    """How shooting ended; the value is the sentence for a user."""
-
-    CONVERGED = "a periodic solution was found"
-    AT_JUMP = "the return map jumps across the diagonal here: there is no periodic solution"
-    NOT_CONVERGED = "no periodic solution was found from this guess"
-    LOST = "a start on the way does not return to the section"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PeriodicOrbit:
-    """A periodic solution of the reduced toy.
-
-    Parameters
-    ----------
-    phi_s
-        Its point on the section [rad]; for order > 1 the first of ``points``.
-    period, drop
-        Duration [s] and distance fallen [m] of the whole orbit.
-    multiplier
-        d P_j / d phi_S [-]; stable if below 1 in modulus.
-    word
-        Sequence of events, returns separated by ``|``.
-    residual
-        Largest gap between a return and the next point [rad].
-    points
-        The orbit on the section [rad].
-    status, success, message
-        How shooting ended, whether it found an orbit, and the reason if it did not.
-    """
-
-    toy: Toy
-    order: int
-    phi_s: float
-    period: float
-    drop: float
-    multiplier: float
-    word: str
-    residual: float
-    points: tuple[float, ...]
-    status: ShootingStatus
-    message: str
-
-    @property
-    def success(self) -> bool:
-        """Whether a periodic solution was found."""
-        return self.status is ShootingStatus.CONVERGED
-
-    @property
-    def stable(self) -> bool:
-        """Whether the multiplier is below 1 in modulus."""
-        return abs(self.multiplier) < 1.0
-
-
-def toy_map(toy: Toy, parameter: str = "eps_n1") -> LabelledMap:
-    """P_1 of the toy as a labelled map of (phi_S, parameter).
-
-    The derivative in a restitution coefficient is exact, except where the coefficient is zero and
-    a larger one would make a resting contact bounce: there it is a forward difference. In any other
-    parameter it is a central difference, or one-sided next to a change of word.
-
-    Raises
-    ------
-    TypeError
-        If the parameter is unknown.
-    """
-    if known_parameter(parameter) in RESTITUTIONS:
-        return _restitution_map(toy, RESTITUTIONS.index(parameter))
-
-    def value(phi_s: float, p: float) -> Evaluation:
-        try:
-            changed = toy.replace(**{parameter: p})
-        except ValueError as error:
-            return _undefined(str(error))
-        return _restitution_map(changed, 0)(phi_s, changed.eps_n1)
-
-    def with_difference(phi_s: float, p: float) -> Evaluation:
-        here = value(phi_s, p)
-        step = RELATIVE_STEP * max(abs(p), RELATIVE_STEP)
-        sides = [
-            (side.value, p + sign * step)
-            for sign in (1.0, -1.0)
-            if (side := value(phi_s, p + sign * step)).word == here.word
-        ]
-        sides.append((here.value, p))
-        if len(sides) == 1:
-            return here._replace(rate=np.nan)
-        first, second = sides[0], sides[1]
-        return here._replace(rate=(first[0] - second[0]) / (first[1] - second[1]))
-
-    return with_difference
-
-
-def toy_samples(toy: Toy, parameter: str = "eps_n1") -> SampledMap:
-    """P_1 of the toy as a map that takes many points at once; see :func:`toy_map`.
-
-    Parameters other than a restitution coefficient have no derivative here: ``rate`` is nan.
-    """
-    exact = known_parameter(parameter) in RESTITUTIONS
-    seed = np.eye(3)[[RESTITUTIONS.index(parameter)]] if exact else np.zeros((1, 3))
-    book, local = WordBook(), threading.local()
-    announce(kernel.sweep)
-
-    def sweep(x: Floats, p: float) -> Samples:
-        n = len(x)
-        if getattr(local, "p", math.nan) != p:  # each thread keeps the table of its last parameter
-            local.p, local.table = p, model(toy.replace(**{parameter: p}))
-        out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
-        codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        kernel.sweep(local.table, FIXED, x, 1, seed, out, codes, lengths, texts)
-        defined = codes == kernel.RETURNED
-        out[~defined] = np.nan
-        index = np.empty(n, dtype=np.int64)
-        for i in range(n):
-            if defined[i]:
-                codes_of_word = texts[i, : lengths[i]]
-                index[i] = book.index(
-                    codes_of_word.tobytes(), partial(word, codes_of_word.tolist())
-                )
-            else:
-                reason = status(int(codes[i])).value
-                index[i] = book.index(reason, reason.__str__)
-        rate = out[:, 4] if exact else np.full(n, np.nan)
-        return Samples(x, out[:, 0], out[:, 3], rate, index, defined)
-
-    return SampledMap(sweep, book.texts)
-
-
 def _undefined(reason: str) -> Evaluation:
     return Evaluation(math.nan, math.nan, math.nan, reason, False)
 

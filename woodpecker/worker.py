@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any
 
-from woodpecker.crew import Done
+from woodpecker.executors import Done
 from woodpecker.labelled import Evaluation, LabelledMap
 from woodpecker.paths import Paths
 from woodpecker.pieces import Resolution, SampledMap
@@ -13,8 +15,19 @@ from woodpecker.settings import Settings
 from woodpecker.slices import Slicer
 
 
+class Task(Enum):
+    """What can be asked for: a method of :class:`Paths`, or of :class:`Slicer`."""
+
+    CYCLE = "follow the branch through a cycle"
+    JUMP = "follow the branch of a jump"
+    CYCLE_FROM = "follow the branch of cycles that starts at a border collision"
+    JUMP_FROM = "follow the jump branch that starts at a border collision"
+    SLICE = "find all cycles and jumps at one parameter"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Worker:
-    """Does the tasks of a search.
+    """Carries out the tasks of a search. It remembers nothing, and pickles if its maps do.
 
     Parameters
     ----------
@@ -28,31 +41,34 @@ class Worker:
         How closely slices look at P_1.
     """
 
-    def __init__(
-        self, labelled_map: LabelledMap, settings: Settings, orders: Iterable[int] = (),
-        samples: SampledMap | None = None, resolution: Resolution | None = None,
-    ) -> None:  # fmt: skip
-        self._calls = 0
+    labelled_map: LabelledMap
+    settings: Settings
+    orders: tuple[int, ...] = ()
+    samples: SampledMap | None = None
+    resolution: Resolution = field(default_factory=Resolution)
 
-        def counted(x: float, p: float) -> Evaluation:
-            self._calls += 1
-            return labelled_map(x, p)
-
-        paths = Paths(counted, settings, orders)
-        self._tasks: dict[str, Callable[..., Any]] = {
-            "cycle": paths.cycle, "jump": paths.jump,
-            "cycle_from": paths.cycle_from, "jump_from": paths.jump_from,
+    def __call__(self, task: Task, *arguments: Any) -> Done:
+        """Carry out a task."""
+        counted = _Counted(self.labelled_map)
+        if task is Task.SLICE:
+            if self.samples is None:
+                raise ValueError("slices need a map for many points at once")
+            slicer = Slicer(counted, self.samples, self.settings, self.resolution)
+            return Done(slicer.take(*arguments), counted.calls + slicer.evaluations)
+        paths = Paths(counted, self.settings, self.orders)
+        methods: dict[Task, Callable[..., Any]] = {
+            Task.CYCLE: paths.cycle, Task.JUMP: paths.jump,
+            Task.CYCLE_FROM: paths.cycle_from, Task.JUMP_FROM: paths.jump_from,
         }  # fmt: skip
-        self._slicer: Slicer | None = None
-        if samples is not None:
-            self._slicer = Slicer(counted, samples, settings, resolution or Resolution())
-            self._tasks["take"] = self._slicer.take
+        return Done(methods[task](*arguments), counted.calls)
 
-    def __call__(self, task: str, *arguments: Any) -> Done:
-        """Do a task by its name."""
-        before = self._evaluations()
-        value = self._tasks[task](*arguments)
-        return Done(value, self._evaluations() - before)
 
-    def _evaluations(self) -> int:
-        return self._calls + (self._slicer.evaluations if self._slicer is not None else 0)
+class _Counted:
+    """A labelled map that counts its calls, for the time of one task."""
+
+    def __init__(self, labelled_map: LabelledMap) -> None:
+        self._map, self.calls = labelled_map, 0
+
+    def __call__(self, x: float, p: float) -> Evaluation:
+        self.calls += 1
+        return self._map(x, p)

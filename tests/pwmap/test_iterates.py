@@ -339,6 +339,78 @@ def test_cycles_of_an_iterate_are_those_of_the_same_map_by_itself(f: Map, j: int
     assert len(second.cycles(j)) == len(alone.cycles(j))
 
 
+ONE_POINT = {  # maps, the word of a cycle of slope 1, its points: no other point has this word
+    "turns": ([("-x", "x <= 0"), ("-2*x", "x > 0")], "LL", (0, 0)),
+    "between": ([("2*x", "x <= 1"), ("0", "(x > 1) & (x < 2)"), ("x/2", "x >= 2")], "LR", (1, 2)),
+    "moved": ([("2*p - x", "x <= p"), ("3*p - 2*x", "x > p")], "LL", ("p", "p")),
+}
+
+
+@pytest.mark.parametrize(("pieces", "word", "points"), ONE_POINT.values(), ids=ONE_POINT)
+def test_a_word_of_slope_one_with_a_single_point_is_an_isolated_cycle(
+    pieces: list[tuple[object, object]], word: str, points: tuple[object, ...]
+) -> None:
+    map_ = PiecewiseLinearMap(pieces)
+    expected = tuple(map(sympy.sympify, points))
+    cycle = map_.cycle(word)
+    assert cycle.points == expected
+    assert (cycle.multiplier, cycle.conditions, cycle.admissible) == (1, (), True)
+    for again in (map_, map_.iterate(2)):
+        found = again.cycles(len(set(points)) // again.order or 1)
+        assert set(expected) & {x for c in found for x in c.points}
+
+
+def test_a_word_of_slope_one_with_a_band_is_no_isolated_cycle() -> None:
+    """0 < x < 1 goes to 1 < x < 2 and back."""
+    pieces = [("5", "x <= 0"), ("x + 1", "(x > 0) & (x < 1)"), ("x - 1", "x >= 1")]
+    map_ = PiecewiseLinearMap(pieces)
+    assert [band.word for band in map_.iterate(2).fixed_intervals()] == ["MR", "RM"]
+    assert map_.cycles(2) == ()
+    with pytest.raises(ValueError, match="the slope of MR is 1: it has no isolated cycle"):
+        map_.cycle("MR")
+
+
+def test_whether_a_word_of_slope_one_has_a_cycle_can_hang_on_parameters() -> None:
+    """-x + p on the left of 0, closed: its second iterate is the identity on [p, 0], for p <= 0."""
+    map_ = PiecewiseLinearMap([("p - x", "x <= 0"), ("x + 1", "x > 0")])
+    with pytest.raises(UndecidedError, match="sign of p"):
+        map_.cycle("LL")
+    assert map_.at({"p": 0}).cycle("LL").points == (0, 0)
+    with pytest.raises(ValueError, match="the slope of LL is 1: it has no isolated cycle"):
+        map_.at({"p": -1}).cycle("LL")
+
+
+units = st.sampled_from(
+    [Fraction(n, d) for n, d in ((-2, 1), (-1, 1), (0, 1), (1, 1), (2, 1), (1, 2))]
+)
+whole = st.integers(-3, 3).map(Fraction)
+
+
+@st.composite
+def unit_maps(draw: st.DrawFn) -> Map:
+    """Maps whose orbits return to breaks, and whose words often have slope 1."""
+    breaks = sorted(draw(st.lists(whole, min_size=1, max_size=3, unique=True)))
+    owners = [draw(st.sampled_from(["left", "right", "point"])) for _ in breaks]
+    n = len(breaks) + 1 + owners.count("point")
+    return map_of(breaks, owners, [(draw(units), draw(whole)) for _ in range(n)])
+
+
+@pytest.mark.slow
+@thorough(300)
+@given(unit_maps(), st.integers(1, 3))
+def test_isolated_cycles_of_maps_with_slopes_of_one(f: Map, j: int) -> None:
+    """Fixed points of P_j that end no band, by fractions, are the points of the cycles."""
+    band_ends = {x for ends in brute.bands(f, j) for x in ends}
+    expected = [
+        p.x for p in brute.fixed_points(f, j)
+        if p.period == j and not (p.x in band_ends and p.multiplier == 1)
+    ]  # fmt: skip
+    found = [to_fraction(x) for cycle in exact_map(f).cycles(j) for x in cycle.points]
+    assert sorted(found) == expected
+    for cycle in exact_map(f).iterate(2).cycles(j):
+        assert brute.value(f, to_fraction(cycle.points[0]), 2 * j) == to_fraction(cycle.points[0])
+
+
 # --- As sympy and back ----------------------------------------------------------------------------
 
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import logging
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from scenes import in_another_process
+from scenes import ROOT, in_another_process
 
 from woodpecker import compiled
 from woodpecker.returns import first_return
@@ -34,6 +38,49 @@ def test_without_numba_the_kernel_is_plain_python(start: str, environment: dict[
     assert flag == "False"
     assert abs(float(phi_s) - here.phi_s) < 1e-14  # roundings of sines
     assert word.strip() == repr(here.word)
+
+
+USE = """
+from woodpecker import compiled, guards, kernel
+compiled.announce(kernel.sweep)  # as the first return does
+print(guards.stumpff(0.0, 0.0, 2.0)[1], type(kernel.sweep.stats.cache_path).__name__)
+"""
+
+
+def without_cache(tmp_path: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run a copy of the packages beside which nothing can be written, not even by root.
+
+    A file stands where the folder of the cache should be, beside the package and for the user.
+    """
+    for package in ("pwmap", "woodpecker"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=ignored)
+    (tmp_path / "woodpecker" / "__pycache__").touch()
+    blocked = str(tmp_path / "woodpecker" / "toy.py" / "cache")
+    places = {"HOME": blocked, "XDG_CACHE_HOME": blocked, "NUMBA_CACHE_DIR": ""}
+    own = {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", USE],
+        capture_output=True, text=True, timeout=120.0, cwd=tmp_path,
+        env=os.environ | places | own | environment,
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
+def test_without_a_folder_for_the_cache_the_kernel_is_compiled_anew(tmp_path: Path) -> None:
+    done = without_cache(tmp_path)
+    assert (done.stdout, done.returncode) == ("2.0 NoneType\n", 0)
+    assert done.stderr.count("NUMBA_CACHE_DIR") == 1
+    assert done.stderr.strip().count("\n") == 0
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
+def test_a_folder_for_the_cache_can_be_given(tmp_path: Path) -> None:
+    done = without_cache(tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "given"))
+    assert (done.stdout, done.returncode) == ("2.0 str\n", 0)
+    assert "NUMBA_CACHE_DIR" not in done.stderr
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from fractions import Fraction
 
@@ -9,13 +10,13 @@ import networkx as nx
 import numpy as np
 import pytest
 import sympy
-from maps import skew_tent
+from maps import skew_tent, two_lines
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
 from woodpecker.complete import Search, _Plan, van_der_corput
-from woodpecker.diagram import whole_diagram
-from woodpecker.labelled import Evaluation, LabelledMap
-from woodpecker.pieces import Resolution, sampled
+from woodpecker.diagram import connected, whole_diagram
+from woodpecker.labelled import Evaluation, LabelledMap, correct
+from woodpecker.pieces import Resolution, partition, sampled
 from woodpecker.settings import Settings
 
 R = sympy.Symbol("r")
@@ -157,8 +158,34 @@ def test_a_cycle_ends_where_its_points_meet_on_an_edge() -> None:
     assert slopes == pytest.approx([-2.0 / 7.0, 6.0 / 7.0], abs=1e-9)
 
 
-@pytest.mark.parametrize("orders", [(), (0,), (1.5,)])
+@pytest.mark.parametrize("orders", [(), (0,), (1.5,), (1, True), (np.True_,), ("1",), (1, None)])
 def test_orders_are_checked(orders: tuple[int, ...]) -> None:
     continued = labelled(PiecewiseLinearMap(MAPS["a fold-flip"][0]))
-    with pytest.raises(ValueError, match="orders must be integers j >= 1"):
+    with pytest.raises(ValueError, match=r"orders must be integers j >= 1, got \("):
         whole_diagram(continued, sampled(continued), Settings(), orders)
+
+
+def test_orders_may_be_integers_of_any_kind() -> None:
+    continued, settings = two_lines(), Settings(span=(0.5, 1.0), window=(-5.0, 5.0))
+    few = Search(slices=1, resolution=SEARCH.resolution)
+    found = [
+        whole_diagram(continued, sampled(continued), settings, orders, few)
+        for orders in ((1, 2), np.array([2, 1, 2]), (np.int8(1), sympy.Integer(2)))
+    ]
+    branches = [[(b.id, b.word) for b in each.diagram.branches] for each in found]
+    assert branches[0] == branches[1] == branches[2]
+    assert {report.order for report in found[1].reports} == {1, 2}
+
+
+@pytest.mark.parametrize("window", [(-math.inf, math.inf), (0.0, math.inf)])
+def test_a_search_needs_a_finite_window(window: tuple[float, float]) -> None:
+    """A branch does not: that of one fixed point is followed in an infinite window."""
+    settings = Settings(span=(-2.0, 2.0), window=window)
+    sentence = r"a search for every branch needs a finite window, got \(.*inf\)"
+    with pytest.raises(ValueError, match=sentence):
+        whole_diagram(two_lines(), sampled(two_lines()), settings)
+    with pytest.raises(ValueError, match=r"a window must be finite to be cut into pieces, got \("):
+        partition(sampled(two_lines()), 0.0, window)
+    start, _, _ = correct(two_lines(), [0.9], 0.4)
+    branches = connected(two_lines(), start, settings).branches
+    assert [str(branch.kind) for branch in branches[:2]] == ["fixed-point", "jump"][: len(branches)]

@@ -476,6 +476,8 @@ def test_steps_keep_to_the_settings(max_step: float) -> None:
         ({"span": (1.0, 0.0)}, r"span must ascend, got \(1.0, 0.0\)"),
         ({"span": (0.5, 0.5)}, "span must ascend"),
         ({"span": (math.nan, 1.0)}, "span must ascend"),
+        ({"span": (0.01, math.inf)}, r"span must be finite, got \(0.01, inf\)"),
+        ({"span": (-math.inf, 0.0)}, r"span must be finite, got \(-inf, 0.0\)"),
         ({"window": (-0.24, -2.5)}, r"window must ascend, got \(-0.24, -2.5\)"),
         ({"step": 0.0}, r"step must lie in \(0, 0.02\], got 0.0"),
         ({"step": -0.01}, "step must lie in"),

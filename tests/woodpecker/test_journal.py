@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -23,14 +25,15 @@ from woodpecker.compiled import COMPILED
 from woodpecker.complete import Search
 from woodpecker.diagram import whole_diagram
 from woodpecker.edges import Edge
-from woodpecker.journal import Journal, of_runs, read_journal, to_runs
+from woodpecker.journal import VERSION, Journal, of_runs, read_journal, to_runs
 from woodpecker.labelled import Evaluation
 from woodpecker.pieces import Resolution, sampled
 from woodpecker.settings import Settings
 
 SEARCH = Search(slices=12, resolution=Resolution(spacing=0.02, smallest=1e-6))
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
-ABOUT = {"parameter": "p", "span": [-2.0, 2.0]}
+ABOUT: dict[str, object] = {"parameter": "p", "span": [-2.0, 2.0]}
+TOY = {"parameter": "eps_n1", "toy": {"expansion_friction": "summed"}}
 NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 
 
@@ -102,10 +105,13 @@ def test_a_run_interrupted_anywhere_goes_on_to_the_same_result(tmp_path: Path) -
 
 
 def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
-    journal = Journal(tmp_path / "run.jsonl", ABOUT)
+    path = tmp_path / "run.jsonl"
+    journal = Journal(path, TOY)
     found = searched(journal)
     journal.close()
-    saved = saved_diagram(tmp_path / "run.jsonl")
+    saved = saved_diagram(str(path))
+    assert saved_diagram(path).points == saved.points
+    assert saved.given[0] == "friction in the expansion: summed"
     assert len(saved.branches) == len(found.branches)
     for a, b in zip(saved.branches, found.branches, strict=True):
         np.testing.assert_array_equal(a.x, b.x)
@@ -133,8 +139,134 @@ def test_only_the_same_run_is_resumed(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"there span is \[-2.0, 2.0\], now it is \[0.0, 1.0\]"):
         Journal(path, ABOUT | {"span": [0.0, 1.0]}, resume=True)
     path.write_text("phi_s,eps_n1\n", encoding="utf-8")
-    with pytest.raises(ValueError, match="is not the journal of a run"):
+    with pytest.raises(ValueError, match="line 1: not the journal of a run"):
         Journal(path, ABOUT, resume=True)
+
+
+def test_a_start_is_the_same_up_to_rounding(tmp_path: Path) -> None:
+    """Another machine finds the same solution with other last bits."""
+    path, about = tmp_path / "run.jsonl", ABOUT | {"start": [-0.5, -0.25]}
+    Journal(path, about).close()
+    near = [math.nextafter(-0.5, 0.0), -0.25 + 9e-10]
+    Journal(path, ABOUT | {"start": near}, resume=True).close()
+    for other in ([-0.5, -0.25 + 2e-9], [-0.5], [math.nan, -0.25], "a", None):
+        with pytest.raises(ValueError, match=r"there start is \[-0.5, -0.25\], now it is"):
+            Journal(path, ABOUT | {"start": other}, resume=True)
+
+
+def lines_of(path: Path, *lines: object) -> Path:
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    return path
+
+
+HEADER = {"run": TOY, "version": VERSION}
+
+
+@pytest.mark.parametrize(
+    ("header", "sentence"),
+    [
+        ({"run": TOY}, "in a format without a number, expected format 1: start the run anew"),
+        (HEADER | {"version": 2}, "in a format 2, expected format 1"),
+        (HEADER | {"version": "1"}, "in a format '1', expected format 1"),
+        ({"version": 1}, "its first line does not say which"),
+        (HEADER | {"run": []}, "its first line does not say which"),
+        ([], r"line 1: expected an entry of a run, got \[\]"),
+        (3, "line 1: expected an entry of a run, got 3"),
+        (HEADER | {"run": ABOUT}, r"line 1: expected a run of the toy, got one of \['param"),
+        (HEADER | {"run": TOY | {"parameter": ["p"]}}, "line 1: expected a run of the toy"),
+    ],
+)
+def test_first_lines_that_are_refused(tmp_path: Path, header: object, sentence: str) -> None:
+    path = lines_of(tmp_path / "run.jsonl", header)
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match=r"run\.jsonl.*" + sentence):
+        saved_diagram(path)
+    assert path.read_bytes() == before
+
+
+SLICE = {
+    "slice": 0.5, "order": 1, "new": False, "evaluations": 3, "unresolved": 0.0, "steep": 0,
+    "failed": [],
+}  # fmt: skip
+ROW = [0.0, 1.0, 0.5, 0]
+RUNS = {"path": "jump", "order": 1, "words": ["a"], "runs": [[[*ROW, "EP", "", 0, None], ROW]]}
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        {"paths": "jump"}, {}, [], 1.0, "path", None,
+        {"done": 1, "order": 1}, {"done": "BC1", "order": "1"}, {"done": "BC1"},
+        SLICE | {"slice": "0.5"}, SLICE | {"failed": [1.0]}, SLICE | {"failed": [["a", 1.0]]},
+        SLICE | {"new": 0}, {"slice": 0.5},
+        RUNS | {"path": "branch"}, RUNS | {"order": 1.5}, RUNS | {"words": []},
+        RUNS | {"words": [1]}, RUNS | {"runs": [[ROW]]}, RUNS | {"runs": [[]]},
+        RUNS | {"runs": [[["0.0", 1.0, 0.5, 0, "EP", "", 0, None]]]}, RUNS | {"runs": 1},
+        RUNS | {"runs": [[[*ROW, "XX", "", 0, None]]]}, RUNS | {"runs": [[[*ROW, "EP"]]]},
+        RUNS | {"runs": [[[*ROW, "BC", "", 0, [0.0, 1.0]]]]},
+    ],
+)  # fmt: skip
+def test_entries_that_are_refused(tmp_path: Path, entry: object) -> None:
+    path = lines_of(tmp_path / "run.jsonl", HEADER, SLICE, RUNS, entry)
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 4: expected an entry of a run, got "):
+        saved_diagram(path)
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 4: expected an entry of a run, got "):
+        Journal(path, TOY, resume=True)
+    assert path.read_bytes() == before
+
+
+def test_entries_that_do_not_follow_from_one_another(tmp_path: Path) -> None:
+    path = lines_of(tmp_path / "run.jsonl", HEADER, RUNS, {"done": "BC7", "order": 1})
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 3: nothing is left to follow at BC7"):
+        saved_diagram(path)
+    path.write_bytes(b"\xff\xfe\n")
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 1: not the journal of a run"):
+        saved_diagram(path)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
+def test_two_runs_do_not_write_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("woodpecker.journal.WAIT", 0.1)
+    path = tmp_path / "run.jsonl"
+    first = Journal(path, ABOUT)
+    first.write(SLICE)
+    before = path.read_bytes()
+    for resume in (False, True):
+        with pytest.raises(ValueError, match=r"another run is writing .*run\.jsonl: wait"):
+            Journal(path, ABOUT, resume=resume)
+    assert path.read_bytes() == before
+    assert not path.with_name("run.jsonl.old").exists()
+    assert read_journal(path)[1] == [SLICE]  # reading is for everyone
+    first.close()
+    first.close()
+    Journal(path, ABOUT, resume=True).close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
+def test_a_copy_of_the_process_does_not_keep_the_lock(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    journal = Journal(path, ABOUT)
+    context = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(1, context) as pool:
+        assert pool.submit(int).result() == 0  # it has the file open
+        journal.close()
+        Journal(path, ABOUT, resume=True).close()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
+def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    code = f"from woodpecker.journal import Journal\nj = Journal({str(path)!r}, {ABOUT!r})\n"
+    code += "print('written', flush=True)\nimport time; time.sleep(60.0)"
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "written\n"
+    process.kill()
+    process.wait()
+    process.stdout.close()
+    Journal(path, ABOUT, resume=True).close()
 
 
 def test_a_path_reads_back_to_the_last_bit() -> None:
