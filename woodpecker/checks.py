@@ -16,11 +16,10 @@ from woodpecker.arrays import Floats
 
 def number(name: str, value: Any) -> float:
     """One real number, nan and infinities included; ValueError for anything else."""
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
-    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real | Decimal):
+    one = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    if isinstance(one, bool | np.bool_) or not isinstance(one, numbers.Real | Decimal):
         raise ValueError(f"{name} must be one real number, got {_shown(value)}")
-    return float(value)
+    return float(one)
 
 
 def positive(name: str, value: Any) -> float:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from pwmap.diagram import BranchKind, Diagram
 from woodpecker.atlas import Atlas
+from woodpecker.checks import whole
 from woodpecker.complete import Report, Search, complete
 from woodpecker.crew import Alone, crew
 from woodpecker.explore import Explorer, Progress, Start, restore
@@ -45,7 +46,8 @@ def continuation(
     toy
         The toy; its value of ``parameter`` is where the orbit lives.
     orbit
-        A periodic solution of it, from :func:`woodpecker.shoot`.
+        A periodic solution of it, from :func:`woodpecker.shoot`. It is followed with its minimal
+        period, also where a multiple of that was shot for.
     parameter, span
         Parameter of the toy and its interval.
     settings
@@ -61,7 +63,8 @@ def continuation(
     Returns
     -------
     Diagram
-        Fixed-point and jump branches of P_order with their special points; ``given`` says
+        Fixed-point and jump branches of P_j with their special points, j being the minimal period
+        of the orbit; ``given`` says
         under which law of impact, and how derivatives in the parameter were found.
 
     Raises
@@ -75,11 +78,12 @@ def continuation(
     if orbit.toy != toy:
         raise ValueError("continuation needs an orbit of this toy, got one of another toy")
     chosen = settings if settings is not None else Settings(window=WINDOW)
-    chosen = replace(chosen, span=(float(span[0]), float(span[1])))
+    chosen = replace(chosen, span=span)
     labelled_map = toy_map(toy, parameter)
     p = float(getattr(toy, parameter))
-    if not span[0] <= p <= span[1]:
-        raise ValueError(f"span must hold {parameter} = {p} of the toy, got {span}")
+    low, high = chosen.span
+    if not low <= p <= high:
+        raise ValueError(f"span must hold {parameter} = {p} of the toy, got ({low}, {high})")
     start = cycle_of(orbit, labelled_map, p)
     if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
         start, _, _ = correct(labelled_map, start.x, SMALLEST)
@@ -188,11 +192,7 @@ def find_all(
 ) -> Found:
     """Like :func:`bifurcation_diagram`, with a report of the search."""
     labelled_map, samples = toy_map(toy, parameter), toy_samples(toy, parameter)
-    chosen = replace(
-        settings if settings is not None else Settings(),
-        span=(float(span[0]), float(span[1])),
-        window=(float(window[0]), float(window[1])),
-    )
+    chosen = replace(settings if settings is not None else Settings(), span=span, window=window)
     looked = search if search is not None else Search()
     wanted = _wanted(orders)
     about = _about(toy, parameter, chosen) | {"orders": wanted, "search": asdict(looked)}
@@ -259,9 +259,9 @@ def saved_diagram(run: Path) -> Diagram:
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:
-    wanted = sorted(set(orders))
-    if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
-        raise ValueError(f"orders must be integers j >= 1, got {tuple(orders)}")
+    wanted = sorted({whole("each of orders", order) for order in orders})
+    if not wanted:
+        raise ValueError(f"orders must name at least one iterate, got {tuple(orders)}")
     return wanted
 
 

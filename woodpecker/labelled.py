@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.arrays import Floats
+from woodpecker.checks import interval, whole
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 NEWTON_STEPS = 25  # quadratic convergence takes 4 to 6; more is needed on curved flanks only
@@ -179,7 +180,13 @@ def windowed(labelled_map: LabelledMap, window: tuple[float, float]) -> Labelled
     """A labelled map of a window: not defined outside, and one word where it leads below.
 
     Dips of a map are infinitely deep and have infinitely many words; what is there does not matter.
+
+    Raises
+    ------
+    ValueError
+        If the window is no two ascending numbers.
     """
+    window = interval("window", window)
 
     def within(x: float, p: float) -> Evaluation:
         if not window[0] <= x <= window[1]:
@@ -191,7 +198,14 @@ def windowed(labelled_map: LabelledMap, window: tuple[float, float]) -> Labelled
 
 
 def iterate(labelled_map: LabelledMap, order: int) -> LabelledMap:
-    """The labelled map of ``order`` laps, derivatives by the chain rule."""
+    """The labelled map of ``order`` laps, derivatives by the chain rule.
+
+    Raises
+    ------
+    ValueError
+        If the order is no whole number of at least 1.
+    """
+    order = whole("order", order)
     if order == 1:
         return labelled_map
 
