@@ -12,9 +12,17 @@ import numpy as np
 
 from woodpecker import kernel
 from woodpecker.arrays import Floats
+from woodpecker.checks import whole
 from woodpecker.compiled import announce
 from woodpecker.edges import nearest_edge
-from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, evaluate
+from woodpecker.labelled import (
+    Cycle,
+    Evaluation,
+    LabelledMap,
+    correct,
+    evaluate,
+    minimal_period,
+)
 from woodpecker.modes import CONTACT, EPS, model
 from woodpecker.pieces import SampledMap, Samples, WordBook
 from woodpecker.returns import EVENT_LIMIT, RESTITUTIONS, first_return
@@ -31,6 +39,11 @@ class ShootingStatus(Enum):
     """How shooting ended; the value is the sentence for a user."""
 
     CONVERGED = "a periodic solution was found"
+    CENTRE = (
+        "the sleeve stays jammed: the toy rests, or swings without falling, in one of a band of "
+        "centres, none of which can be followed"
+    )
+    NO_SLOPE = "the returns close, but the return map has no finite slope here"
     AT_JUMP = "the return map jumps across the diagonal here: there is no periodic solution"
     NOT_CONVERGED = "no periodic solution was found from this guess"
     LOST = "a start on the way does not return to the section"
@@ -42,6 +55,11 @@ class PeriodicOrbit:
 
     Parameters
     ----------
+    order
+        Number of returns j, as asked for.
+    minimal_period
+        Number of returns after which the solution repeats, a divisor of the order; the order itself
+        if no solution was found.
     phi_s
         Its point on the section [rad]; for order > 1 the first of ``points``.
     period, drop
@@ -55,11 +73,13 @@ class PeriodicOrbit:
     points
         The orbit on the section [rad].
     status, success, message
-        How shooting ended, whether it found an orbit, and the reason if it did not.
+        How shooting ended, whether it found a solution that can be followed, and the sentence that
+        says it: why not, or how often a solution of a smaller period is passed.
     """
 
     toy: Toy
     order: int
+    minimal_period: int
     phi_s: float
     period: float
     drop: float
@@ -72,7 +92,7 @@ class PeriodicOrbit:
 
     @property
     def success(self) -> bool:
-        """Whether a periodic solution was found."""
+        """Whether a periodic solution was found that can be followed."""
         return self.status is ShootingStatus.CONVERGED
 
     @property
@@ -205,14 +225,15 @@ def shoot(
     Returns
     -------
     PeriodicOrbit
-        ``status`` says whether it is one, and why not.
+        ``status`` says whether it is one, and why not. One of a smaller period than ``order``
+        counts: ``minimal_period`` and ``message`` say so.
 
     Raises
     ------
     ValueError
         If the guess or the order is out of range.
     """
-    start = first_return(toy, guess, order)
+    start, order = first_return(toy, guess, order), whole("order", order)
     labelled_map = toy_map(toy)
     points = [float(guess)]
     for _ in range(order - 1):
@@ -222,7 +243,7 @@ def shoot(
         return _orbit(toy, order, cycle, ShootingStatus.LOST, start.status.value)
     cycle, good, _ = correct(labelled_map, np.array(points), toy.eps_n1, None, tolerances)
     if good:
-        return _orbit(toy, order, cycle, ShootingStatus.CONVERGED)
+        return _closed(toy, cycle)
     near = nearest_edge(labelled_map, guess, toy.eps_n1, start.word) if order == 1 else None
     if near is not None and near[0].crosses:
         at_jump = evaluate(labelled_map, np.array([near[0].x]), toy.eps_n1)
@@ -233,13 +254,31 @@ def shoot(
     return _orbit(toy, order, cycle, ShootingStatus.NOT_CONVERGED)
 
 
+def _closed(toy: Toy, cycle: Cycle) -> PeriodicOrbit:
+    """What a cycle is whose returns close: a periodic solution, a centre, or one without slope."""
+    order, period = len(cycle.x), minimal_period(cycle)
+    if not any(cycle.words):  # no event: the sleeve stays jammed
+        return _orbit(toy, order, cycle, ShootingStatus.CENTRE, period=period)
+    if not math.isfinite(cycle.multiplier):
+        reason = ShootingStatus.NO_SLOPE
+        return _orbit(toy, order, cycle, reason, str(cycle.multiplier), period)
+    detail = f"one of period {period}, {order // period} times over" if period < order else ""
+    return _orbit(toy, order, cycle, ShootingStatus.CONVERGED, detail, period)
+
+
 def _orbit(
-    toy: Toy, order: int, cycle: Cycle, reason: ShootingStatus, detail: str = ""
+    toy: Toy,
+    order: int,
+    cycle: Cycle,
+    reason: ShootingStatus,
+    detail: str = "",
+    period: int | None = None,
 ) -> PeriodicOrbit:
     returns = [first_return(toy, float(x)) for x in cycle.x if x < toy.phi_s_max]
     return PeriodicOrbit(
         toy=toy,
         order=order,
+        minimal_period=order if period is None else period,
         phi_s=float(cycle.x[0]),
         period=sum(lap.period for lap in returns),
         drop=sum(lap.drop for lap in returns),
@@ -253,6 +292,9 @@ def _orbit(
 
 
 def cycle_of(orbit: PeriodicOrbit, labelled_map: LabelledMap, p: float) -> Cycle:
-    """Turn an orbit into a cycle of a labelled map at parameter p."""
-    x = np.array(orbit.points)
+    """Turn an orbit into a cycle of a labelled map at parameter p, with its minimal period.
+
+    Passed several times over it would hide its flips, and meet the same borders again and again.
+    """
+    x = np.array(orbit.points[: orbit.minimal_period])
     return Cycle(x, p, tuple(labelled_map(float(value), p) for value in x))
