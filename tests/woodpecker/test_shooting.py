@@ -168,7 +168,9 @@ def test_continuation_follows_the_minimal_period(order: int) -> None:
     found = continuation(TOY, shoot(TOY, -0.53, order), span=(0.5, 0.7))
     flips = [point for point in found.points if point.kind is PointKind.PD]
     assert [point.order for point in flips] == [1]
-    assert flips[0].parameter == pytest.approx(0.64854917, abs=1e-8)
+    assert flips[0].parameter == pytest.approx(0.648549, abs=1e-6)
+    there = shoot(TOY.replace(eps_n1=flips[0].parameter), -0.5186)
+    assert there.multiplier == pytest.approx(-1.0, abs=1e-9)  # what says that it is the flip
     assert {branch.order for branch in found.branches} == {1}
 
 
