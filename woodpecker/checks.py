@@ -43,14 +43,16 @@ def whole(name: str, value: Any, least: int = 1) -> int:
     return checked
 
 
-def interval(name: str, value: Any) -> tuple[float, float]:
-    """Two ascending numbers, infinities included; ValueError for anything else."""
+def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, float]:
+    """Two ascending numbers, infinities included unless ``finite``; ValueError otherwise."""
     try:
         low, high = (number(name, end) for end in value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be two real numbers, got {_shown(value)}") from None
     if not low < high:
         raise ValueError(f"{name} must ascend, got ({low}, {high})")
+    if finite and not (math.isfinite(low) and math.isfinite(high)):
+        raise ValueError(f"{name} must be finite, got ({low}, {high})")
     return low, high
 
 

@@ -88,7 +88,7 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
         whole number of at least 1.
     """
     start = np.array([number("phi_s", phi_s)])
-    many = _chunk(toy, _starts(toy, start), whole("order", order))
+    many = _chunk(toy, checked_starts(toy, start), whole("order", order))
     return Return(
         **{name: float(getattr(many, name)[0]) for name in _COLUMNS},
         word=many.words[0],
@@ -116,7 +116,7 @@ def return_map(
     ValueError
         As :func:`first_return`, or if starts are no real numbers.
     """
-    starts, order = _starts(toy, phi_s), whole("order", order)
+    starts, order = checked_starts(toy, phi_s), whole("order", order)
     parts = [starts[k : k + CHUNK] for k in range(0, len(starts), CHUNK)] or [starts]
     if executor is not None:
         results = list(executor.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
@@ -145,7 +145,8 @@ _COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
 _SEED = np.array([[1.0, 0.0, 0.0]])
 
 
-def _starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
+def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
+    """Starts [rad] as a flat array; ValueError unless the toy can start from all of them."""
     starts = real_array("phi_s", phi_s).ravel()
     bad = starts[~(np.isfinite(starts) & (starts < toy.phi_s_max))]
     if bad.size:
