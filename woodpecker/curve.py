@@ -5,7 +5,7 @@ until it is narrower than a pixel: what happens within one pixel no picture can 
 is left there, whether the map jumps or is only steep. Of both halves the one that differs more is
 followed, down to neighbouring doubles; what still differs there, and not less and less on the way,
 is a jump. The steep flank of a dip has no bottom and falls by a quarter of a radian for each
-decade, so no wider interval would tell.
+decade, so no wider interval would tell. (A dip narrower than a pixel can be deeper than is drawn.)
 
 An iterate P_j has more steep places than anyone can look at: their number grows like the product of
 the slopes. So there is a budget. The largest differences come first, and what the budget leaves
@@ -97,7 +97,7 @@ def refined(
     x: Floats,
     y: Floats,
     *,
-    bottom: float = -math.inf,
+    bottom: float,
     cost: int = 1,
     detail: Detail | None = None,
 ) -> Iterator[Curve]:
@@ -110,7 +110,7 @@ def refined(
     x, y
         First samples, shape (n,).
     bottom
-        Lower end of the picture, unless all samples lie higher.
+        Lower end of the picture.
     cost
         What one value costs of the budget: the order of an iterate.
     detail
@@ -135,9 +135,8 @@ class _Refinement:
         self.image, self.x, self.y, self.detail = image, x, y, detail
         self.told = np.full(len(x), Link.OPEN, dtype=np.int64)
         self.left, self.evaluations = detail.budget // cost, 0
-        values = y[np.isfinite(y)] if np.isfinite(y).any() else x
-        self.bottom, self.top = max(bottom, float(values.min())), float(values.max())
-        self.height = max(self.top - self.bottom, float(np.spacing(abs(self.top))))
+        self.bottom, self.top = bottom, float(y[np.isfinite(y)].max(initial=bottom))
+        self.height = max(self.top - bottom, math.ulp(bottom))
 
     def curve(self) -> Curve:
         """What is known so far."""

@@ -97,9 +97,9 @@ def plot_phase_portrait(trajectory: Trajectory, x: str, y: str, ax: Axes | None 
     across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
     jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
     ax.plot(np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan), **LINE)
-    for k in jumps:
-        pair = slice(k, k + 2)
-        ax.plot(across[pair], up[pair], color=JUMP, linewidth=1.1, linestyle=(0, (1, 1.3)))
+    pairs = jumps[:, None] + [0, 1]
+    struck = _strokes(across[pairs], up[pairs])
+    ax.plot(*struck, color=JUMP, linewidth=1.1, linestyle=(0, (1, 1.3)))
     ax.set_xlabel(QUANTITIES[x].label)
     ax.set_ylabel(QUANTITIES[y].label)
     ax.grid(alpha=0.25, linewidth=0.5)
@@ -147,12 +147,14 @@ def curves(
     toy: Toy, returns: ReturnMap, order: int = 1, depth: float | None = None
 ) -> Iterator[Curve]:
     """P_order as :func:`plot_curve` draws it, better and better; see :mod:`woodpecker.curve`."""
-    bottom = float(depth if depth is not None else returns.start[0])
+    if depth is None:
+        values = returns.phi_s[np.isfinite(returns.phi_s)]
+        depth = max(returns.start[0], values.min(initial=returns.start[-1]))
     return refined(
         lambda x: return_map(toy, x, order).phi_s,
         returns.start,
         returns.phi_s,
-        bottom=bottom,
+        bottom=float(depth),
         cost=order,
     )
 
