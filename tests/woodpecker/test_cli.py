@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,9 +19,10 @@ from typer.testing import CliRunner
 
 from pwmap import read_graph
 from pwmap.cli import app as pwmap_app
+from woodpecker import cli_map, plot
 from woodpecker.cli import app
 from woodpecker.compiled import COMPILED
-from woodpecker.curve import Detail
+from woodpecker.curve import Curve, Detail
 from woodpecker.returns import first_return, return_map
 from woodpecker.toy import Toy, description, parameters
 
@@ -282,6 +284,35 @@ def test_the_map_is_drawn_for_every_order_and_window(
         assert int(spent[1]) <= int(spent[2]) == Detail().budget
     else:
         assert left_open(text) == 0  # the budget does for all of it
+
+
+def test_ctrl_c_while_the_picture_is_refined(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    curves = plot.curves
+
+    def interrupted(*arguments: Any) -> Iterator[Curve]:
+        yield next(curves(*arguments))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(plot, "curves", interrupted)
+    status, text = run("map", "--points", "50", "--out", str(tmp_path))
+    assert status == 130
+    assert "Interrupted: 50 of 50 starts are kept" in text
+    assert left_open(text) > 0
+    assert len(rows(tmp_path / "return_map.csv")) == 50
+    assert (tmp_path / "return_map.png").stat().st_size > 10_000
+
+
+def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def interrupted(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli_map, "return_map", interrupted)
+    status, text = run("map", "--points", "50", "--out", str(tmp_path))
+    assert status == 1
+    assert "Failed: interrupted before the first returns were there" in text
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.slow
