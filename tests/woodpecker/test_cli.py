@@ -100,12 +100,14 @@ def test_help_describes_the_toy(command: str, monkeypatch: pytest.MonkeyPatch) -
 
 def test_units_of_the_toy_are_those_of_the_readme() -> None:
     table = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    superscript = str.maketrans({"²": "^2"})
+    found = set()
     for name, units in re.findall(r"\| ((?:`\w+`(?:, )?)+) \| ([^|]+) \|", table):
-        names = re.findall(r"`(\w+)`", name)
-        if set(names) <= set(parameters()):
-            allowed = units.translate(superscript).replace("–", "-").strip().split(", ")
+        names = set(re.findall(r"`(\w+)`", name))
+        if names <= set(parameters()):
+            found |= names
+            allowed = units.replace("²", "^2").replace("–", "-").strip().split(", ")
             assert {description(each).unit for each in names} <= set(allowed)
+    assert found == set(parameters())
 
 
 # --- wrong values --------------------------------------------------------------------------------
