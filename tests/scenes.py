@@ -70,8 +70,8 @@ def run(
     phases = np.zeros((limit + 1, kernel.PHASE_COLUMNS))
     events = np.zeros((limit, kernel.EVENT_COLUMNS))
     code = kernel.run(
-        model(toy), FIXED, state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end, codes,
-        phases, events, counts,
+        model(toy), FIXED, state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end,
+        codes, phases, events, counts,
     )  # fmt: skip
     return Run(
         code=code,

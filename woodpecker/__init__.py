@@ -30,10 +30,11 @@ from woodpecker.pieces import (
 )
 from woodpecker.returns import Return, ReturnMap, first_return, return_map
 from woodpecker.settings import Settings
-from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot, toy_map, toy_samples
+from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
 from woodpecker.status import Status
 from woodpecker.tolerances import Tolerances
 from woodpecker.toy import ExpansionFriction, Toy, parameters
+from woodpecker.toymaps import toy_map, toy_samples
 from woodpecker.trajectory import (
     EnergyBalance,
     Event,

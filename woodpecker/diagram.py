@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
@@ -11,10 +10,9 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from pwmap.diagram import BranchKind, Diagram
 from woodpecker.atlas import Atlas
+from woodpecker.checks import whole
 from woodpecker.complete import Report, Search, complete
 from woodpecker.executors import Serial, scheduler, worker_count
 from woodpecker.explore import Explorer, Progress, Start, restore
@@ -23,8 +21,9 @@ from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
 from woodpecker.pieces import SampledMap
 from woodpecker.returns import RESTITUTIONS
 from woodpecker.settings import Settings
-from woodpecker.shooting import PeriodicOrbit, cycle_of, toy_map, toy_samples
+from woodpecker.shooting import PeriodicOrbit, cycle_of
 from woodpecker.toy import LAW, Toy, parameters
+from woodpecker.toymaps import toy_map, toy_samples
 from woodpecker.worker import Worker
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
@@ -50,7 +49,8 @@ def continuation(
     toy
         The toy; its value of ``parameter`` is where the orbit lives.
     orbit
-        A periodic solution of it, from :func:`woodpecker.shoot`.
+        A periodic solution of it, from :func:`woodpecker.shoot`. It is followed with its minimal
+        period, also where a multiple of that was shot for.
     parameter, span
         Parameter of the toy and its interval.
     settings
@@ -66,7 +66,8 @@ def continuation(
     Returns
     -------
     Diagram
-        Fixed-point and jump branches of P_order with their special points; ``given`` says
+        Fixed-point and jump branches of P_j with their special points, j being the minimal period
+        of the orbit; ``given`` says
         under which law of impact, and how derivatives in the parameter were found.
 
     Raises
@@ -80,11 +81,12 @@ def continuation(
     if orbit.toy != toy:
         raise ValueError("continuation needs an orbit of this toy, got one of another toy")
     chosen = settings if settings is not None else Settings(window=WINDOW)
-    chosen = replace(chosen, span=_interval(span))
+    chosen = replace(chosen, span=span)
     labelled_map = toy_map(toy, parameter)
     p = float(getattr(toy, parameter))
-    if not span[0] <= p <= span[1]:
-        raise ValueError(f"span must hold {parameter} = {p} of the toy, got {span}")
+    low, high = chosen.span
+    if not low <= p <= high:
+        raise ValueError(f"span must hold {parameter} = {p} of the toy, got ({low}, {high})")
     start = cycle_of(orbit, labelled_map, p)
     if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
         start, _, _ = correct(labelled_map, start.x, SMALLEST)
@@ -199,10 +201,7 @@ def find_all(
 ) -> Found:
     """Like :func:`bifurcation_diagram`, with a report of the search."""
     labelled_map, samples = toy_map(toy, parameter), toy_samples(toy, parameter)
-    chosen = replace(
-        settings if settings is not None else Settings(),
-        span=_interval(span), window=_interval(window),
-    )  # fmt: skip
+    chosen = replace(settings if settings is not None else Settings(), span=span, window=window)
     _searchable(chosen)
     worker_count(workers)
     looked = search if search is not None else Search()
@@ -224,9 +223,7 @@ def _middle(interval: tuple[float, float]) -> float:
 
 def _given(law: str, parameter: str) -> tuple[str, str]:
     """Under which law, and how derivatives in the parameter were found, for the diagram to say."""
-    exact = parameter in RESTITUTIONS
-    way = "the variational flow" if exact else "central differences of the return map"
-    return f"friction in the expansion: {law}", f"derivatives in {parameter}: {way}"
+    return f"friction in the expansion: {law}", f"derivatives in {parameter}: the variational flow"
 
 
 def _about(toy: Toy, parameter: str, settings: Settings) -> Entry:
@@ -274,11 +271,6 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     return replace(found, given=_given(str(toy[LAW]), parameter))
 
 
-def _interval(ends: tuple[float, float]) -> tuple[float, float]:
-    low, high = ends
-    return float(low), float(high)
-
-
 def _searchable(settings: Settings) -> None:
     """Complain of a window that slices cannot cover."""
     if not all(map(math.isfinite, settings.window)):
@@ -295,15 +287,9 @@ def _followable(start: Cycle, settings: Settings) -> None:
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:
-    """Orders of iterates, ascending, each once."""
-    given = tuple(orders)
-    if any(
-        isinstance(order, bool | np.bool_) or not hasattr(order, "__index__") for order in given
-    ):
-        raise ValueError(f"orders must be integers j >= 1, got {given}")
-    wanted = sorted({operator.index(order) for order in given})
-    if not wanted or wanted[0] < 1:
-        raise ValueError(f"orders must be integers j >= 1, got {given}")
+    wanted = sorted({whole("each of orders", order) for order in orders})
+    if not wanted:
+        raise ValueError(f"orders must name at least one iterate, got {tuple(orders)}")
     return wanted
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.arrays import Floats
+from woodpecker.checks import interval, whole
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 NEWTON_STEPS = 25  # quadratic convergence takes 4 to 6; more is needed on curved flanks only
@@ -180,8 +181,14 @@ def windowed(labelled_map: LabelledMap, window: tuple[float, float]) -> Labelled
     """A labelled map of a window: not defined outside, and one word where it leads below.
 
     Dips of a map are infinitely deep and have infinitely many words; what is there does not matter.
+
+    Raises
+    ------
+    ValueError
+        If the window is no two ascending numbers.
     """
-    return _Windowed(labelled_map, *window)
+    low, high = interval("window", window)
+    return _Windowed(labelled_map, low, high)
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +205,14 @@ class _Windowed:
 
 
 def iterate(labelled_map: LabelledMap, order: int) -> LabelledMap:
-    """The labelled map of ``order`` laps, derivatives by the chain rule."""
+    """The labelled map of ``order`` laps, derivatives by the chain rule.
+
+    Raises
+    ------
+    ValueError
+        If the order is no whole number of at least 1.
+    """
+    order = whole("order", order)
     return labelled_map if order == 1 else _Iterated(labelled_map, order)
 
 

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from pwmap.diagram import BranchKind, Diagram
 from woodpecker.arrays import Floats
+from woodpecker.checks import interval, real_array, whole
 from woodpecker.pieces import SampledMap
 
 SAME = 1e-6  # distance [rad] within which an orbit that has settled repeats itself
@@ -91,15 +92,14 @@ def orbit_diagram(
     Raises
     ------
     ValueError
-        If nothing is to be kept or the window does not ascend.
+        If nothing is to be kept, the window is no two ascending numbers, or parameters or starts
+        are no real numbers.
     """
-    if keep < 1 or transient < 0:
-        raise ValueError(f"keep at least one iterate after transient >= 0, got {keep}, {transient}")
-    if not window[0] < window[1]:
-        raise ValueError(f"a window must ascend, got {window}")
-    first = np.atleast_1d(np.asarray(starts, dtype=float))
+    keep, transient = whole("keep", keep), whole("transient", transient, least=0)
+    window = interval("window", window)
+    first = np.atleast_1d(real_array("starts", starts))
     found: list[Orbit] = []
-    values = np.atleast_1d(np.asarray(parameters, dtype=float)).tolist()
+    values = np.atleast_1d(real_array("parameters", parameters)).tolist()
     for p in values:
         found += _settled(map_, p, first, window, transient, keep)
     return OrbitDiagram(orbits=tuple(found), lost=len(values) * len(first) - len(found))

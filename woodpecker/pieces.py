@@ -26,6 +26,7 @@ from scipy.optimize import brentq
 
 from pwmap.diagram import runs_of
 from woodpecker.arrays import Floats, Ints
+from woodpecker.checks import interval, number, positive, whole
 from woodpecker.edges import NEAR, Edge, is_continuous
 from woodpecker.labelled import BELOW, SEPARATOR, Evaluation, LabelledMap
 from woodpecker.tolerances import DEFAULT, Tolerances
@@ -61,11 +62,10 @@ class Resolution:
     close: float = 1e-4
 
     def __post_init__(self) -> None:
-        if not self.edge >= 0.0:
+        if not number("edge", self.edge) >= 0.0:
             raise ValueError(f"edge must not be negative, got {self.edge}")
         for name in ("spacing", "smallest", "bend", "far", "close"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+            positive(name, getattr(self, name))
 
 
 class Samples(NamedTuple):
@@ -157,8 +157,13 @@ def iterated(
     Where only the last point lies below the window the word is :data:`BELOW`, whatever happened: so
     the infinitely deep dips of a map cost nothing. Where an earlier point lies outside, the iterate
     is not followed and not defined.
+
+    Raises
+    ------
+    ValueError
+        If the order is no whole number of at least 1, or the window no two ascending numbers.
     """
-    return _Iterated(map_, order, window)
+    return _Iterated(map_, whole("order", order), interval("window", window))
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,13 +298,9 @@ def partition(
     Raises
     ------
     ValueError
-        If the window is not a finite interval.
+        If the window is no two finite, ascending numbers.
     """
-    low, high = window
-    if not low < high:
-        raise ValueError(f"a window must ascend, got ({low}, {high})")
-    if math.isinf(low) or math.isinf(high):
-        raise ValueError(f"a window must be finite to be cut into pieces, got ({low}, {high})")
+    low, high = interval("window", window, finite=True)
     chosen = resolution if resolution is not None else Resolution()
     search = _Search(map_, p, chosen, diagonal)
     n = max(2, math.ceil((high - low) / chosen.spacing) + 1)

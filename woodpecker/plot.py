@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
@@ -15,10 +15,9 @@ from matplotlib.lines import Line2D
 from pwmap.diagram import BranchKind, Diagram
 from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, plot_diagram
 from woodpecker.arrays import Floats
-from woodpecker.labelled import iterate
+from woodpecker.curve import Curve, Link, refined
 from woodpecker.local import LocalModel
-from woodpecker.returns import ReturnMap
-from woodpecker.shooting import toy_map
+from woodpecker.returns import ReturnMap, return_map
 from woodpecker.toy import Toy
 from woodpecker.trajectory import Trajectory
 from woodpecker.words import EventKind
@@ -98,9 +97,9 @@ def plot_phase_portrait(trajectory: Trajectory, x: str, y: str, ax: Axes | None 
     across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
     jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
     ax.plot(np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan), **LINE)
-    for k in jumps:
-        pair = slice(k, k + 2)
-        ax.plot(across[pair], up[pair], color=JUMP, linewidth=1.1, linestyle=(0, (1, 1.3)))
+    pairs = jumps[:, None] + [0, 1]
+    struck = _strokes(across[pairs], up[pairs])
+    ax.plot(*struck, color=JUMP, linewidth=1.1, linestyle=(0, (1, 1.3)))
     ax.set_xlabel(QUANTITIES[x].label)
     ax.set_ylabel(QUANTITIES[y].label)
     ax.grid(alpha=0.25, linewidth=0.5)
@@ -131,31 +130,49 @@ def plot_return_map(
     Parameters
     ----------
     toy
-        The toy, to locate the jumps between neighbouring samples of different words.
+        The toy, to look closer where neighbouring samples lie far apart.
     returns
         Map at ascending starts, from :func:`woodpecker.return_map`.
     order
         The order of ``returns``.
     depth
-        Lower end of the vertical axis; the dips have no bottom. By default the map's left end.
+        Lower end of the vertical axis; the dips have no bottom. By default the map's left end, or
+        its least value if all lie higher.
     """
+    *_, curve = curves(toy, returns, order, depth)
+    return plot_curve(curve, ax, order=order)
+
+
+def curves(
+    toy: Toy, returns: ReturnMap, order: int = 1, depth: float | None = None
+) -> Iterator[Curve]:
+    """P_order as :func:`plot_curve` draws it, better and better; see :mod:`woodpecker.curve`."""
+    if depth is None:
+        values = returns.phi_s[np.isfinite(returns.phi_s)]
+        depth = max(returns.start[0], values.min(initial=returns.start[-1]))
+    return refined(
+        lambda x: return_map(toy, x, order).phi_s,
+        returns.start,
+        returns.phi_s,
+        bottom=float(depth),
+        cost=order,
+    )
+
+
+def plot_curve(curve: Curve, ax: Axes | None = None, *, order: int = 1) -> Axes:
+    """P_order with the diagonal; jumps are dotted, and what was not resolved is pale."""
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
-    bottom = float(depth if depth is not None else returns.start[0])
-    x, y, jumps = _refined(toy, returns, order, bottom)
-    ax.plot(returns.start, returns.start, color="#969696", linewidth=0.8, label="diagonal")
-    ax.plot(np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan), label=f"$P_{order}$", **LINE)
-    shown = [k for k in jumps if min(y[k - 1], y[k]) > bottom]
-    for number, k in enumerate(shown):
-        ax.plot(
-            x[k - 1 : k + 1],
-            y[k - 1 : k + 1],
-            color=JUMP,
-            linewidth=1.4,
-            linestyle=(0, (1, 1.3)),
-            label="jump" if number == 0 else None,
-        )
-    ax.set_xlim(x[0], x[-1])
-    ax.set_ylim(bottom, max(x[-1], float(np.nanmax(y))) + 0.1)
+    ends = curve.x[[0, -1]]
+    ax.plot(ends, ends, color="#969696", linewidth=0.8, label="diagonal")
+    breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
+    x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
+    ax.plot(x, y, label=rf"$P_{{{order}}}$", **LINE)
+    for link, style in STEEP.items():
+        pairs = curve.between(link)[:, None] + [0, 1]
+        if pairs.size:
+            ax.plot(*_strokes(curve.x[pairs], curve.y[pairs]), **style)
+    ax.set_xlim(*ends)
+    ax.set_ylim(*_heights(curve))
     ax.set_xlabel(r"$\varphi_{S,k}$ [rad]")
     ax.set_ylabel(rf"$\varphi_{{S,k+{order}}}$ [rad]")
     ax.grid(alpha=0.25, linewidth=0.5)
@@ -163,34 +180,24 @@ def plot_return_map(
     return ax
 
 
-SEEN = 0.02  # rad: a discontinuity smaller than this does not show in a picture of the whole map
-FINEST = 1e-14  # rad: what still differs by more than SEEN over this width is drawn as a jump;
-# the right flank of a dip falls by only a quarter of a radian per decade
+STEEP: dict[Link, dict[str, Any]] = {
+    Link.OPEN: {"color": "#9ecae1", "linewidth": 0.8, "label": "not resolved", "zorder": 1.5},
+    Link.JUMP: {"color": JUMP, "linewidth": 1.4, "linestyle": (0, (1, 1.3)), "label": "jump"},
+}
 
 
-def _refined(
-    toy: Toy, returns: ReturnMap, order: int, bottom: float
-) -> tuple[Floats, Floats, list[int]]:
-    """Samples with more of them on steep flanks, and the indices right of each jump.
+def _heights(curve: Curve) -> tuple[float, float]:
+    """Limits of the vertical axis, with a margin where the curve is not cut off."""
+    values = curve.y[np.isfinite(curve.y)]
+    low, high = float(values.min(initial=math.inf)), float(values.max(initial=curve.bottom))
+    margin = 0.3 * MARGIN * (high - curve.bottom) or NARROWEST
+    return curve.bottom - (margin if low >= curve.bottom else 0.0), high + margin
 
-    An interval is halved until its ends lie close together, below the picture, or at one place.
-    """
-    labelled_map = iterate(toy_map(toy), order)
-    x, y, jumps = [float(returns.start[0])], [float(returns.phi_s[0])], []
-    pending = list(zip(returns.start[:0:-1].tolist(), returns.phi_s[:0:-1].tolist(), strict=True))
-    while pending:
-        right, image = pending[-1]
-        visible = max(y[-1], image) > bottom  # False if one of them is nan
-        if visible and abs(image - y[-1]) > SEEN and right - x[-1] > FINEST:
-            middle = 0.5 * (x[-1] + right)
-            pending.append((middle, labelled_map(middle, toy.eps_n1).value))
-            continue
-        if abs(image - y[-1]) > SEEN:
-            jumps.append(len(x))
-        x.append(right)
-        y.append(image)
-        pending.pop()
-    return np.array(x), np.array(y), jumps
+
+def _strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Lines (n, 2), each between two points, as one line with gaps."""
+    gap = np.full((len(x), 1), np.nan)
+    return np.hstack([x, gap]).ravel(), np.hstack([y, gap]).ravel()
 
 
 def plot_local(
@@ -251,6 +258,7 @@ def plot_local(
 
 
 MARGIN = 0.12  # of the width and height of what is drawn
+NARROWEST = 0.02  # what is drawn around something without width or height
 BRANCH: dict[str, dict[str, Any]] = {
     "stable": {"color": STABLE, "linestyle": "-", "linewidth": 1.6},
     "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
@@ -292,7 +300,7 @@ def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:
         ([model.edge.p, *(line.p[1] for line in lines)], ax.set_xlim),
         ([model.edge.x, *(line.x[1] for line in lines)], ax.set_ylim),
     ):
-        margin = MARGIN * (max(values) - min(values)) or SEEN
+        margin = MARGIN * (max(values) - min(values)) or NARROWEST
         set_limits(min(values) - margin, max(values) + margin)
     ax.ticklabel_format(useOffset=False)
     ax.locator_params(axis="x", nbins=4)

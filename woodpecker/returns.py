@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ import numpy.typing as npt
 
 from woodpecker import kernel
 from woodpecker.arrays import Codes, Floats, Ints
+from woodpecker.checks import number, real_array, whole
 from woodpecker.compiled import COMPILED, announce
 from woodpecker.modes import FIXED, model
 from woodpecker.status import Status, status
@@ -82,9 +84,11 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     Raises
     ------
     ValueError
-        If phi_s is not finite or beyond the beak's contact, or order < 1.
+        If phi_s is not one number, not finite or beyond the beak's contact, or the order is no
+        whole number of at least 1.
     """
-    many = _chunk(toy, _starts(toy, [phi_s]), _order(order))
+    start = np.array([number("phi_s", phi_s)])
+    many = _chunk(toy, checked_starts(toy, start), whole("order", order))
     return Return(
         **{name: float(getattr(many, name)[0]) for name in _COLUMNS},
         word=many.words[0],
@@ -106,9 +110,13 @@ def return_map(
     executor
         Any executor of :mod:`concurrent.futures` (a process pool, dask, MPI) to carry the work.
         By default the compiled kernel runs in threads and the plain one serially.
+
+    Raises
+    ------
+    ValueError
+        As :func:`first_return`, or if starts are no real numbers.
     """
-    starts = _starts(toy, phi_s)
-    _order(order)
+    starts, order = checked_starts(toy, phi_s), whole("order", order)
     parts = [starts[k : k + CHUNK] for k in range(0, len(starts), CHUNK)] or [starts]
     if executor is not None:
         results = list(executor.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
@@ -117,11 +125,19 @@ def return_map(
             results = list(pool.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
     else:
         results = [_chunk(toy, part, order) for part in parts]
+    return joined(results)
+
+
+def joined(parts: Sequence[ReturnMap]) -> ReturnMap:
+    """Several maps as one, in their order."""
+    columns = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in ("start", *_COLUMNS)
+    }
     return ReturnMap(
-        start=starts,
-        **{name: np.concatenate([getattr(part, name) for part in results]) for name in _COLUMNS},
-        words=tuple(text for part in results for text in part.words),
-        status=tuple(reason for part in results for reason in part.status),
+        **columns,
+        words=tuple(text for part in parts for text in part.words),
+        status=tuple(reason for part in parts for reason in part.status),
     )
 
 
@@ -129,8 +145,9 @@ _COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
 _SEED = np.array([[1.0, 0.0, 0.0]])
 
 
-def _starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
-    starts = np.array(phi_s, dtype=float).ravel()
+def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
+    """Starts [rad] as a flat array; ValueError unless the toy can start from all of them."""
+    starts = real_array("phi_s", phi_s).ravel()
     bad = starts[~(np.isfinite(starts) & (starts < toy.phi_s_max))]
     if bad.size:
         raise ValueError(
@@ -138,12 +155,6 @@ def _starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
             f"got {bad[0]}"
         )
     return starts
-
-
-def _order(order: int) -> int:
-    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
-        raise ValueError(f"order must be a whole number of at least 1, got {order!r}")
-    return order
 
 
 def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Codes]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from woodpecker.checks import interval, number, positive, whole
 from woodpecker.tolerances import DEFAULT, Tolerances
 
 
@@ -31,6 +32,12 @@ class Settings:
         where it is steeper. At 1e4 the doubles next to a fixed point miss it by up to 1e-11.
     max_points
         The branch ends (EP) after this many points.
+
+    Raises
+    ------
+    ValueError
+        If span or window are no two ascending numbers, or a length, an angle or a count is not
+        positive.
     """
 
     span: tuple[float, float] = (0.0, 1.0)
@@ -45,13 +52,13 @@ class Settings:
 
     def __post_init__(self) -> None:
         for name in ("span", "window"):
-            low, high = getattr(self, name)
-            if not low < high:
-                raise ValueError(f"{name} must ascend, got ({low}, {high})")
-            object.__setattr__(self, name, (float(low), float(high)))
+            object.__setattr__(self, name, interval(name, getattr(self, name)))
         if not all(map(math.isfinite, self.span)):
             raise ValueError(f"span must be finite, got {self.span}")
-        if not 0.0 < self.step <= self.max_step:
+        for name in ("max_step", "max_turn", "probe"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        if not 0.0 < number("step", self.step) <= self.max_step:
             raise ValueError(f"step must lie in (0, {self.max_step}], got {self.step}")
-        if not self.steepest > 1.0:
+        if not number("steepest", self.steepest) > 1.0:
             raise ValueError(f"steepest must be larger than 1, got {self.steepest}")
+        object.__setattr__(self, "max_points", whole("max_points", self.max_points))

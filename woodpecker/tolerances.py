@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+
+from woodpecker.checks import positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +31,11 @@ class Tolerances:
     landing
         First offset in the parameter on the other side of an edge: far above rounding, far below
         the size of any piece worth drawing.
+
+    Raises
+    ------
+    ValueError
+        Unless all are positive and finite.
     """
 
     residual: float = 1e-12
@@ -37,6 +44,10 @@ class Tolerances:
     jump: float = 1e-6
     edge: float = 1e-9
     landing: float = 1e-7
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            object.__setattr__(self, each.name, positive(each.name, getattr(self, each.name)))
 
     def allowed(self, slope: float) -> float:
         """Largest residual of an accepted fixed point on a piece of this slope."""

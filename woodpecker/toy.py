@@ -7,15 +7,45 @@ import math
 import numbers
 from dataclasses import dataclass
 from decimal import Decimal
-from enum import StrEnum
-from typing import Any, Literal
+from enum import Enum, StrEnum
+from typing import Any, Literal, NamedTuple
 
-_POSITIVE = (
-    *("m_m", "j_m", "m_s", "j_s", "g", "r_0", "r_m"),
-    *("h_m", "l_m", "l_g", "h_s", "l_s", "c_phi", "pole"),
-)
-_FRICTION = ("mu_1", "mu_2", "mu_3")
-_RESTITUTION = ("eps_n1", "eps_n2", "eps_n3")
+LAW = "expansion_friction"  # the one field of a toy that is no number
+
+
+class Domain(Enum):
+    """Where a parameter may lie; the value ends the sentence "mu_1 must ..."."""
+
+    POSITIVE = "be positive and finite"
+    POSITIVE_OR_INFINITE = "be positive"
+    FRICTION = "be at least 0 and finite"
+    RESTITUTION = "lie in [0, 1]"
+
+    def holds(self, value: float) -> bool:
+        """Whether a value lies in it; nan lies in none."""
+        match self:
+            case Domain.POSITIVE:
+                return 0.0 < value < math.inf
+            case Domain.POSITIVE_OR_INFINITE:
+                return value > 0.0
+            case Domain.FRICTION:
+                return 0.0 <= value < math.inf
+            case Domain.RESTITUTION:
+                return 0.0 <= value <= 1.0
+
+
+class Description(NamedTuple):
+    """What a parameter of the toy is."""
+
+    meaning: str
+    unit: str  # "-" for a pure number
+    domain: Domain
+
+
+def _number(default: float, meaning: str, unit: str, domain: Domain = Domain.POSITIVE) -> Any:
+    """A field of :class:`Toy` with its description."""
+    description = Description(meaning, unit, domain)
+    return dataclasses.field(default=default, metadata={"description": description})
 
 
 class ExpansionFriction(StrEnum):
@@ -72,26 +102,32 @@ class Toy:
         If a value is out of range; the sentence names the value and the range.
     """
 
-    m_m: float = 0.0003
-    j_m: float = 5.0e-9
-    m_s: float = 0.0045
-    j_s: float = 7.0e-7
-    g: float = 9.81
-    r_0: float = 0.0025
-    r_m: float = 0.0031
-    h_m: float = 0.0058
-    l_m: float = 0.010
-    l_g: float = 0.015
-    h_s: float = 0.020
-    l_s: float = 0.0201
-    c_phi: float = 0.0056
-    mu_1: float = 0.3
-    mu_2: float = 0.3
-    mu_3: float = 0.3
-    eps_n1: float = 0.5
-    eps_n2: float = 0.0
-    eps_n3: float = 0.0
-    pole: float = math.inf
+    m_m: float = _number(0.0003, "mass of the sleeve", "kg")
+    j_m: float = _number(5.0e-9, "moment of inertia of the sleeve", "kg m^2")
+    m_s: float = _number(0.0045, "mass of the woodpecker", "kg")
+    j_s: float = _number(7.0e-7, "moment of inertia of the woodpecker", "kg m^2")
+    g: float = _number(9.81, "gravity", "m/s^2")
+    r_0: float = _number(0.0025, "radius of the pole", "m")
+    r_m: float = _number(0.0031, "inner radius of the sleeve, larger than r_0", "m")
+    h_m: float = _number(0.0058, "half height of the sleeve", "m")
+    l_m: float = _number(0.010, "distance from the sleeve's centre to the spring", "m")
+    l_g: float = _number(0.015, "distance from the spring to the bird's centre of mass", "m")
+    h_s: float = _number(0.020, "height of the beak", "m")
+    l_s: float = _number(0.0201, "length of the beak", "m")
+    c_phi: float = _number(0.0056, "spring stiffness", "N m/rad")
+    mu_1: float = _number(0.3, "friction coefficient of the beak", "-", Domain.FRICTION)
+    mu_2: float = _number(0.3, "friction coefficient of the lower edge", "-", Domain.FRICTION)
+    mu_3: float = _number(0.3, "friction coefficient of the upper edge", "-", Domain.FRICTION)
+    eps_n1: float = _number(0.5, "normal restitution of the beak", "-", Domain.RESTITUTION)
+    eps_n2: float = _number(
+        0.0, "normal restitution of the sleeve's lower edge", "-", Domain.RESTITUTION
+    )
+    eps_n3: float = _number(
+        0.0, "normal restitution of the sleeve's upper edge", "-", Domain.RESTITUTION
+    )
+    pole: float = _number(
+        math.inf, "length of the pole below the start", "m", Domain.POSITIVE_OR_INFINITE
+    )
     expansion_friction: ExpansionFriction | Literal["summed", "separate"] = ExpansionFriction.SUMMED
 
     def __post_init__(self) -> None:
@@ -108,18 +144,10 @@ class Toy:
                 f"got {self.expansion_friction!r}"
             ) from None
         object.__setattr__(self, "expansion_friction", law)
-        for name in _POSITIVE:
+        for name, (_, _, domain) in _DESCRIPTIONS.items():
             value = getattr(self, name)
-            if not (value > 0.0 and (math.isfinite(value) or name == "pole")):
-                raise ValueError(f"{name} must be positive and finite, got {value}")
-        for name in _FRICTION:
-            value = getattr(self, name)
-            if not (value >= 0.0 and math.isfinite(value)):
-                raise ValueError(f"{name} must be at least 0 and finite, got {value}")
-        for name in _RESTITUTION:
-            value = getattr(self, name)
-            if not 0.0 <= value <= 1.0:
-                raise ValueError(f"{name} must lie in [0, 1], got {value}")
+            if not domain.holds(value):
+                raise ValueError(f"{name} must {domain.value}, got {value}")
         if self.r_m <= self.r_0:
             raise ValueError(
                 f"r_m must exceed r_0 = {self.r_0}, or the sleeve does not fit on the pole, "
@@ -149,16 +177,46 @@ class Toy:
         return (self.l_m + self.l_g - self.l_s - self.r_0) / self.h_s
 
 
-LAW = "expansion_friction"
+_DESCRIPTIONS: dict[str, Description] = {
+    field.name: field.metadata["description"]
+    for field in dataclasses.fields(Toy)
+    if field.name != LAW
+}
 
 
 def parameters() -> tuple[str, ...]:
     """Names of the toy's parameters: all of its numbers."""
-    return tuple(field.name for field in dataclasses.fields(Toy) if field.name != LAW)
+    return tuple(_DESCRIPTIONS)
 
 
 def known_parameter(name: str) -> str:
     """The name itself; TypeError if the toy has no such parameter."""
-    if name not in parameters():
+    if name not in _DESCRIPTIONS:
         raise TypeError(f"unknown parameter {name!r}, expected one of {', '.join(parameters())}")
     return name
+
+
+def description(name: str) -> Description:
+    """What a parameter of the toy is; TypeError if it has no such parameter."""
+    return _DESCRIPTIONS[known_parameter(name)]
+
+
+def limits(toy: Toy, parameter: str) -> tuple[float, float]:
+    """Interval in which a parameter of the toy may lie, all others as they are.
+
+    Whether its ends belong to it is for :class:`Toy` to say.
+    """
+    domain = _DESCRIPTIONS[known_parameter(parameter)].domain
+    low, high = 0.0, 1.0 if domain is Domain.RESTITUTION else math.inf
+    value: float = getattr(toy, parameter)
+    play = toy.l_m + toy.l_g - toy.l_s - toy.r_0  # of the beak in front of the pole
+    match parameter:
+        case "r_m":
+            low = toy.r_0
+        case "r_0":
+            high = min(toy.r_m, value + play)
+        case "l_s":
+            high = value + play
+        case "l_m" | "l_g":
+            low = max(low, value - play)
+    return low, high

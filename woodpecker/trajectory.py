@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy.typing as npt
 
 from woodpecker import kernel
 from woodpecker.arrays import Floats
+from woodpecker.checks import number, positive, real_array, whole
 from woodpecker.compiled import announce
 from woodpecker.mechanics import (
     energy,
@@ -120,9 +120,9 @@ class Trajectory:
         Raises
         ------
         ValueError
-            If a time lies outside [0, t_end].
+            If a time is no real number or lies outside [0, t_end].
         """
-        times = np.asarray(t, dtype=float)
+        times = real_array("t", t)
         flat = np.ascontiguousarray(times.ravel())
         if not np.all((flat >= 0.0) & (flat <= self.t_end)):
             outside = flat[~((flat >= 0.0) & (flat <= self.t_end))][0]
@@ -159,11 +159,12 @@ def simulate(
     Raises
     ------
     ValueError
-        If the start penetrates a contact or t_end is not positive.
+        If the start is neither a number nor a state or penetrates a contact, t_end is not positive
+        and finite, or there are fewer than 2 samples or no events to be followed.
     """
-    if not (math.isfinite(t_end) and t_end > 0.0):
-        raise ValueError(f"t_end must be positive and finite, got {t_end}")
-    state = start if isinstance(start, State) else State.on_section(toy, float(start))
+    t_end = positive("t_end", t_end)
+    samples, max_events = whole("samples", samples, 2), whole("max_events", max_events)
+    state = start if isinstance(start, State) else State.on_section(toy, number("phi_s", start))
     numbers = model(toy)
     z, states = _initial(toy, state)
     codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
@@ -283,7 +284,7 @@ def _sample_times(
     finish: float, samples: int, events: tuple[Event, ...]
 ) -> tuple[Floats, npt.NDArray[np.bool_]]:
     """Ascending times, and which of them mean the instant before an event."""
-    grid = np.linspace(0.0, finish, max(2, samples))
+    grid = np.linspace(0.0, finish, samples)
     instants = np.array(sorted({event.time for event in events if 0.0 < event.time <= finish}))
     times = np.concatenate([np.setdiff1d(grid, instants), instants, instants])
     before = np.zeros(len(times), dtype=bool)

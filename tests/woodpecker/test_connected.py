@@ -30,8 +30,9 @@ from woodpecker.diagram import WINDOW, connected, continuation
 from woodpecker.explore import Stage
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
 from woodpecker.settings import Settings
-from woodpecker.shooting import PeriodicOrbit, shoot, toy_map
+from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.toy import Toy
+from woodpecker.toymaps import toy_map
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 

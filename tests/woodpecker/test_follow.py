@@ -483,6 +483,14 @@ def test_steps_keep_to_the_settings(max_step: float) -> None:
         ({"step": -0.01}, "step must lie in"),
         ({"step": 0.03}, "step must lie in"),
         ({"step": math.nan}, "step must lie in"),
+        ({"span": (0.0, 0.5, 1.0)}, r"span must be two real numbers, got \(0.0, 0.5, 1.0\)"),
+        ({"window": (0.0, 1.0j)}, r"window must be two real numbers, got \(0.0, 1j\)"),
+        ({"max_turn": 0}, "max_turn must be positive and finite, got 0"),
+        ({"max_turn": math.nan}, "max_turn must be positive and finite, got nan"),
+        ({"probe": 0}, "probe must be positive and finite, got 0"),
+        ({"probe": -0.1}, "probe must be positive and finite, got -0.1"),
+        ({"steepest": math.nan}, "steepest must be larger than 1, got nan"),
+        ({"max_points": 0}, "max_points must be a whole number of at least 1, got 0"),
     ],
 )
 def test_settings_refuse(options: dict[str, object], message: str) -> None:

@@ -13,9 +13,9 @@ from woodpecker.itineraries import Itineraries
 from woodpecker.labelled import Evaluation, LabelledMap, minimal_period, windowed
 from woodpecker.pieces import Resolution, iterated, partition, sampled, slice_of
 from woodpecker.settings import Settings
-from woodpecker.shooting import toy_map, toy_samples
 from woodpecker.slices import Found, Slicer
 from woodpecker.toy import Toy
+from woodpecker.toymaps import toy_map, toy_samples
 
 COARSE = Resolution(spacing=0.02, smallest=1e-6, bend=1e-4, edge=1e-6, close=1e-3)
 

@@ -56,15 +56,30 @@ def test_periods() -> None:
     assert period_of(np.linspace(0.0, 1.0, 50)) == 0
 
 
-@pytest.mark.parametrize(("keep", "transient"), [(0, 10), (1, -1)])
-def test_counts_are_checked(keep: int, transient: int) -> None:
-    with pytest.raises(ValueError, match="keep at least one iterate"):
+@pytest.mark.parametrize(
+    ("keep", "transient", "sentence"),
+    [
+        (0, 10, "keep must be a whole number of at least 1, got 0"),
+        (1, -1, "transient must be a whole number of at least 0, got -1"),
+    ],
+)
+def test_counts_are_checked(keep: int, transient: int, sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
         orbit_diagram(sampled(logistic), 2.5, 0.1, WIDE, keep=keep, transient=transient)
 
 
 def test_windows_are_checked() -> None:
-    with pytest.raises(ValueError, match="a window must ascend"):
+    with pytest.raises(ValueError, match="window must ascend"):
         orbit_diagram(sampled(logistic), 2.5, 0.1, (1.0, 0.0))
+    with pytest.raises(ValueError, match="window must be two real numbers"):
+        orbit_diagram(sampled(logistic), 2.5, 0.1, (0.0, 1.0, 2.0))  # type: ignore[arg-type]
+
+
+def test_starts_and_parameters_are_real() -> None:
+    with pytest.raises(ValueError, match="starts must be real numbers"):
+        orbit_diagram(sampled(logistic), 2.5, [0.1 + 0.0j], WIDE)
+    with pytest.raises(ValueError, match="parameters must be real numbers"):
+        orbit_diagram(sampled(logistic), [2.5j], 0.1, WIDE)
 
 
 @pytest.mark.slow

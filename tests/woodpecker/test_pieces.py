@@ -10,7 +10,7 @@ import pytest
 from woodpecker import Toy
 from woodpecker.labelled import BELOW, SEPARATOR, Evaluation, windowed
 from woodpecker.pieces import Resolution, Samples, iterated, partition, sampled, slice_of
-from woodpecker.shooting import toy_map, toy_samples
+from woodpecker.toymaps import toy_map, toy_samples
 
 COARSE = Resolution(spacing=0.05, smallest=1e-9, bend=1e-6)
 
@@ -129,13 +129,35 @@ def test_orbits_that_leave_the_window() -> None:
 
 @pytest.mark.parametrize("name", ["spacing", "smallest", "bend", "far"])
 def test_resolutions_are_positive(name: str) -> None:
-    with pytest.raises(ValueError, match=f"{name} must be positive, got 0.0"):
+    with pytest.raises(ValueError, match=f"{name} must be positive and finite, got 0.0"):
         Resolution(**{name: 0.0})
+    with pytest.raises(ValueError, match=f"{name} must be positive and finite, got nan"):
+        Resolution(**{name: math.nan})
 
 
 def test_a_window_ascends() -> None:
-    with pytest.raises(ValueError, match=r"a window must ascend, got \(1.0, 0.0\)"):
+    with pytest.raises(ValueError, match=r"window must ascend, got \(1.0, 0.0\)"):
         partition(sampled(steps), 0.0, (1.0, 0.0))
+
+
+@pytest.mark.parametrize("window", [(0.0, 1.0, 2.0), (0.0,), 1.0, (0.0, 1.0j), "01"])
+def test_a_window_is_two_numbers(window: tuple[float, float]) -> None:
+    for call in (
+        lambda: partition(sampled(steps), 0.0, window),
+        lambda: iterated(sampled(steps), 2, window),
+        lambda: windowed(steps, window),
+    ):
+        with pytest.raises(ValueError, match="window must be two real numbers") as caught:
+            call()
+        assert str(caught.value).endswith(f"got {window!r}")
+
+
+@pytest.mark.parametrize("order", [0, -1, 1.5, True])
+def test_an_iterate_has_an_order(order: int) -> None:
+    with pytest.raises(
+        ValueError, match=f"order must be a whole number of at least 1, got {order}"
+    ):
+        iterated(sampled(steps), order)
 
 
 # --- The toy --------------------------------------------------------------------------------------

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from woodpecker.labelled import iterate
+from pwmap.diagram import PointKind
+from woodpecker.diagram import continuation
+from woodpecker.labelled import Cycle, Evaluation, iterate
+from woodpecker.mechanics import equilibrium
 from woodpecker.returns import first_return
-from woodpecker.shooting import ShootingStatus, cycle_of, shoot, toy_map
+from woodpecker.shooting import ShootingStatus, _closed, cycle_of, shoot
 from woodpecker.status import Status
 from woodpecker.toy import Toy
+from woodpecker.toymaps import toy_map
 
 TOY = Toy()
 CYCLE = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"  # of the stable motion at eps_n1 = 0.5
@@ -40,7 +45,7 @@ def test_stable_motion(guess: float) -> None:
     assert orbit.word == CYCLE
     assert orbit.residual < RESIDUAL
     assert orbit.points == (orbit.phi_s,)
-    assert (orbit.order, orbit.toy) == (1, TOY)
+    assert (orbit.order, orbit.minimal_period, orbit.toy) == (1, 1, TOY)
 
 
 def test_the_motion_repeats() -> None:
@@ -67,6 +72,8 @@ def test_higher_orders_find_the_motion_again(order: int) -> None:
     assert orbit.period == pytest.approx(order * once.period, abs=1e-11)
     assert orbit.drop == pytest.approx(order * once.drop, abs=1e-11)
     assert orbit.word == " | ".join([CYCLE] * order)
+    assert (orbit.order, orbit.minimal_period) == (order, 1)
+    assert orbit.message == (f"a periodic solution was found: one of period 1, {order} times over")
 
 
 @pytest.mark.parametrize("guess", [-0.53, -0.51])
@@ -76,6 +83,8 @@ def test_motion_of_period_two_past_the_flip(guess: float) -> None:
     orbit = shoot(toy, guess, 2)
     assert orbit.success
     assert orbit.residual < RESIDUAL
+    assert (orbit.order, orbit.minimal_period) == (2, 2)
+    assert orbit.message == "a periodic solution was found"
     assert sorted(orbit.points) == pytest.approx([-0.53000422, -0.50628075], abs=1e-8)
     assert abs(guess - orbit.phi_s) < 0.01
     one, two = orbit.points
@@ -118,11 +127,52 @@ def test_start_that_falls_is_lost(guess: float, order: int) -> None:
 
 
 def test_centres() -> None:
-    """Between -0.2382 and -0.2217 P1 is the identity: the guess is the solution."""
+    """Between -0.2382 and -0.2217 P1 is the identity: nothing falls, nothing is followed."""
     orbit = shoot(TOY, -0.23)
-    assert orbit.success
-    assert (orbit.phi_s, orbit.multiplier, orbit.word) == (-0.23, 1.0, "")
+    assert orbit.status is ShootingStatus.CENTRE
+    assert not orbit.success
+    assert "stays jammed" in orbit.message
+    assert (orbit.phi_s, orbit.multiplier, orbit.word, orbit.drop) == (-0.23, 1.0, "", 0.0)
     assert not orbit.stable
+    with pytest.raises(ValueError, match=r"continuation needs a periodic solution.*stays jammed"):
+        continuation(TOY, orbit)
+
+
+@pytest.mark.parametrize(("guess", "order"), [(-0.22, 1), (-0.22, 2), (-0.21, 1), (-0.23, 3)])
+def test_rest_is_no_periodic_solution(guess: float, order: int) -> None:
+    """From above the equilibrium P1 leads to its mirror image, so Newton's method finds rest."""
+    orbit = shoot(TOY, guess, order)
+    assert (orbit.status, orbit.success) == (ShootingStatus.CENTRE, False)
+    assert (orbit.order, orbit.minimal_period, orbit.drop) == (order, 1, 0.0)
+    if guess > -0.2217:
+        assert orbit.phi_s == pytest.approx(equilibrium(TOY).phi_s, abs=1e-9)
+
+
+def test_a_toy_that_only_hangs_has_no_periodic_solution() -> None:
+    """A bird this far out pulls the sleeve fast; its rest has no slope the kernel could give."""
+    orbit = shoot(Toy(l_g=1.0), -0.53)
+    assert (orbit.status, orbit.success) == (ShootingStatus.CENTRE, False)
+
+
+def test_a_solution_without_a_finite_slope_is_no_success() -> None:
+    """Whatever makes it so: a multiplier that is nan says nothing of stability."""
+    nowhere = Evaluation(0.5, math.nan, 0.0, "A")
+    orbit = _closed(TOY, Cycle(np.array([0.5]), 0.5, (nowhere,)))
+    assert (orbit.status, orbit.success) == (ShootingStatus.NO_SLOPE, False)
+    assert orbit.message == "the returns close, but the return map has no finite slope here: nan"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [2, 3])
+def test_continuation_follows_the_minimal_period(order: int) -> None:
+    """The flip is a special point of P1; as a fold-like point of P2 it would go unseen."""
+    found = continuation(TOY, shoot(TOY, -0.53, order), span=(0.5, 0.7))
+    flips = [point for point in found.points if point.kind is PointKind.PD]
+    assert [point.order for point in flips] == [1]
+    assert flips[0].parameter == pytest.approx(0.648549, abs=1e-6)
+    there = shoot(TOY.replace(eps_n1=flips[0].parameter), -0.5186)
+    assert there.multiplier == pytest.approx(-1.0, abs=1e-9)  # what says that it is the flip
+    assert {branch.order for branch in found.branches} == {1}
 
 
 @pytest.mark.parametrize(

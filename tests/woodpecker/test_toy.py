@@ -51,7 +51,8 @@ def test_masses_lengths_and_stiffness_are_positive(name: str, value: float) -> N
     if name == "pole" and value == math.inf:
         assert Toy(pole=value).pole == math.inf
     else:
-        sentence = f"{name} must be positive and finite, got {value}"
+        expected = "positive" if name == "pole" else "positive and finite"
+        sentence = f"{name} must be {expected}, got {value}"
         assert_refused(name, value, ValueError, sentence)
 
 
