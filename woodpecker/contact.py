@@ -623,10 +623,14 @@ def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 @jit
 def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
-    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it."""
-    for k in range(len(contacts)):
+    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it.
+
+    Of two contacts that stick the last one has set that velocity.
+    """
+    for k in range(len(contacts) - 1, -1, -1):
         if case[k] % 3 == HOLD:
             tangent[3] -= rates(change, contacts[k], z)[1]
+            return
 
 
 @jit

@@ -854,12 +854,18 @@ def _close_chatter(
     Laps shrink by ``ratio``, so the state tends to z + (z - mark) ratio / (1 - ratio). In the word
     the run of equal impacts becomes the one symbol of the accumulation.
     """
-    mark = room.mark
+    mark, j = room.mark, 3 + ANGLE[i]
     rest = ratio / (1.0 - ratio)
+    for m in range(len(tangents)):
+        change_of_ratio = SIGN[i] * (tangents[m, j] - ratio * memory[m, j]) / mark[7]
+        change_of_rest = change_of_ratio / ((1.0 - ratio) * (1.0 - ratio))
+        for k in range(7):
+            tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
+            tangents[m, k] += (z[k] - mark[k]) * change_of_rest
+    for k in range(3):
+        gaps[k] += SIGN[k] * (z[ANGLE[k]] - mark[ANGLE[k]]) * rest
     for k in range(7):
         z[k] += (z[k] - mark[k]) * rest
-        for m in range(len(tangents)):
-            tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
         counts[0] -= 1
