@@ -52,9 +52,8 @@ class Settings:
 
     def __post_init__(self) -> None:
         for name in ("span", "window"):
-            object.__setattr__(self, name, interval(name, getattr(self, name)))
-        if not all(map(math.isfinite, self.span)):
-            raise ValueError(f"span must be finite, got {self.span}")
+            ends = interval(name, getattr(self, name), finite=name == "span")
+            object.__setattr__(self, name, ends)
         for name in ("max_step", "max_turn", "probe"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         if not 0.0 < number("step", self.step) <= self.max_step:

@@ -484,6 +484,7 @@ def test_steps_keep_to_the_settings(max_step: float) -> None:
         ({"step": 0.03}, "step must lie in"),
         ({"step": math.nan}, "step must lie in"),
         ({"span": (0.0, 0.5, 1.0)}, r"span must be two real numbers, got \(0.0, 0.5, 1.0\)"),
+        ({"span": (0.0, math.inf)}, r"span must be finite, got \(0.0, inf\)"),
         ({"window": (0.0, 1.0j)}, r"window must be two real numbers, got \(0.0, 1j\)"),
         ({"max_turn": 0}, "max_turn must be positive and finite, got 0"),
         ({"max_turn": math.nan}, "max_turn must be positive and finite, got nan"),
