@@ -13,6 +13,7 @@ import sympy
 from brute import EXACT, LEFT, RIGHT, Map, map_of
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from thoroughness import thorough as at_least
 
 from pwmap import Piece, PiecewiseLinearMap, UndecidedError, bifurcation_diagram, parameter_cells
 
@@ -23,13 +24,7 @@ LONGEST = {1: 5, 2: 5, 3: 4, 4: 3}  # orders of iterates by number of intervals;
 
 
 def thorough(examples: int) -> settings:
-    return settings(
-        max_examples=examples,
-        derandomize=True,
-        deadline=None,
-        database=None,
-        suppress_health_check=[HealthCheck.too_slow],
-    )
+    return at_least(examples, HealthCheck.too_slow)
 
 
 # --- Random maps ----------------------------------------------------------------------------------
