@@ -14,8 +14,9 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from thoroughness import thorough
 
 from pwmap.graph import read_graph, sanitised, write_graph
 
@@ -177,11 +178,7 @@ def multigraphs(draw: st.DrawFn) -> nx.MultiGraph:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES[:4])  # .gv is .dot
-@settings(
-    max_examples=100,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
+@thorough(100, HealthCheck.function_scoped_fixture, HealthCheck.too_slow)
 @given(graph=multigraphs())
 def test_any_multigraph_reads_back_equal(graph: nx.MultiGraph, suffix: str, tmp_path: Path) -> None:
     assert_kept(graph, tmp_path, suffix)
@@ -402,7 +399,6 @@ def test_a_nan_loses_its_sign_and_payload() -> None:
 
 
 @given(graph=multigraphs())
-@settings(deadline=None)
 def test_sanitising_twice_changes_nothing(graph: nx.MultiGraph) -> None:
     once = sanitised(graph)
     assert exact(sanitised(once)) == exact(once)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from maps import (
     A,
@@ -30,6 +30,7 @@ from maps import (
     two_cycle,
     two_lines,
 )
+from thoroughness import thorough
 
 from pwmap.diagram import PointKind
 from woodpecker.edges import Edge
@@ -519,7 +520,7 @@ def crossings(f: Callable[[Values], Values]) -> tuple[int, list[float]]:
     return int((~jumps).sum()), x[change[jumps]].tolist()
 
 
-@settings(max_examples=150, deadline=None)
+@thorough(150)
 @given(
     m=st.sampled_from([-1.0, 1.0]).flatmap(
         lambda sign: st.one_of(st.floats(0.1, 0.9), st.floats(1.1, 3.0)).map(lambda a: sign * a)

@@ -9,9 +9,10 @@ import mpmath
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from mpmath import mpf
 from scenes import in_another_process
+from thoroughness import thorough
 
 from woodpecker.compiled import COMPILED
 from woodpecker.guards import EPSILON, bracketed, first_root, stumpff, value
@@ -23,7 +24,7 @@ DIGITS = 50
 MANY = 1000 if COMPILED else 50  # plain Python is a hundred times slower
 REGIMES = {"trigonometric": -1.0, "hyperbolic": 1.0, "polynomial": 0.0}
 regimes = pytest.mark.parametrize("sign", REGIMES.values(), ids=REGIMES)
-often = settings(deadline=None, derandomize=True, max_examples=300 if COMPILED else 50)
+often = thorough(300 if COMPILED else 50)
 
 # A root's residual in units of EPSILON times the largest term of f, itself good to (1 + omega t)
 # EPSILON: five functions with a few roundings each.
