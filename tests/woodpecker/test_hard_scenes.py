@@ -29,16 +29,18 @@ def test_chatter_is_summed_to_its_end(eps_n1: float, phi_s: float) -> None:
     assert once.slope == pytest.approx(0.0, abs=1e-12)
 
 
-def test_chatter_ends_where_the_bounces_lead() -> None:
+@pytest.mark.parametrize(("law", "ratio"), [("separate", 0.335), ("summed", 0.1281112)])
+def test_chatter_ends_where_the_bounces_lead(law: str, ratio: float) -> None:
     """Near its end the last summed time agrees with the geometric series of the flights."""
-    path = simulate(Toy(eps_n1=0.335), -0.885, 0.1)
+    path = simulate(Toy(eps_n1=0.335, expansion_friction=law), -0.885, 0.1)
     strikes = [event.time for event in path.events if event.symbol.startswith("I1+3")]
     (end,) = [event.time for event in path.events if event.symbol == "C1"]
     flights = np.diff(strikes)
     ratios = flights[1:] / flights[:-1]
-    # the ratio tends to eps linearly in the flight time, which is below 1e-8 for the last ones
-    assert ratios[-3:] == pytest.approx(0.335, abs=1e-5)
-    assert end - strikes[-1] == pytest.approx(flights[-1] * 0.335 / (1.0 - 0.335), rel=1e-5)
+    # the ratio tends to eps, or to the part of it that friction leaves, linearly in the flight
+    # time, which is below 1e-8 for the last ones
+    assert ratios[-3:] == pytest.approx(ratio, abs=1e-5)
+    assert end - strikes[-1] == pytest.approx(flights[-1] * ratio / (1.0 - ratio), rel=1e-5)
     assert len(strikes) > 10
 
 

@@ -267,21 +267,24 @@ def test_every_reason_has_a_sentence() -> None:
 
 JUMP = -0.8847733440138271  # beak and upper edge of the sleeve strike in the same instant
 # One-sided limits of P_1 there, from reference_mpmath at a distance of 1e-14.
-BEAK_FIRST, SLEEVE_FIRST = -0.46826694763937475751, -0.29083456090079565554
+BEAK_FIRST = -0.46826694763937475751
+SLEEVE_FIRST = {"summed": -0.45005813505205375892, "separate": -0.29083456090079565554}
 
 
+@pytest.mark.parametrize("law", SLEEVE_FIRST)
 @pytest.mark.parametrize("distance", [1e-8, 1e-11, 1e-12, 1e-13, 1e-14])
-def test_two_impacts_almost_at_once(distance: float) -> None:
+def test_two_impacts_almost_at_once(distance: float, law: str) -> None:
     """Their times differ by 0.006 s/rad times the distance from the jump: down to 1e-17 s."""
+    toy = TOY.replace(expansion_friction=law)
     for side, first, second, image, slope in (
         (-1.0, "I1", "I3", BEAK_FIRST, 0.9),
-        (1.0, "I3", "I1+3", SLEEVE_FIRST, 0.4),
+        (1.0, "I3", "I1+3", SLEEVE_FIRST[law], 0.5),
     ):
         phi_s = JUMP + side * distance
-        one, other = [e for e in simulate(TOY, phi_s, 0.04).events if e.symbol[0] == "I"][:2]
+        one, other = [e for e in simulate(toy, phi_s, 0.04).events if e.symbol[0] == "I"][:2]
         assert (plain(one.symbol), plain(other.symbol)) == (first, second)
         assert 0.0 <= other.time - one.time <= 0.006 * distance + 1e-17
-        result = first_return(TOY, phi_s)
+        result = first_return(toy, phi_s)
         assert f" {first} " in plain(result.word)
         # The slope times the distance, and some roundings.
         assert abs(result.phi_s - image) <= slope * distance + 1e-14
@@ -325,9 +328,15 @@ def test_bounces_that_accumulate_are_summed(eps_n1: float) -> None:
     assert abs(result.slope) < 1e-9  # the angles forget the start; roundings through the bounces
 
 
-def test_the_sum_of_the_bounces() -> None:
-    """Few bounces are followed; the time that is added is that of the geometric series."""
-    trajectory = simulate(TOY.replace(eps_n1=0.335), -0.885, 0.09)
+@pytest.mark.parametrize(("law", "part"), [("separate", 1.0), ("summed", 0.382421470)])
+def test_the_sum_of_the_bounces(law: str, part: float) -> None:
+    """Few bounces are followed; the time that is added is that of the geometric series.
+
+    Its ratio is eps_N1, contact by contact: the sleeve slides with mu Lambda_N3 in both phases.
+    Under the sum friction is larger in the expansion, and the ratio a part of eps_N1.
+    """
+    ratio = part * 0.335
+    trajectory = simulate(TOY.replace(eps_n1=0.335, expansion_friction=law), -0.885, 0.09)
     symbols = [plain(event.symbol) for event in trajectory.events]
     end = symbols.index("C1")
     bounces = [event.time for event in trajectory.events[4:end]]
@@ -335,8 +344,10 @@ def test_the_sum_of_the_bounces() -> None:
     assert len(bounces) < 30
     laps = np.diff(bounces)
     # The force changes within a bounce by its length times 100/s or so; the first are 10 ms long.
-    np.testing.assert_allclose(laps[5:] / laps[4:-1], 0.335, rtol=1e-3)
-    remaining = laps[-1] * 0.335 / (1.0 - 0.335)
+    np.testing.assert_allclose(laps[5:] / laps[4:-1], ratio, rtol=1e-3)
+    last = trajectory.events[end - 1]
+    assert -last.u_after[2] / last.u_before[2] == pytest.approx(ratio, rel=1e-8)
+    remaining = laps[-1] * ratio / (1.0 - ratio)
     added = trajectory.events[end].time - bounces[-1]
     assert added == pytest.approx(remaining, rel=1e-6, abs=2e-17)  # roundings of 0.05 s
     assert trajectory.events[end].u_after[1:] == (0.0, 0.0)

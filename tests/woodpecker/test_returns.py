@@ -26,8 +26,8 @@ MANY = 40 if COMPILED else 3  # random states; plain Python is a hundred times s
 ROUNDING = 1e-14  # of an image of order 1 after a dozen events
 
 
-def image(phi_s: float, eps_n1: float = 0.5) -> float:
-    return first_return(TOY.replace(eps_n1=eps_n1), phi_s).phi_s
+def image(phi_s: float, eps_n1: float = 0.5, *, law: str = "summed") -> float:
+    return first_return(TOY.replace(eps_n1=eps_n1, expansion_friction=law), phi_s).phi_s
 
 
 # --- The stable cycle -----------------------------------------------------------------------------
@@ -61,22 +61,25 @@ def word_change(low: float, high: float, eps_n1: float = 0.5) -> tuple[float, fl
     return low, high
 
 
-# Place, width of the bracket, values on the left and on the right at eps_N1 = 0.5.
+# Law, place, width of the bracket, values on the left and on the right at eps_N1 = 0.5.
 JUMPS = [
-    (-0.884773, 1e-4, -0.468267, -0.290835),
-    (-0.757787, 1e-4, -0.351002, -0.375656),
-    (-2.35, 1e-3, -0.351002, -0.375656),
+    ("summed", -0.884773, 1e-4, -0.468267, -0.450058),
+    ("summed", -0.757787, 1e-4, -0.511825, -0.375656),
+    ("summed", -2.35, 1e-3, -0.511825, -0.375656),
+    ("separate", -0.884773, 1e-4, -0.468267, -0.290835),
+    ("separate", -0.757787, 1e-4, -0.351002, -0.375656),
+    ("separate", -2.35, 1e-3, -0.351002, -0.375656),
 ]
 
 
-@pytest.mark.parametrize(("place", "width", "left", "right"), JUMPS)
-def test_jumps_of_the_map(place: float, width: float, left: float, right: float) -> None:
+@pytest.mark.parametrize(("law", "place", "width", "left", "right"), JUMPS)
+def test_jumps_of_the_map(law: str, place: float, width: float, left: float, right: float) -> None:
     """Where the order of a beak and an upper sleeve impact changes. Paper: -0.76 and -2.35."""
     low, high = word_change(place - width, place + width)
     assert low == pytest.approx(place, abs=5e-7 if width < 1e-3 else 1e-3)  # printed digits
     # A distance of 1e-10 keeps clear of the one double at which both strike together.
-    assert image(low - 1e-10) == pytest.approx(left, abs=5e-7)
-    assert image(high + 1e-10) == pytest.approx(right, abs=5e-7)
+    assert image(low - 1e-10, law=law) == pytest.approx(left, abs=5e-7)
+    assert image(high + 1e-10, law=law) == pytest.approx(right, abs=5e-7)
 
 
 @pytest.mark.parametrize("place", [-1.225, -0.266])
@@ -121,32 +124,75 @@ def test_the_return_at_the_equilibrium() -> None:
 
 
 def test_an_independent_time_stepping_program_agrees() -> None:
-    """P_1(-0.8) at eps_N1 = 0.125, by Newton's law and steps of 2e-6 s: -0.52034."""
-    assert image(-0.8, 0.125) == pytest.approx(-0.52034, abs=5e-6)
-    assert image(-0.8, 0.125) == pytest.approx(-0.52033948200275740931, abs=ROUNDING)  # mpmath
+    """P_1(-0.8) at eps_N1 = 0.125, by Newton's law and steps of 2e-6 s: -0.52034.
+
+    That program has Coulomb's law contact by contact.
+    """
+    assert image(-0.8, 0.125, law="separate") == pytest.approx(-0.52034, abs=5e-6)
 
 
-BORDERS = {  # fixed points on the edge of a jump: side, its place, eps_N1
-    "A": (1.0, -0.8847733440138271, (0.03, 0.05), 0.0422),
-    "B": (-1.0, -0.8847733440138271, (0.318, 0.324), 0.3210),
-    "C": (1.0, -0.7577872573415617, (0.18, 0.19), 0.1851),
-    "bottom of I1": (-1.0, -0.8847733440138271, (0.3415, 0.3425), 0.3419),
-    "top of I1": (-1.0, -0.8847733440138271, (0.38, 0.40), 0.3883),
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [("summed", -0.92324783180462289052), ("separate", -0.52033948200275740931)],
+)
+def test_thirty_digits_agree(law: str, expected: float) -> None:
+    """The same return by studies/reference_mpmath.py."""
+    assert image(-0.8, 0.125, law=law) == pytest.approx(expected, abs=ROUNDING)
+
+
+UPPER, LOWER = -0.7577872573415617, -0.8847733440138271  # the jumps of P_1
+BORDERS = {  # fixed points on the edge of a jump: law, side, its place, bracket, eps_N1
+    "A": ("summed", 1.0, LOWER, (0.1, 0.12), 0.1119709145),
+    "B": ("summed", -1.0, LOWER, (0.285, 0.3), 0.2915217119),
+    "end of the stable branch from B": ("summed", -1.0, LOWER, (0.04, 0.05), 0.0453257415),
+    "C": ("summed", 1.0, UPPER, (0.18, 0.19), 0.1851269509),
+    "end of the unstable branch from A": ("summed", -1.0, UPPER, (0.186, 0.19), 0.1881586209),
+    "bottom of I1": ("summed", -1.0, LOWER, (0.3415, 0.3425), 0.3419234544),
+    "top of I1": ("summed", -1.0, LOWER, (0.38, 0.40), 0.3883495889),
+    "A, separate": ("separate", 1.0, LOWER, (0.03, 0.05), 0.0421643309),
+    "B, separate": ("separate", -1.0, LOWER, (0.318, 0.324), 0.3210361465),
+    "C, separate": ("separate", 1.0, UPPER, (0.18, 0.19), 0.1851269509),
+    "end from A, separate": ("separate", -1.0, UPPER, (0.06, 0.08), 0.0698178164),
+    "bottom of I1, separate": ("separate", -1.0, LOWER, (0.3415, 0.3425), 0.3419234544),
+    "top of I1, separate": ("separate", -1.0, LOWER, (0.38, 0.40), 0.3883495889),
 }
 
 
-@pytest.mark.parametrize(("side", "place", "span", "eps_n1"), BORDERS.values(), ids=BORDERS)
+@pytest.mark.parametrize(("law", "side", "place", "span", "eps_n1"), BORDERS.values(), ids=BORDERS)
 def test_fixed_points_on_the_edge_of_a_jump(
-    side: float, place: float, span: tuple[float, float], eps_n1: float
+    law: str, side: float, place: float, span: tuple[float, float], eps_n1: float
 ) -> None:
+    """The limit of P_1 from one side is the place of the jump; 1e-9 beside it, it is passed."""
     edge = place + 1e-10 * side
-    found = brentq(lambda eps: image(edge, eps) - place, *span, xtol=1e-12)
-    assert found == pytest.approx(eps_n1, abs=5e-5)  # printed digits
+    found = brentq(lambda eps: image(edge, eps, law=law) - place, *span, xtol=1e-12)
+    # The limit is read 1e-10 beside the jump, and moves by 1 rad per unit of eps_N1 or faster.
+    assert found == pytest.approx(eps_n1, abs=1e-9)
+    below, beyond = (image(edge, eps_n1 + d, law=law) - place for d in (-1e-8, 1e-8))
+    assert below * beyond < 0.0
 
 
-def test_the_slope_at_point_a() -> None:
-    toy = TOY.replace(eps_n1=0.0421643)
-    assert first_return(toy, -0.88477334).slope == pytest.approx(-1.2652, abs=5e-5)  # printed
+@pytest.mark.parametrize(
+    ("law", "eps_n1", "side", "slope"),
+    [
+        ("summed", 0.1119709145, 1.0, -1.30491),  # A
+        ("summed", 0.2915217119, -1.0, -0.17666),  # B: the branch that starts there is stable
+        ("separate", 0.0421643309, 1.0, -1.2652),  # A
+    ],
+)
+def test_the_slope_at_points_a_and_b(law: str, eps_n1: float, side: float, slope: float) -> None:
+    toy = TOY.replace(eps_n1=eps_n1, expansion_friction=law)
+    there = first_return(toy, LOWER + 1e-8 * side)
+    assert there.slope == pytest.approx(slope, abs=5e-5)  # printed
+
+
+def test_the_branch_from_b_contact_by_contact() -> None:
+    """It starts stable, -0.5317, and flips at 0.3148027; the sum's branch is stable to its end."""
+    toy = TOY.replace(eps_n1=0.3210361465, expansion_friction="separate")
+    assert first_return(toy, LOWER - 1e-8).slope == pytest.approx(-0.53173, abs=5e-6)
+    flip = TOY.replace(eps_n1=0.3148027052, expansion_friction="separate")
+    there = first_return(flip, -0.9074496747)
+    assert there.phi_s == pytest.approx(-0.9074496747, abs=1e-9)
+    assert there.slope == pytest.approx(-1.0, abs=1e-6)
 
 
 # --- Derivatives ----------------------------------------------------------------------------------
@@ -303,14 +349,18 @@ def test_the_starts_are_not_changed() -> None:
 # --- Statuses and wrong input ---------------------------------------------------------------------
 
 
-def test_an_impact_that_the_laws_leave_open() -> None:
+@pytest.mark.parametrize(
+    ("law", "low", "high"),
+    [("summed", -0.746, -0.740), ("separate", -0.683448, -0.677943)],
+)
+def test_an_impact_that_the_laws_leave_open(law: str, low: float, high: float) -> None:
     """The image of the middle of the segment lies between those of its ends."""
-    toy = TOY.replace(eps_n1=0.34069658639339057)
+    toy = TOY.replace(eps_n1=0.34069658639339057, expansion_friction=law)
     result = first_return(toy, -1.7557529808118213)
     assert result.status is Status.RETURNED_INDETERMINATE
     assert result.status.success
     assert "I~1+3" in plain(result.word)
-    assert -0.683448 < result.phi_s < -0.677943
+    assert low < result.phi_s < high
 
 
 @pytest.mark.parametrize("pole", [0.5, 3.0])

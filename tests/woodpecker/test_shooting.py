@@ -109,10 +109,25 @@ def test_cycle_of_an_orbit() -> None:
 @pytest.mark.parametrize("guess", [-0.884773, -0.8847, -0.8848])
 def test_jump_across_the_diagonal_is_no_solution(guess: float) -> None:
     """At eps_n1 = 0.125 P1 jumps at -0.884773 from -1.514 to -0.462, past the diagonal."""
-    orbit = shoot(TOY.replace(eps_n1=0.125), guess)
+    orbit = shoot(TOY.replace(eps_n1=0.125, expansion_friction="separate"), guess)
     assert not orbit.success
     assert orbit.status is ShootingStatus.AT_JUMP
     assert "-0.884773" in orbit.message
+
+
+@pytest.mark.parametrize(
+    ("guess", "expected"), [(-0.884773, -0.8550349404), (-0.8848, -1.0746022972)]
+)
+def test_shooting_from_beside_a_jump_finds_the_fixed_point_of_its_side(
+    guess: float, expected: float
+) -> None:
+    """With the sum P1 jumps there from -1.017 to -0.821, and both pieces reach the diagonal."""
+    orbit = shoot(TOY.replace(eps_n1=0.125), guess)
+    assert orbit.success
+    assert orbit.phi_s == pytest.approx(expected, abs=1e-9)
+    # -1.43 on the right, as next to A; -0.29 on the left, the branch from B
+    assert abs(orbit.multiplier) == pytest.approx(abs(first_return(orbit.toy, orbit.phi_s).slope))
+    assert (abs(orbit.multiplier) < 1.0) is (guess < -0.88478)
 
 
 @pytest.mark.parametrize("guess", [-0.09, -0.05, 0.0])
@@ -244,21 +259,25 @@ def test_derivative_in_a_restitution_that_is_zero(name: str) -> None:
     assert toy_map(TOY, name)(-0.53, 0.0).rate == pytest.approx(rate, rel=1e-5)
 
 
-def test_derivative_next_to_a_jump_is_taken_on_its_side() -> None:
+@pytest.mark.parametrize(("law", "left"), [("summed", -110.89), ("separate", -50.5)])
+def test_derivative_next_to_a_jump_is_taken_on_its_side(law: str, left: float) -> None:
     """At phi_S = -0.7578 P1 jumps by 0.025 just above m_s = 0.0045.
 
     1e-10 before and beyond it, nearer than the step of 4.5e-9, the neighbour across does not count.
     """
-    labelled = toy_map(TOY, "m_s")
+    toy = TOY.replace(expansion_friction=law)
+    labelled = toy_map(toy, "m_s")
     low, high = 0.0045, 0.0045009
     word = labelled(-0.7578, low).word
     assert labelled(-0.7578, high).word != word
     for _ in range(50):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if labelled(-0.7578, middle).word == word else (low, middle)
-    for side, slope in ((-1.0, -50.5), (1.0, -74.8)):
+    for side, slope in ((-1.0, left), (1.0, -74.8)):
         p = low + side * 1e-10
-        away = central(lambda value: image(-0.7578, m_s=value), p + side * 2e-7, 1e-7)
+        away = central(
+            lambda value: first_return(toy.replace(m_s=value), -0.7578).phi_s, p + side * 2e-7, 1e-7
+        )
         assert away == pytest.approx(slope, rel=0.02)  # as the two pieces have it 1e-6 away
         # the rate itself changes by 1e-3 over 2e-7; rounding 1e-15/4.5e-9 is smaller
         assert labelled(-0.7578, p).rate == pytest.approx(away, rel=1e-2)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
+import pickle
 from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from woodpecker.toy import Toy, parameters
+from woodpecker.toy import ExpansionFriction, Toy, parameters
 
 # As printed below Eq. 11; c_phi, which the paper omits, and the endless pole come last.
 PAPER = {
@@ -19,13 +21,14 @@ PAPER = {
     "h_s": 0.020, "l_s": 0.0201, "mu_1": 0.3, "mu_2": 0.3, "mu_3": 0.3,
     "eps_n1": 0.5, "eps_n2": 0.0, "eps_n3": 0.0, "c_phi": 0.0056, "pole": math.inf,
 }  # fmt: skip
+LAW = {"expansion_friction": "summed"}  # inferred from the paper's figures
 FRICTIONS = ("mu_1", "mu_2", "mu_3")
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 POSITIVE = sorted(set(PAPER) - {*FRICTIONS, *RESTITUTIONS})
 
 
 def test_defaults_are_the_papers_data() -> None:
-    assert dataclasses.asdict(Toy()) == PAPER
+    assert dataclasses.asdict(Toy()) == PAPER | LAW
     assert sorted(parameters()) == sorted(PAPER)
 
 
@@ -102,6 +105,36 @@ def test_numbers_of_any_kind_become_floats() -> None:
     assert all(type(getattr(toy, name)) is float for name in parameters())
 
 
+@pytest.mark.parametrize("law", ["summed", "separate"])
+def test_the_law_of_expansion_is_a_word_or_its_enum(law: str) -> None:
+    """Either gives the enum, which equals its word and reads like it."""
+    toys = Toy(expansion_friction=law), Toy(expansion_friction=ExpansionFriction(law))  # type: ignore[arg-type]
+    for toy in (*toys, Toy().replace(expansion_friction=law)):
+        assert type(toy.expansion_friction) is ExpansionFriction
+        assert toy.expansion_friction == law
+        assert f"{toy.expansion_friction}" == law
+    assert toys[0] == toys[1]
+    assert hash(toys[0]) == hash(toys[1])
+    assert Toy(expansion_friction="summed") != Toy(expansion_friction="separate")
+
+
+@pytest.mark.parametrize("value", ["sum", "Summed", "SUMMED", "", None, 0, 1.0, True, ["summed"]])
+def test_another_law_of_expansion_is_refused(value: object) -> None:
+    sentence = f"expansion_friction must be 'summed' or 'separate', got {value!r}"
+    assert_refused("expansion_friction", value, ValueError, sentence)
+
+
+def test_the_law_of_expansion_is_kept_by_copies() -> None:
+    """It is no number, so no parameter to continue in; replace, pickle and copy keep it."""
+    toy = Toy(expansion_friction="separate", mu_1=0.4)
+    assert "expansion_friction" not in parameters()
+    for same in (toy.replace(mu_1=0.3).replace(mu_1=0.4), pickle.loads(pickle.dumps(toy)),
+                 copy.copy(toy), copy.deepcopy(toy)):  # fmt: skip
+        assert same == toy
+        assert same.expansion_friction is ExpansionFriction.SEPARATE
+    assert toy.replace(expansion_friction="summed") == Toy(mu_1=0.4)
+
+
 def test_a_toy_is_frozen() -> None:
     with pytest.raises(dataclasses.FrozenInstanceError):
         Toy().eps_n1 = 0.3  # type: ignore[misc]
@@ -112,7 +145,7 @@ def test_a_toy_is_frozen() -> None:
 def test_replace_changes_a_copy() -> None:
     toy = Toy()
     other = toy.replace(eps_n1=0.3, mu_2=0.4)
-    assert dataclasses.asdict(other) == PAPER | {"eps_n1": 0.3, "mu_2": 0.4}
+    assert dataclasses.asdict(other) == PAPER | LAW | {"eps_n1": 0.3, "mu_2": 0.4}
     assert toy == Toy()
 
 

@@ -1,7 +1,7 @@
 """The complete diagram of the toy where the paper looks closest: A, B, C and the top of island I1.
 
-Reference values are those of the stated model, located by sign changes of a one-sided limit with
-the 30-digit reference where the README says so.
+Both laws of friction in the expansion at two contacts; the digits are those that simulating again
+on both sides of jump and parameter gives (test_returns).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pwmap import BranchKind, Diagram, PointKind
-from woodpecker import Search, Toy, bifurcation_diagram, first_return
+from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
 from woodpecker.compiled import COMPILED
 
 pytestmark = [
@@ -19,19 +19,50 @@ pytestmark = [
     pytest.mark.skipif(not COMPILED, reason="takes minutes without numba"),
 ]
 SEARCH = Search(slices=16)
-A, B, C = 0.0421643309, 0.3210361465, 0.1851269510
+SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
 UPPER, LOWER = -0.7577872573, -0.8847733440  # the jumps of P_1
 EXACT = 1e-8  # in eps_N1; what is located is good to 1e-10
 
+# Kind, note, eps_N1 and jump of every collision of P_1.
+NEAR_A = {
+    SUMMED: [
+        ("BC", "persistence", 0.0453257415, LOWER),  # end of the stable branch from B
+        ("FF", "fold", 0.1119709145, LOWER),  # A
+        ("BC", "fold", 0.1851269509, UPPER),  # C
+        ("FF", "fold", 0.1881586209, UPPER),  # end of the unstable branch from A
+    ],
+    SEPARATE: [
+        ("FF", "fold", 0.0421643309, LOWER),  # A
+        ("BC", "persistence", 0.0698178164, UPPER),
+        ("BC", "persistence", 0.1851269509, UPPER),  # C
+    ],
+}
+ISLAND = {
+    SUMMED: [("BC", "fold", 0.2915217119, LOWER)],  # B
+    SEPARATE: [("BC", "fold", 0.3210361465, LOWER)],  # B
+}
+TOP = [("BC", "persistence", 0.3419234544, LOWER), ("FF", "fold", 0.3883495889, LOWER)]  # of I1
+laws = pytest.mark.parametrize("law", list(ExpansionFriction))
 
-@pytest.fixture(scope="module")
-def near_a() -> Diagram:
-    return bifurcation_diagram(Toy(), "eps_n1", (0.03, 0.2), (1,), (-1.2, -0.45), search=SEARCH)
+_made: dict[tuple[ExpansionFriction, float], Diagram] = {}
 
 
-@pytest.fixture(scope="module")
-def island() -> Diagram:
-    return bifurcation_diagram(Toy(), "eps_n1", (0.3, 0.4), (1,), (-1.6, -0.45), search=SEARCH)
+def diagram_of(
+    law: ExpansionFriction, span: tuple[float, float], window: tuple[float, float]
+) -> Diagram:
+    """Made once for all tests of this file."""
+    if (law, span[0]) not in _made:
+        toy = Toy(expansion_friction=law)
+        _made[law, span[0]] = bifurcation_diagram(toy, "eps_n1", span, (1,), window, search=SEARCH)
+    return _made[law, span[0]]
+
+
+def near_a(law: ExpansionFriction) -> Diagram:
+    return diagram_of(law, (0.03, 0.2), (-1.2, -0.45))
+
+
+def island(law: ExpansionFriction) -> Diagram:
+    return diagram_of(law, (0.27, 0.4), (-1.6, -0.45))
 
 
 def collisions(diagram: Diagram) -> list[tuple[str, str, float, float]]:
@@ -45,60 +76,140 @@ def collisions(diagram: Diagram) -> list[tuple[str, str, float, float]]:
     )
 
 
-def test_a_and_c_and_the_branch_between_them(near_a: Diagram) -> None:
-    found = collisions(near_a)
-    assert [c[:2] for c in found] == [
-        ("FF", "fold"),
-        ("BC", "persistence"),
-        ("BC", "persistence"),
-    ]
-    assert [c[2] for c in found] == pytest.approx([A, 0.0698178, C], abs=5e-8)
-    assert [c[3] for c in found] == pytest.approx([LOWER, UPPER, UPPER], abs=1e-9)
-    assert found[0][2] == pytest.approx(A, abs=EXACT)
-    assert found[2][2] == pytest.approx(C, abs=EXACT)
+def assert_collisions(diagram: Diagram, expected: list[tuple[str, str, float, float]]) -> None:
+    found = collisions(diagram)
+    assert [c[:2] for c in found] == [c[:2] for c in expected]
+    assert [c[2] for c in found] == pytest.approx([c[2] for c in expected], abs=EXACT)
+    assert [c[3] for c in found] == pytest.approx([c[3] for c in expected], abs=1e-9)
 
 
-def test_b_and_the_top_of_the_island(island: Diagram) -> None:
-    found = collisions(island)
-    assert [c[:2] for c in found] == [("BC", "fold"), ("BC", "persistence"), ("FF", "fold")]
-    assert found[0][2] == pytest.approx(B, abs=EXACT)
-    assert [c[2] for c in found[1:]] == pytest.approx([0.341923454, 0.388349589], abs=EXACT)
-    assert [c[3] for c in found] == pytest.approx([LOWER] * 3, abs=1e-9)
-    b, start, stop = (c[2] for c in found)
-    jumps = [branch for branch in island.branches if branch.kind is BranchKind.JUMP]
+@laws
+def test_a_and_c_and_the_branches_between_them(law: ExpansionFriction) -> None:
+    assert_collisions(near_a(law), NEAR_A[law])
+
+
+@laws
+def test_b_and_the_top_of_the_island(law: ExpansionFriction) -> None:
+    diagram = island(law)
+    assert_collisions(diagram, ISLAND[law] + TOP)
+    b, start, stop = (c[2] for c in collisions(diagram))
+    jumps = [branch for branch in diagram.branches if branch.kind is BranchKind.JUMP]
     for p, crosses in ((0.5 * (b + start), False), (0.5 * (start + stop), True)):
         here = [j for j in jumps if j.parameter.min() < p < j.parameter.max()]
         assert bool(here) is crosses  # the island's top is a jump crossing of its own
 
 
-def test_collisions_are_where_the_map_says(near_a: Diagram, island: Diagram) -> None:
+@pytest.mark.parametrize(("law", "slope"), [(SUMMED, -0.17666), (SEPARATE, -0.53173)])
+def test_the_branch_that_starts_at_b(law: ExpansionFriction, slope: float) -> None:
+    """Stable there under both laws; the sum's stays so, contact by contact it flips at 0.3148."""
+    diagram = island(law)
+    (b,) = (p for p in diagram.points if p.note == "fold" and p.kind is PointKind.BC)
+    (branch,) = (
+        branch
+        for branch in map(diagram.branch, b.branches)
+        if branch.kind is BranchKind.FIXED_POINT
+    )
+    at_b = branch.multiplier[0 if branch.ends[0] == b.id else -1]
+    assert at_b == pytest.approx(slope, abs=1e-5)
+    flips = [p.parameter for p in diagram.points if p.kind is PointKind.PD and p.x > -1.0]
+    assert flips == pytest.approx([] if law is SUMMED else [0.3148027052], abs=EXACT)
+
+
+def test_the_stable_branch_from_b_ends_left_of_a() -> None:
+    """From 0.0453 to B without a gap: one stable fixed point on the left of the lower jump."""
+    pieces = [*near_a(SUMMED).branches, *island(SUMMED).branches]
+    whole = bifurcation_diagram(
+        Toy(), "eps_n1", (0.19, 0.28), (1,), (-1.2, LOWER - 1e-3), search=SEARCH
+    )
+    for p in np.linspace(0.0454, 0.2915, 60):
+        stable = [
+            branch
+            for branch in (*pieces, *whole.branches)
+            if branch.kind is BranchKind.FIXED_POINT
+            and branch.parameter.min() <= p <= branch.parameter.max()
+            and np.interp(p, *ascending(branch.parameter, branch.x)) < LOWER
+            and np.abs(branch.multiplier).max() <= 1.0 + 1e-9
+        ]
+        assert stable, p
+
+
+def ascending(p: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    order = np.argsort(p)
+    return p[order], x[order]
+
+
+@laws
+def test_collisions_are_where_the_map_says(law: ExpansionFriction) -> None:
     """Simulated again on both sides of jump and parameter: one limit passes the diagonal."""
-    for diagram in (near_a, island):
+    for diagram in (near_a(law), island(law)):
         for _, _, p, x in collisions(diagram):
             signs = set()
             for side in (-1e-9, 1e-9):
                 gaps = [
-                    first_return(Toy(eps_n1=p + dp), x + side).phi_s - x for dp in (-1e-6, 1e-6)
+                    first_return(Toy(eps_n1=p + dp, expansion_friction=law), x + side).phi_s - x
+                    for dp in (-1e-6, 1e-6)
                 ]
                 signs.add(gaps[0] * gaps[1] < 0.0)
             assert signs == {True, False}  # just one of the two limits
 
 
-def test_fixed_points_are_fixed(near_a: Diagram, island: Diagram) -> None:
-    for diagram in (near_a, island):
+@laws
+def test_fixed_points_are_fixed(law: ExpansionFriction) -> None:
+    for diagram in (near_a(law), island(law)):
         for branch in diagram.branches:
             if branch.kind is BranchKind.FIXED_POINT and len(branch) > 2:
                 for p, x in zip(branch.parameter[1:-1:7], branch.x[1:-1:7], strict=True):
-                    again = first_return(Toy(eps_n1=float(p)), float(x))
+                    toy = Toy(eps_n1=float(p), expansion_friction=law)
+                    again = first_return(toy, float(x))
                     spacing = 4.0 * np.spacing(1.0) * abs(again.slope)  # of images of doubles
                     assert abs(again.phi_s - x) <= max(1e-11, spacing)
 
 
-def test_queries_of_the_diagram(near_a: Diagram) -> None:
-    hits = near_a.at(0.06)
-    kinds = [(hit.branch.kind, round(hit.x, 4)) for hit in hits]
+@pytest.mark.parametrize(("law", "p"), [(SUMMED, 0.15), (SEPARATE, 0.06)])
+def test_queries_of_the_diagram(law: ExpansionFriction, p: float) -> None:
+    diagram = near_a(law)
+    kinds = [(hit.branch.kind, round(hit.x, 4)) for hit in diagram.at(p)]
     assert (BranchKind.JUMP, -0.8848) in kinds
-    (a,) = (p.id for p in near_a.points if p.kind is PointKind.FF)
-    whole = near_a.component_of(a)
+    lowest = min((q for q in diagram.points if q.kind is PointKind.FF), key=lambda q: q.parameter)
+    whole = diagram.component_of(lowest.id)
     assert nx.is_connected(whole.graph())
-    assert {p.id for p in near_a.points if p.kind is PointKind.BC} <= {p.id for p in whole.points}
+    if law is SEPARATE:
+        there = {q.id for q in diagram.points if q.kind is PointKind.BC}
+        assert there <= {q.id for q in whole.points}
+
+
+# --- P_2 between A and C --------------------------------------------------------------------------
+
+
+def test_the_jump_branch_of_p2_from_a_leads_to_c() -> None:
+    """A jump, a real 2-cycle between 0.17506 and 0.18346, and again a jump, which ends at C."""
+    diagram = bifurcation_diagram(
+        Toy(), "eps_n1", (0.105, 0.195), (1, 2), (-0.9, -0.6), search=SEARCH
+    )
+
+    def special(p: float, x: float) -> set[tuple[BranchKind, int]]:
+        (point,) = (
+            q
+            for q in diagram.points
+            if abs(q.parameter - p) < EXACT and abs(q.x - x) < 1e-7 and q.kind is not PointKind.WC
+        )
+        return {(diagram.branch(b).kind, diagram.branch(b).order) for b in point.branches}
+
+    fixed, jump = BranchKind.FIXED_POINT, BranchKind.JUMP
+    assert (jump, 2) in special(0.1119709145, LOWER)  # A
+    assert special(0.1750575969, -0.6679264641) == {(jump, 2), (fixed, 2)}
+    assert special(0.1834584111, UPPER) == {(fixed, 2), (jump, 2)}
+    assert special(0.1851269509, UPPER) == {(jump, 1), (fixed, 1), (jump, 2)}  # C
+    inside = [hit for hit in diagram.at(0.179) if hit.branch.order == 2]
+    assert {hit.branch.kind for hit in inside} == {fixed}
+    low, high = sorted(hit.x for hit in inside)
+    cycle = shoot(Toy(eps_n1=0.179), low, 2)
+    assert cycle.success
+    # The diagram interpolates between samples; the cycle itself is exact.
+    assert sorted(cycle.points) == pytest.approx([low, high], abs=1e-4)
+    jumps = [b for b in diagram.branches if (b.kind, b.order) == (jump, 2) and len(b) > 4]
+    assert min(b.parameter.min() for b in jumps) < 0.113
+    for branch in jumps:
+        p, x = (float(values[len(branch) // 2]) for values in (branch.parameter, branch.x))
+        sides = [first_return(Toy(eps_n1=p), x + side, 2).phi_s - x for side in (-1e-9, 1e-9)]
+        assert sides[0] * sides[1] < 0.0
