@@ -225,7 +225,7 @@ def name_points(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
             if near and point.kind in (PointKind.BC, PointKind.FF):
                 right = name == "C"  # the way from A comes from the left
                 ax.annotate(
-                    name, (point.parameter, point.x), (6, -9) if right else (-2, 6),
+                    name, (point.parameter, point.x), (7, -5) if right else (-2, 6),
                     textcoords="offset points", fontsize=9, ha="left" if right else "right",
                     annotation_clip=True,
                 )  # fmt: skip

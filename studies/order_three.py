@@ -35,7 +35,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Parameters
     ----------
     fast
-        Only a part without cycles of period 3.
+        Only a part without cycles of period 3, below A.
     out
         Folder for ``order_three.png``.
 
