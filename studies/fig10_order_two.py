@@ -48,7 +48,7 @@ AT = 0.05  # eps_N1 of the cycle of period 2 that dips to -1.84
 ON_A_LOOP = (0.5, -1.0993)  # eps_N1, phi_S [rad] of a cycle of period 2
 NEAR = 5e-4  # rad: half a unit of the digits above
 
-FAST = Part((0.105, 0.19), (-1.0, -0.6), Search(slices=6), 6)  # from A to C
+FAST = Part((0.105, 0.19), (-1.2, -0.6), Search(slices=6), 6)  # from A to C
 FULL = Part((0.012, 1.0), (-2.5, -0.24), Search(), 48)
 OTHER = FULL._replace(search=Search(slices=64), law=SEPARATE)  # for the second picture
 

@@ -1,4 +1,4 @@
-"""Why the paper's period is half a percent shorter: its motion, or what parameters would have to be.
+"""Why the paper's period is half a percent shorter: its motion, or what a parameter might be.
 
     python studies/sensitivities.py [--fast] [--out DIR]
 
