@@ -37,7 +37,7 @@ from whole import Part, examined, searched, tally
 
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
-from woodpecker import ExpansionFriction, Search, first_return
+from woodpecker import ExpansionFriction, Search, first_return, shoot
 from woodpecker.atlas import passes
 from woodpecker.labelled import SEPARATOR
 
@@ -133,7 +133,7 @@ def study(part: Part, out: Path | None = None) -> tuple[Diagram, Results]:
         "from_a": leads(diagram, point_a),
         "from_c": leads(diagram, POINT_C),
         "way": [stretch._asdict() for stretch in way(diagram, point_a, POINT_C)],
-        "two_cycle": attracting(diagram, AT),
+        "two_cycle": attracting(diagram, part, AT),
         "loops": [loop._asdict() for loop in loops(diagram, part)],
     }
 
@@ -220,10 +220,10 @@ def nearest(diagram: Diagram, place: tuple[float, float]) -> SpecialPoint | None
 # --- What the figure shows ------------------------------------------------------------------------
 
 
-def attracting(diagram: Diagram, eps_n1: float) -> list[float]:
-    """Points of the cycles of minimal period 2 that attract, at one parameter [rad]."""
+def attracting(diagram: Diagram, part: Part, eps_n1: float) -> list[float]:
+    """Points of the cycles of minimal period 2 that attract, at one parameter, shot anew [rad]."""
     return [
-        float(hit.x)
+        shoot(part.toy(eps_n1), float(hit.x), order=2).phi_s
         for hit in diagram.at(eps_n1)
         if hit.branch.order == 2
         and hit.branch.kind is BranchKind.FIXED_POINT

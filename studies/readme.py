@@ -379,7 +379,7 @@ def named(one: Results) -> str:
 
 def shown(two: Results) -> str:
     """What the paper's Figure 10 shows, in numbers."""
-    low, high = (fixed(x, 5) for x in sorted(two["two_cycle"]))
+    low, high = (fixed(x, 3) for x in sorted(two["two_cycle"]))
     (_, *_), (_, start, end), (_, *_) = (list(stretch.values()) for stretch in two["way"])
     lower, upper = two["loops"]
     cell = [
