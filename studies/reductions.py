@@ -234,9 +234,9 @@ def _padded(table: Floats, impacts: Sequence[tuple[Ints, Floats, Floats]]) -> Im
         out.free[row, : 2 * n], out.floor[row, :n] = free, floor
         out.mu[row, :n] = table[CONTACT + hit, MU]
         if n == 2:
-            expands = bool(floor.any())
-            out.first[row] = PAIR + 36 * (hit[1] - 1) + EXPANSION * expands
-            out.coupling[row] = table[FORCE, SUMMED] * expands
+            summed = bool(floor.any() and table[FORCE, SUMMED])  # elsewhere it is Coulomb's table
+            out.first[row] = PAIR + 36 * (hit[1] - 1) + EXPANSION * summed
+            out.coupling[row] = float(summed)
     return out
 
 
