@@ -123,7 +123,8 @@ def followed_by_textbook(point: Collision) -> Row:
 def listed(point: Collision) -> Row:
     """All fixed points and crossings at one parameter, on both sides of the point.
 
-    The branch must be there on its own side and gone on the other. A textbook has nothing like it.
+    The branch must be there on its own side, and on the other nothing else may be missing: next to
+    C lies the branch that comes from A. A textbook has nothing like it.
     """
     window = (point.x - 2.0 * AROUND[-1], point.x + 2.0 * AROUND[-1])
     f, target = toy_map(Toy()), _target(point)
@@ -132,7 +133,7 @@ def listed(point: Collision) -> Row:
         for side in (1, -1)
     )
     there = any(abs(x - target) < SAME_POINT for x, _ in inside.fixed_points)
-    gone = all(abs(x - point.x) > AROUND[-1] for x, _ in outside.fixed_points)
+    gone = len(inside.fixed_points) - len(outside.fixed_points) == 1
     right = there and gone
     return {
         **_named("list", point, "project"),
