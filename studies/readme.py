@@ -185,11 +185,11 @@ def sensitivities(results: All) -> str:
     )[:5]
     effects = ", ".join(f"`{name}` {number(row['period'])}" for name, row in ranked)
     return (
-        f"The paper's period is {number(100.0 * -found['missing'])} % short of ours. It is the time "
-        f"between two strikes of the beak in the paper's Figure 4, a motion that has not settled: its "
-        f"minima are {first} and {second} rad. From {first} the toy's next minimum is "
+        f"The paper's period is {number(100.0 * -found['missing'])} % short of ours. Read off the "
+        f"paper's Figure 4, it is the time between two strikes of the beak in a motion that has not "
+        f"settled: its minima are {first} and {second} rad. From {first} the toy's next minimum is "
         f"{fixed(loose['after'])}, and its beak strikes {loose['beats']:.6f} s apart: that is "
-        f"{100.0 * loose['explains']:.0f} % of the difference. Strikes {found_period()} s apart need a "
+        f"{100.0 * loose['explains']:.0f} % of the difference, and the rest is not explained. Strikes {found_period()} s apart need a "
         f"motion from {fixed(loose['start'])} to {fixed(loose['next'])} rad.\n\n"
         f"If the printed number were the period of the settled motion: one percent more of a parameter "
         f"changes it by so many percent: {effects}. {' '.join(found['result'])}"
@@ -373,7 +373,14 @@ def named(one: Results) -> str:
             cells += [f"{kind} {note}".strip(), f"{p:.9f}" if at else ""]
         x = next(p[3] for p in both[0] if abs(p[2] - float(values[0] or 0.0)) < SAME)
         lines.append([name, *cells, fixed(x, 7)])
-    header = ["point of P_1", "sum (inferred)", "ε_N1", "contact by contact", "ε_N1", "φ_S [rad]"]
+    header = [
+        "point of P_1",
+        "sum (inferred)",
+        "ε_N1",
+        "contact by contact",
+        "ε_N1",
+        "φ_S, sum [rad]",
+    ]
     return rows(header, lines)
 
 
