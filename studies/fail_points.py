@@ -1,7 +1,8 @@
 """What continuation does at A, B and C, where a branch of periodic motions ends in a jump.
 
-The textbook's algorithms of :mod:`fail_newton` against the project's, on one map. A path *hops* if
-two of its accepted points lie on both sides of the jump: no branch of the map connects them.
+The points are those of the toy's own law, friction bounded by the sum. The textbook's algorithms of
+:mod:`fail_newton` against the project's, on one map. A path *hops* if two of its accepted points
+lie on both sides of the jump: no branch of the map connects them.
 """
 
 from __future__ import annotations
@@ -52,10 +53,10 @@ class Collision(NamedTuple):
 
 
 COLLISIONS = (
-    Collision("A", PointKind.FF, 0.0421643309, -0.8847733440, (0.0621643309, -0.78405),
-              (0.030, 0.065)),
-    Collision("B", PointKind.BC, 0.3210361465, -0.8847733440, (0.3010361465, -0.94881),
-              (0.300, 0.325)),
+    Collision("A", PointKind.FF, 0.1119709145, -0.8847733440, (0.1319709145, -0.84072),
+              (0.100, 0.135)),
+    Collision("B", PointKind.BC, 0.2915217119, -0.8847733440, (0.2715217119, -0.91684),
+              (0.270, 0.295)),
     Collision("C", PointKind.BC, 0.1851269510, -0.7577872573, (0.2051269510, -0.70226),
               (0.175, 0.210)),
 )  # fmt: skip
@@ -122,7 +123,8 @@ def followed_by_textbook(point: Collision) -> Row:
 def listed(point: Collision) -> Row:
     """All fixed points and crossings at one parameter, on both sides of the point.
 
-    The branch must be there on its own side and gone on the other. A textbook has nothing like it.
+    The branch must be there on its own side, and on the other nothing else may be missing: next to
+    C lies the branch that comes from A. A textbook has nothing like it.
     """
     window = (point.x - 2.0 * AROUND[-1], point.x + 2.0 * AROUND[-1])
     f, target = toy_map(Toy()), _target(point)
@@ -131,7 +133,7 @@ def listed(point: Collision) -> Row:
         for side in (1, -1)
     )
     there = any(abs(x - target) < SAME_POINT for x, _ in inside.fixed_points)
-    gone = all(abs(x - point.x) > AROUND[-1] for x, _ in outside.fixed_points)
+    gone = len(inside.fixed_points) - len(outside.fixed_points) == 1
     right = there and gone
     return {
         **_named("list", point, "project"),

@@ -1,23 +1,25 @@
 """The scenes in which methods fail, each with its truth from the 30-digit program.
 
 :mod:`reference_mpmath` shares no code with the packages. It takes the very doubles that the methods
-are given, so a distance between the two is an error of the method and of nothing else.
+are given, so a distance between the two is an error of the method and of nothing else. All scenes
+are under Coulomb's law contact by contact, the only one that time stepping knows.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from decimal import Decimal
 from functools import cache
 from typing import NamedTuple
 
 import reference_mpmath as reference
+from cases import numbers
 from fail_judge import Truth
+from laws import CONTACT_BY_CONTACT, SUMMED
 from mpmath import mp, mpf, nstr
 
-from woodpecker import Toy, equilibrium, first_return, jam_limit, toy_map
+from woodpecker import Toy, equilibrium, first_return, jam_limit, parameters, toy_map
 from woodpecker.edges import Edge, edge_between
 
 DIGITS = 30
@@ -56,7 +58,7 @@ class Scene(NamedTuple):
 
 def scenes(fast: bool = False) -> tuple[Scene, ...]:
     """All scenes; with few distances, and without the slowest ones, if ``fast``."""
-    toy, distances = Toy(), FEW if fast else TEN
+    toy, distances = CONTACT_BY_CONTACT, FEW if fast else TEN
     jump = "which of two impacts comes first decides between two motions"
     out = [
         _single("cycle", "stable cycle", "a motion without difficulties", toy, NOMINAL),
@@ -64,14 +66,14 @@ def scenes(fast: bool = False) -> tuple[Scene, ...]:
         around("grazing", "grazing at $-0.277882$ rad", "an impact vanishes with infinite slope",
                GRAZING, (1e-6,) if fast else distances),
         _single("chatter 0.009", r"chatter, $\varepsilon_{N1} = 0.009$",
-                "bounces accumulate in finite time", Toy(eps_n1=0.009), -0.885),
+                "bounces accumulate in finite time", toy.replace(eps_n1=0.009), -0.885),
     ]  # fmt: skip
     if not fast:
         out.insert(2, around("jump C", "jump at $-0.757787$ rad", jump, JUMP_C, distances))
         long = "a long fall: many free swings amplify every error"
         out += [
             _single("chatter 0.335", r"chatter, $\varepsilon_{N1} = 0.335$",
-                    "the same with many bounces", Toy(eps_n1=0.335), -0.885),
+                    "the same with many bounces", toy.replace(eps_n1=0.335), -0.885),
             _single("dip left", "flank of a dip, $-1.2265$ rad", long, toy, -1.2265),
             _single("dip right", "flank of a dip, $-0.2663$ rad", long, toy, -0.2663),
         ]  # fmt: skip
@@ -85,11 +87,11 @@ def _contacts(toy: Toy, distances: Sequence[float]) -> list[Scene]:
         jam(distances),
         Scene("grazes for ever", "grazes the pole for ever", "tangential once a period", (never,)),
         _single("hyperbolic", "upper edge slides up", "the mode's motion grows like exp(23 t)",
-                Toy(eps_n1=0.3), -0.53),
+                toy.replace(eps_n1=0.3), -0.53),
         _single("eps 0", r"$\varepsilon_{N1} = 0$", "the beak stays on the pole",
-                Toy(eps_n1=0.0), -0.6),
+                toy.replace(eps_n1=0.0), -0.6),
         _single("eps 1", r"$\varepsilon_{N1} = 1$", "the beak loses nothing",
-                Toy(eps_n1=1.0), -0.6),
+                toy.replace(eps_n1=1.0), -0.6),
         _single("two contacts", "two contacts strike, one sticks",
                 "friction decides in both phases of one impact", toy, -0.432),
     ]  # fmt: skip
@@ -128,11 +130,6 @@ def with_clock(toy: Toy, factor: float) -> Toy:
     return toy.replace(g=factor**2 * toy.g, c_phi=factor**2 * toy.c_phi)
 
 
-def numbers(toy: Toy) -> dict[str, float]:
-    """The toy as the reference wants it."""
-    return {name: value for name, value in asdict(toy).items() if name != "pole"}
-
-
 @cache
 def exact(toy: Toy, phi_s: float, other: float = math.nan) -> Truth:
     """Image and word to 30 digits; the slope is the kernel's own.
@@ -158,7 +155,7 @@ def around(
     name: str, label: str, why: str, between: tuple[float, float], distances: Sequence[float]
 ) -> Scene:
     """Starts on both sides of an edge of P_1, which is found to the last bit."""
-    toy = Toy()
+    toy = CONTACT_BY_CONTACT
     edge = edge_between(toy_map(toy), toy.eps_n1, *between)
     jumps = abs(edge.jump) > 1e-3  # limits at a grazing agree, and tell nothing apart
     starts = []
@@ -172,11 +169,12 @@ def around(
 
 def jam(distances: Sequence[float]) -> Scene:
     """Start beside the equilibrium with mu_2 just above and just below what holds it."""
-    limit, rest, starts = jam_limit(Toy()), equilibrium(Toy()).phi_s, []
+    held, starts = CONTACT_BY_CONTACT, []
+    limit, rest = jam_limit(held), equilibrium(held).phi_s
     for distance in distances:
         phi_s = rest - SWING * distance
         for side in (1, -1):
-            toy = Toy(mu_2=limit + side * distance)
+            toy = held.replace(mu_2=limit + side * distance)
             slips = slips_at_once(toy, phi_s)
             truth = Truth(None, "S2", leaves=True) if slips else exact(toy, phi_s)
             starts.append(Start(toy, phi_s, truth, distance, side))
@@ -195,8 +193,9 @@ def slips_at_once(toy: Toy, phi_s: float) -> bool:
 def _at_rest(toy: Toy, phi_s: float) -> reference.Run:
     """The reference on the section, before its first contact problem."""
     model = reference.Model(
-        p={name: mpf(value) for name, value in numbers(toy).items()},
+        p={name: mpf(getattr(toy, name)) for name in parameters() if name != "pole"},
         step=mpf(STEP),
+        summed=toy.expansion_friction is SUMMED,
         zero=mpf(10) ** (-mpf(2 * DIGITS) / 3),
     )
     q = [mpf(0), -model.gap_0[1] / model.p["h_m"], mpf(phi_s)]
@@ -206,7 +205,7 @@ def _at_rest(toy: Toy, phi_s: float) -> reference.Run:
 
 def open_impulse() -> Scene:
     """An impact whose compression ends at rest: the images from both ends of what is possible."""
-    toy, phi_s = Toy(), -0.513
+    toy, phi_s = CONTACT_BY_CONTACT, -0.513
     ends = (image_from_end(toy, phi_s, 0), image_from_end(toy, phi_s, 1))
     why = "compression ends at rest, the contact laws leave the impulses on a segment"
     start = Start(toy, phi_s, Truth(None, ends=ends))
@@ -233,7 +232,7 @@ def _expand_from(run: reference.Run, end: int) -> None:
     small = model.zero * max(abs(reference.dot(model.w_n[i], run.u)) for i in hit)
     u, ends = reference.impact_phase(model, hit, run.u, [mpf(0)] * 2, small)
     floor = [model.eps_n[i] * x for i, x in zip(hit, ends[end], strict=True)]
-    u, _ = reference.impact_phase(model, hit, u, floor, small)
+    u, _ = reference.impact_phase(model, hit, u, floor, small, model.summed)
     resting = [i for i in hit if abs(reference.dot(model.w_n[i], u)) <= 1000 * small]
     run.u, run.known = reference.halted(u, resting), {i: 2 if i in resting else 1 for i in hit}
     run.mode = reference.decide(model, run.q, run.u, resting, run.known)

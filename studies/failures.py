@@ -12,11 +12,14 @@ The solver of ODEs is :mod:`peer_ode`: it takes modes and contact problems from 
 events closer than 5e-10 s are lost on it. Moreau's scheme is run as it is usually written, with
 Newton's impact law. Where two contacts strike, or friction changes between stick and slip within
 one impact, Newton's law and the toy's, Poisson's, are different models: there its error is not one
-of the step alone. The solver's longest phase and shortest step, and Moreau's step and longest run,
-are times in seconds: that is why other lengths or another clock upset them.
+of the step alone. Friction is Coulomb's contact by contact in every scene
+(``expansion_friction="separate"``): time stepping knows no other law, and all others follow it. The
+solver's longest phase and shortest step, and Moreau's step and longest run, are times in seconds:
+that is why other lengths or another clock upset them.
 
 The second table is about continuation (:mod:`fail_points`): where a branch ends in a jump, a
-textbook's algorithm (:mod:`fail_newton`) against the project's.
+textbook's algorithm (:mod:`fail_newton`) against the project's. No other program takes part there,
+so it is about the paper's A, B and C, under the toy's own law.
 """
 
 from __future__ import annotations
@@ -31,9 +34,10 @@ from fail_draw import draw_distances, draw_matrix
 from fail_judge import Kind, Outcome, Verdict, power, reach, verdict, worst
 from fail_methods import Method, methods
 from fail_scenes import Scene, scenes
+from laws import CONTACT_BY_CONTACT
 from record import Results, command
 
-from woodpecker import Resolution, Toy, partition, toy_samples
+from woodpecker import Resolution, partition, toy_samples
 from woodpecker.compiled import COMPILED
 
 DIPS = ((-1.2255, -1.2242), (-0.2665, -0.2653))  # rad, around the two dips at eps_N1 = 0.5
@@ -171,9 +175,8 @@ def points_of(measured: Measured) -> list[Row]:
 
 def unresolved(dips: Sequence[tuple[float, float]] = DIPS) -> Row:
     """What the project itself cannot resolve: next to a dip the pieces of P_1 accumulate."""
-    found = [
-        partition(toy_samples(Toy()), 0.5, window, Resolution(smallest=COARSE)) for window in dips
-    ]
+    map_ = toy_samples(CONTACT_BY_CONTACT)
+    found = [partition(map_, 0.5, window, Resolution(smallest=COARSE)) for window in dips]
     length = sum(each.unresolved_length for each in found)
     return {
         "scene": "pieces at the dips",

@@ -1,12 +1,16 @@
-"""Figure 11 of the paper: P_1 and P_2 next to their jump at -0.8848, on both sides of A.
+"""Figure 11 of the paper: P_1 and P_2 next to their jump at -0.8848, under both laws.
 
     python studies/fig11_maps_near_a.py [--fast] [--out DIR]
 
-At A the upper limit of the jump comes to lie on the diagonal. Below A the map passes under it.
-Above A there are a fixed point of P_1 and a jump crossing of P_1 and of P_2 each; that of P_2 lies
-where P_1 leads back to its jump, and it is single. The paper draws this at eps_N1 = 0.125, between
-its A (0.111) and C (0.185). In the stated model A is at 0.0422, so 0.05 is the picture to compare.
-At 0.125 the fixed point has met the other jump, at -0.7578, and has become a jump crossing there.
+The paper draws eps_N1 = 0.125, between its points A and C. There a fixed point of P_1 lies between
+two jumps, unstable, with a jump crossing of P_1 and a single one of P_2 beside it, where P_1 leads
+back to its jump. At A the upper limit of the jump comes to lie on the diagonal; below A the map
+passes under it, and nothing of that is left.
+
+With friction bounded by the sum of both normal impulses (inferred, see :mod:`laws`) A lies at
+0.11197, and the maps at 0.125 are those of the paper. With Coulomb's law contact by contact A lies
+at 0.04216, and at 0.125 the unstable fixed point has long met the other jump, at -0.7578: a column
+for that law shows what the paper does not.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+from laws import SEPARATE, SHORT, SUMMED, TOYS
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -23,16 +28,29 @@ from record import Results, command
 from style import GREY, JUMP, STABLE, UNSTABLE, canvas
 
 from pwmap.plot import axis_label
-from woodpecker import Partition, Resolution, Toy, iterated, partition, slice_of, toy_samples
+from woodpecker import (
+    ExpansionFriction,
+    Partition,
+    Resolution,
+    iterated,
+    partition,
+    slice_of,
+    toy_samples,
+)
 from woodpecker.edges import Edge
 
-POINT_A = (0.0421643309, -0.8847733440)  # eps_N1, phi_S [rad]
-VALUES = (0.036, POINT_A[0], 0.05, 0.125)
+POINT_A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S [rad], with the sum
 PAPER = 0.125  # where the paper draws P_1 and P_2
+COLUMNS = (  # of the picture: law and eps_N1
+    (SUMMED, 0.105),
+    (SUMMED, POINT_A[0]),
+    (SUMMED, PAPER),
+    (SEPARATE, PAPER),
+)
 ORDERS = (1, 2)
 INSIDE = (-2.5, -0.24)  # rad: orbits must stay in it
-WINDOW = (-1.0, -0.68)  # rad: starts
-SHOWN = (-1.62, -0.4)  # rad: images
+WINDOW = (-1.15, -0.68)  # rad: starts
+SHOWN = (-1.4, -0.4)  # rad: images
 SEEN = 0.01  # rad: a jump that shows in the picture
 SAME = 1e-6  # rad: a jump that is found twice
 DRAWN = Resolution(spacing=1e-3, smallest=1e-7, bend=1e-5)
@@ -53,8 +71,9 @@ class Fixed(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """What P_j shows in the window of the picture, at one parameter."""
+    """What P_j shows in the window of the picture, under one law and at one parameter."""
 
+    law: ExpansionFriction
     eps_n1: float
     order: int
     map: Partition
@@ -68,47 +87,63 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Parameters
     ----------
     fast
-        Makes no difference: it takes two seconds.
+        Makes no difference: it takes some seconds.
     out
         Folder for ``fig11.png``.
 
     Returns
     -------
     dict
-        ``scenes``: for each parameter and order the fixed points (phi_S and slope) and the jump
-        crossings (phi_S and both limits); ``gap``: how far the upper limit of the jump of P_1 is
-        above the diagonal, by parameter; ``paper``: what the paper draws at 0.125, and what all of
-        P_1 shows there.
+        ``scenes``: for each law, parameter and order the fixed points (phi_S and slope) and the
+        jump crossings (phi_S and both limits); ``gap``: how far the upper limit of the jump of P_1
+        is above the diagonal, by column; ``paper``: what the paper draws at 0.125, and for each law
+        what P_1 and P_2 show there.
     """
     del fast
-    scenes = [scene(p, order) for p in VALUES for order in ORDERS]
+    scenes = [scene(law, p, order) for law, p in COLUMNS for order in ORDERS]
     if out is not None:
         draw(scenes).savefig(out / "fig11.png", dpi=200)
         plt.close("all")
+    there = [described(each) for each in scenes if each.eps_n1 == PAPER]
     return {
         "scenes": [described(each) for each in scenes],
-        "gap": {f"{each.eps_n1:g}": gap(each) for each in scenes if each.order == 1},
+        "gap": [(str(each.law), each.eps_n1, gap(each)) for each in scenes if each.order == 1],
         "paper": {
             "eps_n1": PAPER,
-            "drawn": {"stable": 1, "unstable": 1, "jump crossings of P_1": 1},
-            "ours": described(scene(PAPER, 1, INSIDE)),
+            "drawn": {
+                "stable": 1, "unstable": 1, "jump crossings of P_1": 1, "jump crossings of P_2": 1,
+            },
+            **{str(law): shown(law, there) for law in (SUMMED, SEPARATE)},
         },
+    }  # fmt: skip
+
+
+def shown(law: ExpansionFriction, scenes: list[Results]) -> Results:
+    """The same counts as the paper's, from the scenes of one law."""
+    one, two = (each for each in scenes if each["law"] == str(law))
+    return {
+        "stable": one["stable"],
+        "unstable": one["unstable"],
+        "jump crossings of P_1": len(one["crossings"]),
+        "jump crossings of P_2": len(two["crossings"]),
     }
 
 
-def scene(eps_n1: float, order: int, window: tuple[float, float] = WINDOW) -> Scene:
+def scene(law: ExpansionFriction, eps_n1: float, order: int) -> Scene:
     """P_order over a window: its pieces, its fixed points and its jump crossings."""
-    whole = iterated(toy_samples(Toy(eps_n1=eps_n1)), order, INSIDE)
-    found = slice_of(whole, eps_n1, window, LOOK)
+    whole = iterated(toy_samples(TOYS[law].replace(eps_n1=eps_n1)), order, INSIDE)
+    found = slice_of(whole, eps_n1, WINDOW, LOOK)
     points = np.array([x for x, _ in found.fixed_points])
     slopes = whole.sweep(points, eps_n1).slope.tolist() if len(points) else []
     fixed = tuple(map(Fixed, points.tolist(), slopes))
-    return Scene(eps_n1, order, partition(whole, eps_n1, window, DRAWN), fixed, found.crossings)
+    pieces = partition(whole, eps_n1, WINDOW, DRAWN)
+    return Scene(law, eps_n1, order, pieces, fixed, found.crossings)
 
 
 def described(each: Scene) -> Results:
     """A scene in numbers."""
     return {
+        "law": str(each.law),
         "eps_n1": each.eps_n1,
         "order": each.order,
         "fixed_points": [tuple(point) for point in each.fixed_points],
@@ -133,15 +168,17 @@ def jumps(each: Scene) -> list[Edge]:
 
 
 def draw(scenes: list[Scene]) -> Figure:
-    """P_1 above P_2, a column for each parameter."""
-    figure, axes = canvas(5.0, len(ORDERS), len(VALUES))
+    """P_1 above P_2, a column for each law and parameter."""
+    figure, axes = canvas(5.2, len(ORDERS), len(COLUMNS))
     for each in scenes:
-        row, column = ORDERS.index(each.order), VALUES.index(each.eps_n1)
-        ax = axes[row * len(VALUES) + column]
+        row, column = ORDERS.index(each.order), COLUMNS.index((each.law, each.eps_n1))
+        ax = axes[row * len(COLUMNS) + column]
         panel(each, ax)
         if row == 0:
             at = " (A)" if each.eps_n1 == POINT_A[0] else ""
-            ax.set_title(rf"$\varepsilon_{{N1}} = {each.eps_n1:.3g}${at}", fontsize=9)
+            ax.set_title(
+                f"{SHORT[each.law]}\n" rf"$\varepsilon_{{N1}} = {each.eps_n1:.3g}${at}", fontsize=8
+            )
         else:
             ax.set_xlabel(axis_label("phi_s"), fontsize=9)
         if column == 0:
@@ -174,7 +211,7 @@ def panel(each: Scene, ax: Axes) -> None:
         ax.plot(
             point.phi_s, point.phi_s, "o", color=color, mfc=face, markersize=5, mew=1.3, zorder=5
         )
-    ax.set(xlim=WINDOW, ylim=SHOWN, xticks=(-0.9, -0.7), yticks=(-1.5, -1.0, -0.5))
+    ax.set(xlim=WINDOW, ylim=SHOWN, xticks=(-1.1, -0.9, -0.7), yticks=(-1.4, -1.0, -0.6))
 
 
 def legend() -> list[Line2D]:

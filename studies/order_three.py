@@ -25,7 +25,7 @@ from pwmap.plot import STABLE
 from woodpecker import Search
 
 ORDERS = (1, 2, 3)
-FAST = Part((0.045, 0.069), (-1.0, -0.65), Search(slices=7), 4)
+FAST = Part((0.105, 0.13), (-1.0, -0.65), Search(slices=7), 4)
 COLOURS = {3: GREY, 2: RED, 1: STABLE}  # in the order of drawing
 
 
@@ -35,7 +35,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Parameters
     ----------
     fast
-        Only a part without cycles of period 3.
+        Only what is next to A, a part without cycles of period 3.
     out
         Folder for ``order_three.png``.
 

@@ -1,15 +1,16 @@
-"""Every number the paper prints, beside what the stated model gives.
+"""Every number the paper prints, beside what the model gives under both laws.
 
     python studies/paper_numbers.py [--fast] [--out DIR]
 
-All of ``ours`` is computed here, by the packages. The last digit the paper prints decides whether
-a number agrees: it may be off by one. Points A, B, C and the islands have no numbers in the text;
-theirs are read off Figures 9 and 10.
+All of ``ours`` is computed here, by the packages, with friction in the expansion of an impact at
+two contacts bounded by the sum of both normal impulses. That this is the paper's law is inferred
+from its figures; ``separate`` is what Coulomb's law contact by contact gives, where that differs.
+The last digit the paper prints decides whether a number agrees: it may be off by one. Points A, B,
+C and the islands have no numbers in the text; theirs are read off Figures 9 and 10.
 """
 
 from __future__ import annotations
 
-import json
 import re
 import time
 from collections.abc import Iterator
@@ -18,25 +19,25 @@ from typing import NamedTuple
 
 import numpy as np
 import sympy
-from fig07_frames import GUESS, SEQUENCE, cycle, frames
+from fig07_frames import SEQUENCE, cycle, frames
 from fig08_return_map import DIPS, WINDOW, dip, ends
-from record import ROOT, Results, command
+from fig10_order_two import POINT_A, POINT_C, nearest, way
+from laws import LAWS, SEPARATE, SUMMED, TOYS
+from record import Results, command
 from sensitivities import unit
 
-from pwmap import PiecewiseLinearMap, PointKind
+from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
 from woodpecker import (
-    LocalModel,
+    ExpansionFriction,
     Search,
     Toy,
     bifurcation_diagram,
-    continuation,
     equilibrium,
     free_frequency,
     iterated,
     jam_limit,
     local_model,
     return_map,
-    shoot,
     slice_of,
     toy_map,
     toy_samples,
@@ -46,19 +47,25 @@ from woodpecker.edges import Edge, nearest_edge
 CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/test_reference.py)"
 SIGNS, EXACT = "bisection to neighbouring doubles", "exact arithmetic"
 HEAVY = "left out of the fast run"
-NEAR_A = 0.05  # eps_N1: beside A of the stated model as 0.125 is beside the paper's A
-COLLISIONS = ROOT / "studies" / "results" / "fig09_order_one.json"
-# Read off Figures 9 and 10: eps_N1, phi_S [rad], kind and note of the point.
+READ = "read off Figure {}"
+BESIDE_A = 0.125  # eps_N1 of Figure 11
+# Read off Figure 10: eps_N1 and phi_S [rad].
 POINTS = {
-    "A, where fixed points turn into jumps": ("0.111", "-0.884", PointKind.FF, "fold"),
-    "B, where they turn back": ("0.29", "-0.884", PointKind.BC, "fold"),
-    "C, where the jumps of P_2 end": ("0.185", "-0.757", PointKind.BC, "persistence"),
+    "A, where fixed points turn into jumps": ("0.111", "-0.884"),
+    "B, where they turn back": ("0.29", "-0.884"),
+    "C, where the jumps of P_2 end": ("0.185", "-0.757"),
 }
-ISLAND = {  # I1, its upper end: the jump of P_1 that closes it
-    "left end": ("0.35", PointKind.BC),
-    "right end": ("0.389", PointKind.FF),
+KNOWN = {  # where each law has them
+    "A": POINT_A,
+    "B": {SUMMED: (0.2915217, -0.8847733), SEPARATE: (0.3210361, -0.8847733)},
+    "C": dict.fromkeys(LAWS, POINT_C),
 }
-Collision = tuple[str, str, float, float]  # kind, note, eps_N1, phi_S
+WAY = Search(slices=24)  # for the way from A to C: nothing on it is thinner than its gaps
+SPANS = {SUMMED: (0.04, 0.3), SEPARATE: (0.035, 0.33)}  # of eps_N1: A, B, and what starts there
+AROUND = (-1.2, -0.6)  # rad, the window of that way
+SAME = 1e-9  # in eps_N1 and rad: both laws agree
+ISLAND = {"left end": ("0.35", PointKind.BC), "right end": ("0.389", PointKind.FF)}  # I1, its top
+TOP = ((0.33, 0.4), (-1.2, -0.7), Search(slices=8))  # where that is looked for
 
 
 class Row(NamedTuple):
@@ -70,6 +77,7 @@ class Row(NamedTuple):
     checked_by: str
     remark: str = ""
     claimed: bool = True  # of the toy; not an example, nor the speed of a computer
+    separate: float | None = None  # with Coulomb's law contact by contact; None if that is the same
 
     @property
     def relative_difference(self) -> float | None:
@@ -108,11 +116,13 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         ``rows``: see :class:`Row`; ``agree``, ``differ``: how many of what the paper claims of the
-        toy; ``skipped``: how many were left out; ``differing``: the quantities that do not agree.
+        toy; ``skipped``: how many were left out; ``differing``: the quantities that do not agree;
+        ``way``: from A to C along branches of P_2, see :class:`fig10_order_two.Stretch`.
     """
     toy = Toy()
-    rows = [*statics(toy), *motion(), *the_map(toy), *zoom(toy), *piecewise()]
-    rows += [*special_points(toy, fast), *island(toy, fast)]
+    diagrams = {} if fast else {law: between_a_and_b(law) for law in LAWS}
+    rows = [*statics(toy), *motion(), *the_map(toy), *zoom(), *piecewise()]
+    rows += [*special_points(diagrams), *island(toy, fast)]
     verdicts = [row.agrees for row in rows]
     return {
         "rows": [row.as_dict() for row in rows],
@@ -120,6 +130,12 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "differ": verdicts.count(False),
         "skipped": sum(row.ours is None for row in rows),
         "differing": [row.quantity for row in rows if row.agrees is False],
+        "way": [
+            stretch._asdict()
+            for law, diagram in diagrams.items()
+            if law is SUMMED
+            for stretch in way(diagram, POINT_A[law], POINT_C)
+        ],
     }
 
 
@@ -142,7 +158,8 @@ def motion() -> Iterator[Row]:
     """The stable periodic motion at eps_N1 = 0.5."""
     orbit, trajectory = cycle()
     shown = frames(trajectory)
-    yield Row("period T [s]", "0.1452", orbit.period, DIGITS, "see studies/sensitivities.py")
+    beats = "the beats of a motion that has not settled, see below"
+    yield Row("period T [s]", "0.1452", orbit.period, DIGITS, beats)
     yield Row("least phi_S of the motion [rad]", "-0.53", orbit.phi_s, DIGITS)
     yield Row("stable (1) or not (0)", "1", float(orbit.stable), DIGITS)
     yield Row("frames of Figure 7 in order", str(len(SEQUENCE)), len(shown), DIGITS)
@@ -150,7 +167,8 @@ def motion() -> Iterator[Row]:
     leaves = [event.symbol for event in struck] == ["I3", "D3"]
     yield Row("first upper impact detaches at once (1)", "1", float(leaves), DIGITS)
     lower = sum(event.symbol == "I2" for event in trajectory.events)
-    yield Row("impacts of the lower edge", "1", lower, DIGITS, "the second follows after 2.7 ms")
+    text = "two in its Figures 4 and 5, too; its text mentions one"
+    yield Row("impacts of the lower edge", "2", lower, DIGITS, text)
 
 
 def the_map(toy: Toy) -> Iterator[Row]:
@@ -197,16 +215,27 @@ def exchanged(edge: Edge) -> bool:
     return {"1", "3"} == set(differ)
 
 
-def zoom(toy: Toy) -> Iterator[Row]:
-    """Figure 11: one unstable fixed point, one jump of P_1 and a single jump of P_2 beside A."""
-    window, samples = (-0.95, -0.75), toy_samples(toy)
-    remark = f"Figure 11; here at eps_N1 = {NEAR_A}, because A lies elsewhere"
-    first = slice_of(samples, NEAR_A, window)
-    second = slice_of(iterated(samples, 2, (-2.5, -0.24)), NEAR_A, window)
-    unstable = sum(abs(toy_map(toy)(x, NEAR_A).slope) > 1.0 for x, _ in first.fixed_points)
-    yield Row("unstable fixed points of P_1 beside A", "1", unstable, SIGNS, remark)
-    yield Row("jump crossings of P_1 beside A", "1", len(first.crossings), SIGNS, remark)
-    yield Row("jump crossings of P_2 beside A", "1", len(second.crossings), SIGNS, remark)
+def zoom() -> Iterator[Row]:
+    """Figure 11: two fixed points, one jump of P_1 and a single jump of P_2 between A and C."""
+    seen = {law: beside_a(law) for law in LAWS}
+    remark = f"Figure 11, eps_N1 = {BESIDE_A}"
+    for quantity, value in seen[SUMMED].items():
+        other = seen[SEPARATE][quantity]
+        yield Row(f"{quantity} beside A", "1", value, SIGNS, remark, separate=other)
+
+
+def beside_a(law: ExpansionFriction) -> dict[str, int]:
+    """What P_1 and P_2 show beside the jump at -0.8848."""
+    window, samples = (-1.15, -0.8), toy_samples(TOYS[law])
+    first = slice_of(samples, BESIDE_A, window)
+    second = slice_of(iterated(samples, 2, (-2.5, -0.24)), BESIDE_A, window)
+    stable = [abs(toy_map(TOYS[law])(x, BESIDE_A).slope) < 1.0 for x, _ in first.fixed_points]
+    return {
+        "stable fixed points of P_1": stable.count(True),
+        "unstable fixed points of P_1": stable.count(False),
+        "jump crossings of P_1": len(first.crossings),
+        "jump crossings of P_2": len(second.crossings),
+    }
 
 
 def piecewise() -> Iterator[Row]:
@@ -230,61 +259,86 @@ def piecewise() -> Iterator[Row]:
     yield Row("intercept (1 - a) r of piece 2", "-0.25", middle, EXACT)
 
 
-def special_points(toy: Toy, fast: bool) -> Iterator[Row]:
-    """A, B and C, from the branches connected with the stable motion."""
-    found: list[Collision] = []
-    if not fast:
-        diagram = continuation(toy, shoot(toy, GUESS), "eps_n1", (0.03, 0.5))
-        found = [(str(p.kind), p.note, float(p.parameter), float(p.x)) for p in diagram.points]
-    remark = HEAVY if fast else "read off Figure 10"
-    for name, (p, x, kind, note) in POINTS.items():
-        at = nearest(found, kind, float(p), float(x), note)
-        yield Row(f"{name}: eps_N1", p, at[2] if at else None, DIGITS, remark)
-        yield Row(f"{name}: phi_S [rad]", x, at[3] if at else None, DIGITS, remark)
-        if name.startswith("A"):
-            slope = _slope(local_model(toy_map(toy), at[3], at[2])) if at else None
-            example = HEAVY if fast else "5/4 is the paper's example, no measurement"
-            yield Row("slope a of P_1 right of A", "1.25", slope, DIGITS, example, False)
+def between_a_and_b(law: ExpansionFriction) -> Diagram:
+    """Orders 1 and 2 from A to B, around the jump that both lie on."""
+    return bifurcation_diagram(TOYS[law], "eps_n1", SPANS[law], (1, 2), AROUND, search=WAY)
 
 
-def _slope(model: LocalModel) -> float:
-    return -float(model.edge.right.slope)
+def special_points(diagrams: dict[ExpansionFriction, Diagram]) -> Iterator[Row]:
+    """A, B and C, what starts at B, and where the jump branch of P_2 from A leads."""
+    read = READ.format(10) if diagrams else HEAVY
+    for name, places in POINTS.items():
+        at = {law: nearest(diagram, KNOWN[name[0]][law]) for law, diagram in diagrams.items()}
+        for quantity, paper, of in zip(("eps_N1", "phi_S [rad]"), places, COORDINATES, strict=True):
+            ours, other = (_value(at.get(law), of) for law in LAWS)
+            same = ours is None or other is None or abs(ours - other) < SAME
+            separate = None if same else other
+            yield Row(f"{name}: {quantity}", paper, ours, DIGITS, read, separate=separate)
+    slopes = [_slope(diagrams[law], law) if diagrams else None for law in LAWS]
+    example = "5/4 is the paper's example, no measurement" if diagrams else HEAVY
+    yield Row("slope a of P_1 right of A", "1.25", slopes[0], DIGITS, example, False, slopes[1])
+    ends = [stable_from_b(diagrams[law], law) if diagrams else None for law in LAWS]
+    remark = "contact by contact it flips there" if diagrams else HEAVY
+    quantity = "stable branch from B, its other end: eps_N1"
+    yield Row(quantity, "0.05", ends[0], SIGNS, remark, separate=ends[1])
+    reached = [float(_reached(diagrams[law], law)) if diagrams else None for law in LAWS]
+    cycle = "on its way a real 2-cycle, from 0.17506 to 0.18346, finer than the paper's grid"
+    yield Row(
+        "P_2 jump branch from A leads to C (1)", "1", reached[0], SIGNS,
+        cycle if diagrams else HEAVY, separate=reached[1],
+    )  # fmt: skip
 
 
-def nearest(
-    found: list[Collision], kind: PointKind, p: float, x: float, note: str | None = None
-) -> Collision | None:
-    """The point of a kind that is nearest in the parameter, at about the right angle."""
-    fits = [
-        point
-        for point in found
-        if point[0] == str(kind) and note in (None, point[1]) and abs(point[3] - x) < 0.01
-    ]
-    return min(fits, key=lambda point: abs(point[2] - p), default=None)
+COORDINATES = ("parameter", "x")
+
+
+def _value(point: SpecialPoint | None, of: str) -> float | None:
+    return None if point is None else float(getattr(point, of))
+
+
+def _slope(diagram: Diagram, law: ExpansionFriction) -> float | None:
+    """What the paper calls a: minus the slope of P_1 right of A."""
+    point = nearest(diagram, POINT_A[law])
+    if point is None:
+        return None
+    return -float(local_model(toy_map(TOYS[law]), point.x, point.parameter).edge.right.slope)
+
+
+def stable_from_b(diagram: Diagram, law: ExpansionFriction) -> float | None:
+    """Where the branch of fixed points of P_1 that starts at B loses its stability, or ends."""
+    point, seen = nearest(diagram, KNOWN["B"][law]), set[str]()
+    while point is not None:
+        ahead = [
+            branch
+            for branch in map(diagram.branch, point.branches)
+            if (branch.kind, branch.order) == (BranchKind.FIXED_POINT, 1) and branch.id not in seen
+        ]
+        if not ahead or abs(ahead[0].multiplier[len(ahead[0]) // 2]) > 1.0:
+            return float(point.parameter)
+        seen.add(ahead[0].id)
+        first, last = ahead[0].ends
+        point = diagram.point(last if first == point.id else first)
+    return None
+
+
+def _reached(diagram: Diagram, law: ExpansionFriction) -> bool:
+    """Whether branches of P_2 lead from A to C, the first of them a jump branch."""
+    stretches = way(diagram, POINT_A[law], POINT_C)
+    return bool(stretches) and stretches[0].kind == str(BranchKind.JUMP)
 
 
 def island(toy: Toy, fast: bool) -> Iterator[Row]:
-    """The upper end of island I1: from the whole diagram if it is there, or from a small one."""
-    found: list[Collision] = []
+    """The upper end of island I1."""
+    span, window, search = TOP
+    points: list[SpecialPoint] = []
     if not fast:
-        found = _kept() if COLLISIONS.exists() else _searched(toy)
+        points += bifurcation_diagram(toy, "eps_n1", span, (1,), window, search=search).points
+    remark = HEAVY if fast else READ.format(9)
     for name, (p, kind) in ISLAND.items():
-        at = nearest(found, kind, float(p), -0.8848)
-        remark = HEAVY if fast else "read off Figure 9"
-        yield Row(f"island I1 at its top, {name}: eps_N1", p, at[2] if at else None, SIGNS, remark)
-
-
-def _kept() -> list[Collision]:
-    """What studies/fig09_order_one.py found."""
-    kept = json.loads(COLLISIONS.read_text(encoding="utf-8"))["collisions"]
-    return [(kind, note, float(p), float(x)) for kind, note, p, x in kept]
-
-
-def _searched(toy: Toy) -> list[Collision]:
-    few = Search(slices=8)
-    window = (-1.2, -0.7)
-    top = bifurcation_diagram(toy, "eps_n1", (0.33, 0.4), (1,), window, search=few)
-    return [(str(p.kind), p.note, float(p.parameter), float(p.x)) for p in top.points]
+        fits = [point for point in points if point.kind is kind and abs(point.x + 0.8848) < 0.01]
+        at = min(fits, key=lambda point: abs(point.parameter - float(p)), default=None)
+        ours = _value(at, "parameter")
+        yield Row(f"island I1 at its top, {name}: eps_N1", p, ours, SIGNS, remark)
 
 
 if __name__ == "__main__":

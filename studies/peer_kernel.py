@@ -12,13 +12,13 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
 from decimal import Decimal
 from types import TracebackType
 from typing import Any, NamedTuple
 
 import numpy as np
 import reference_mpmath
+from cases import numbers
 from clocks import Seconds, clocked
 from mpmath import nstr
 from peers import LostError, PeerReturn
@@ -104,7 +104,7 @@ def served(count: int, factory: str, *arguments: Any) -> tuple[Any, Seconds]:
     return kept[-1], seconds
 
 
-def laps(toy: dict[str, float], x: list[float]) -> Work:
+def laps(toy: dict[str, Any], x: list[float]) -> Work:
     """Work for another process: images and words of these starts."""
     subject, begin = Toy(**toy), np.array(x)
 
@@ -115,7 +115,7 @@ def laps(toy: dict[str, float], x: list[float]) -> Work:
     return work
 
 
-def fixed_point(toy: dict[str, float], guess: float) -> Work:
+def fixed_point(toy: dict[str, Any], guess: float) -> Work:
     """Work for another process: a fixed point and its multiplier."""
     subject = Toy(**toy)
 
@@ -124,8 +124,3 @@ def fixed_point(toy: dict[str, float], guess: float) -> Work:
         return orbit.phi_s, orbit.multiplier
 
     return work
-
-
-def numbers(toy: Toy) -> dict[str, float]:
-    """The toy's parameters without the pole, which is endless and has no place in JSON."""
-    return {name: x for name, x in asdict(toy).items() if name != "pole"}

@@ -33,7 +33,8 @@ Siconos steps by ``theta`` too, and both agree to rounding (:mod:`peer_siconos`)
 The impact law is Newton's; the toy's is Poisson's. With one contact closed and friction that does
 not change between sticking and sliding during the impact both say gamma_NE = -eps_N gamma_NA. So
 with eps_N2 = eps_N3 = 0 they can differ only where friction couples to the beak's restitution: in
-an impact of the beak that begins to stick, or one that finds the sleeve's contact closed.
+an impact of the beak that begins to stick, or one that finds the sleeve's contact closed. Friction
+is Coulomb's contact by contact, so the toy must be one with ``expansion_friction="separate"``.
 """
 
 from __future__ import annotations
@@ -44,8 +45,9 @@ from pathlib import Path
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
+from laws import CONTACT_BY_CONTACT
 from peer_ode import IMAGE, PHI_S
-from peers import LostError, PeerReturn
+from peers import LostError, PeerReturn, contact_by_contact
 from record import Results, command
 
 from woodpecker import Toy, first_return
@@ -150,7 +152,8 @@ def first_return_moreau(
     Raises
     ------
     ValueError
-        If phi_s is beyond the beak's contact, the step is not positive, or a name is unknown.
+        If phi_s is beyond the beak's contact, the step is not positive, a name is unknown, or the
+        toy is not under Coulomb's law contact by contact.
     LostError
         If the toy does not return within three seconds, or a contact problem is not solved.
     """
@@ -220,6 +223,7 @@ def discretise(toy: Toy, step: float, scheme: SchemeName = "theta", theta: float
         raise ValueError(f"step must be positive and finite, got {step}")
     if not 0.0 <= theta <= 1.0 or (scheme == "midpoint" and theta != 0.5):
         raise ValueError(f"theta must lie in [0, 1], and be 0.5 for the midpoint, got {theta}")
+    contact_by_contact(toy)
     mass: Floats = np.array(mass_matrix(toy))
     spring: Floats = np.array(force_per_stretch(toy))
     if SCHEMES[_index(scheme, SCHEMES)] == "theta":
@@ -576,7 +580,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         for solver in SOLVERS
     }
     eps_n1, phi_s = LAWS
-    toy = Toy(eps_n1=eps_n1)
+    toy = CONTACT_BY_CONTACT.replace(eps_n1=eps_n1)
     image = first_return(toy, phi_s).phi_s
     results["laws"] = {
         "eps_n1": eps_n1,
@@ -589,11 +593,12 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 
 def convergence(steps: tuple[float, ...], scheme: SchemeName, solver: SolverName) -> Results:
     """Error and cost of one return of the nominal cycle for each step, as :func:`main` says."""
+    toy = CONTACT_BY_CONTACT
     table: Results = {"step": steps, "error": [], "steps": [], "cpu_ms": [], "word": []}
     for step in steps:
-        first_return_moreau(Toy(), PHI_S, step, scheme, solver)  # compiles
+        first_return_moreau(toy, PHI_S, step, scheme, solver)  # compiles
         start = time.process_time()
-        laps = [first_return_moreau(Toy(), PHI_S, step * s, scheme, solver) for s in NEIGHBOURS]
+        laps = [first_return_moreau(toy, PHI_S, step * s, scheme, solver) for s in NEIGHBOURS]
         seconds = (time.process_time() - start) / len(laps)
         nominal = laps[len(laps) // 2]
         errors = np.array([lap.phi_s for lap in laps]) - float(IMAGE)

@@ -3,7 +3,8 @@
 Each smooth phase is handed to :func:`scipy.integrate.solve_ivp` as the six-dimensional ODE
 M qdd = h + W lambda of its mode [Leine2001, Eqs. 1-3, 6-10]; the guards of the mode are its
 terminal events. Modes and contact problems are the project's own, so the two programs differ in
-nothing but how they move between events and how they find the next one.
+nothing but how they move between events and how they find the next one. It follows the toy under
+either law of friction, as the toy says.
 
     python studies/peer_ode.py [--fast]
 """

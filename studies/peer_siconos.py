@@ -4,9 +4,11 @@
 
 Siconos [Acary2019] steps by the Moreau-Jean scheme with Newton's impact law, that of
 :mod:`peer_moreau` (``theta``, 1/2), but shares no code with it: the model is handed over as
-numbers. It comes with the system's Python (Debian: ``apt install python3-siconos``), so
-:mod:`siconos_woodpecker` runs as a process of its own. The environment variable SICONOS_PYTHON
-names another interpreter. Without Siconos the study says so and measures nothing.
+numbers. Friction is Coulomb's contact by contact, so the toy must be one with
+``expansion_friction="separate"``. Siconos comes with the system's Python (Debian: ``apt install
+python3-siconos``), so :mod:`siconos_woodpecker` runs as a process of its own. The environment
+variable SICONOS_PYTHON names another interpreter. Without Siconos the study says so and measures
+nothing.
 """
 
 from __future__ import annotations
@@ -20,9 +22,10 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from laws import CONTACT_BY_CONTACT
 from peer_moreau import ENDED, LONGEST, LOST, word_of_states
 from peer_ode import IMAGE, PHI_S
-from peers import LostError, PeerReturn
+from peers import LostError, PeerReturn, contact_by_contact
 from record import Results, command
 
 from woodpecker import Toy
@@ -94,7 +97,7 @@ def simulate_siconos(
     Raises
     ------
     ValueError
-        If a number is out of range.
+        If a number is out of range, or the toy is not under Coulomb's law contact by contact.
     LostError
         If Siconos is missing or fails; the sentence says why.
     """
@@ -130,6 +133,7 @@ def first_return_siconos(
 
 def _scene(toy: Toy, phi_s: float, t_end: float, step: float, solver: Solver) -> dict[str, Any]:
     """The toy as numbers, K q = -h_1 (phi_S - phi_M)."""
+    contact_by_contact(toy)
     if not (math.isfinite(phi_s) and phi_s < toy.phi_s_max):
         raise ValueError(f"phi_s must be finite and below {toy.phi_s_max:.6g}, got {phi_s}")
     if not 0.0 < step < t_end < math.inf:
@@ -201,7 +205,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     steps = (1e-4, 2e-5) if fast else (1e-3, 3e-4, 1e-4, 3e-5, 2e-5, 1e-5, 3e-6)
     returns = {}
     for step in steps:
-        lap = first_return_siconos(Toy(), PHI_S, step)
+        lap = first_return_siconos(CONTACT_BY_CONTACT, PHI_S, step)
         error = abs(lap.phi_s - float(IMAGE))
         returns[f"{step:.0e}"] = {"error": error, "steps": lap.evaluations, "word": lap.word}
     return {"cycle": {f"{step:.0e}": _cycle(step) for step in (1e-4, 2e-5)}, "return": returns}
@@ -210,7 +214,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 def _cycle(step: float) -> Results:
     """Periods of the stable cycle and what a simulated second costs."""
     t_end = 0.15 * (TRANSIENT + CYCLES + 1)  # the period is 0.146 s
-    run = simulate_siconos(Toy(), PHI_S, t_end, step, every=0)
+    run = simulate_siconos(CONTACT_BY_CONTACT, PHI_S, t_end, step, every=0)
     periods = np.diff(run.returns[:, 0])[TRANSIENT : TRANSIENT + CYCLES]
     return {
         "period_mean": float(periods.mean()),

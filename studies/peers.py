@@ -1,11 +1,16 @@
-"""What a peer is: any other way to follow the toy from the section to its next return."""
+"""What a peer is: any other way to follow the toy from the section to its next return.
+
+Siconos and Moreau's scheme know Coulomb's law contact by contact only, and refuse a toy whose
+friction is bounded by a sum (:func:`contact_by_contact`). The solver of ODEs takes the project's
+contact problems, so it can follow both laws; where all are compared, it is under Coulomb's.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple
 
-from woodpecker import Toy
+from woodpecker import ExpansionFriction, Toy
 
 
 class PeerReturn(NamedTuple):
@@ -20,6 +25,16 @@ class PeerReturn(NamedTuple):
 
 class LostError(RuntimeError):
     """A method that could not follow the toy to its next return; the message says why."""
+
+
+def contact_by_contact(toy: Toy) -> Toy:
+    """The toy itself; ValueError if its friction in the expansion is bounded by a sum."""
+    if toy.expansion_friction is not ExpansionFriction.SEPARATE:
+        raise ValueError(
+            "this program bounds friction contact by contact: expected a toy with "
+            f"expansion_friction='separate', got {str(toy.expansion_friction)!r}"
+        )
+    return toy
 
 
 Peer = Callable[[Toy, float], PeerReturn]  # toy, phi_s at the start [rad]

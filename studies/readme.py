@@ -9,6 +9,7 @@ Blocks between ``<!-- results: NAME -->`` and ``<!-- end -->`` are made from
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -16,12 +17,24 @@ from typing import Any
 
 from record import ROOT, Results
 from run_all import RESULTS, STUDIES
+from sensitivities import PAPER_PERIOD
 
 README = ROOT / "README.md"
 BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
 All = Mapping[str, Results]
 SPAN = "(0.012, 1)"
-NAMED = (0.04216433, 0.06981780, 0.18512695, 0.32103615, 0.34192345, 0.38834959)  # eps_N1
+# Points of P_1 that have a name: eps_N1 under the sum and contact by contact, None if there is none.
+NAMED = {
+    "A": (0.11197091, 0.04216433),
+    "B": (0.29152171, 0.32103615),
+    "C": (0.18512695, 0.18512695),
+    "end of the branch from A": (0.18815862, 0.06981782),
+    "end of the branch from B": (0.04532574, None),
+    "I_1 at its top, left": (0.34192345, 0.34192345),
+    "I_1 at its top, right": (0.38834959, 0.38834959),
+    "I_2 at its end": (0.79516064, 0.79934549),
+}
+SAME = 1e-6  # in eps_N1: a named point
 
 
 def main() -> None:
@@ -56,6 +69,11 @@ def number(value: float, digits: int = 2) -> str:
     if abs(value) >= 10 ** (digits - 1):
         return minus(f"{value:.0f}")
     return minus(f"{float(f'{value:.{digits - 1}e}'):g}")
+
+
+def fixed(value: float, decimals: int = 4) -> str:
+    """A number with so many decimals."""
+    return minus(f"{value:.{decimals}f}")
 
 
 def minus(text: str) -> str:
@@ -97,12 +115,15 @@ def paper(results: All) -> str:
     for row in found["rows"]:
         ours = row["ours"]
         shown = str(ours) if isinstance(ours, int) else shortest(ours, row["paper"])
+        other = row["separate"]
+        separate = "" if other is None else shortest(other, row["paper"])
         verdict = {True: "yes", False: "**no**", None: "–"}[row["agrees"]]
         lines.append(
-            [pretty(row["quantity"]), minus(row["paper"]), shown, verdict, row["checked_by"],
-             pretty(row["remark"])]
+            [pretty(row["quantity"]), minus(row["paper"]), shown, verdict, separate,
+             row["checked_by"], pretty(row["remark"])]
         )  # fmt: skip
-    table = rows(["quantity", "paper", "here", "agrees", "checked by", "remark"], lines)
+    header = ["quantity", "paper", "here", "agrees", "contact by contact", "checked by", "remark"]
+    table = rows(header, lines)
     return f"{table}\n\n{found['agree']} of these numbers agree, {found['differ']} differ."
 
 
@@ -120,17 +141,64 @@ def shortest(value: float, paper_text: str) -> str:
     )
 
 
+def vertices(results: All) -> str:
+    """Figure 8, vertex by vertex."""
+    found = results["fig08_vertices"]
+    lines = []
+    for kind, text in (("double", "with an impact at two contacts"), ("single", "without")):
+        for law, name in (("summed", "sum"), ("separate", "contact by contact")):
+            row = found["laws"][law][kind]
+            lines.append(
+                [text, name, str(row["count"]), str(row["within"]),
+                 number(row["vertical"]["0.5"]), number(row["to_curve"]["0.5"]),
+                 number(row["to_curve"]["0.9"]), str(row["off"])]
+            )  # fmt: skip
+    header = [
+        "returns", "law", "vertices", "within the rounding", "median of abs(P_1 − y) [rad]",
+        "distance from the curve, median", "9 of 10 below", "above 1e-3 rad",
+    ]  # fmt: skip
+    summed, line = found["laws"]["summed"], found["line"]
+    steep = sum(summed[kind]["steep"] for kind in ("double", "single"))
+    places = ", ".join(f"({fixed(x)}, {fixed(y)})" for x, y in found["off_at"])
+    return (
+        f"{rows(header, lines)}\n\n"
+        f"The line of Figure 8 has {found['vertices']} vertices, on a grid of {found['unit'][0]:.2g} "
+        f"by {found['unit'][1]:.2g} rad. {summed['jammed']['count']} more of them belong to a sleeve "
+        f"that stays jammed, and {line['count']} to the straight line on the right. That line is no "
+        f"motion of the toy: its vertices are within {number(line['from_jammed'])} rad of what a sleeve "
+        f"would do that stays jammed where friction cannot hold it. Included are {steep} vertices where "
+        f"the map is steeper than 10, {found['beside_a_jump']} beside a jump and "
+        f"{found['drawn_twice']} that are drawn twice; the {len(found['off_at'])} that neither law "
+        f"explains, {places}, lie on the flanks of a dip. The paper's line crosses the diagonal at "
+        f"{fixed(found['fixed_point'])} rad, the toy's cycle is at "
+        f"{fixed(results['sensitivities']['phi_s'])}."
+    )
+
+
 def sensitivities(results: All) -> str:
     """How little would explain the period."""
     found = results["sensitivities"]
+    loose = found["unsettled"]
+    first, second = (fixed(x) for x in loose["minima"])
     ranked = sorted(
         found["sensitivities"].items(), key=lambda item: -abs(item[1]["period"] or 0.0)
     )[:5]
     effects = ", ".join(f"`{name}` {number(row['period'])}" for name, row in ranked)
     return (
-        f"The period differs by {number(100.0 * -found['missing'])} %. One percent more of a "
-        f"parameter changes it by so many percent: {effects}. {' '.join(found['result'])}"
+        f"The paper's period is {number(100.0 * -found['missing'])} % short of ours. Read off the "
+        f"paper's Figure 4, it is the time between two strikes of the beak in a motion that has not "
+        f"settled: its minima are {first} and {second} rad. From {first} the toy's next minimum is "
+        f"{fixed(loose['after'])}, and its beak strikes {loose['beats']:.6f} s apart: that is "
+        f"{100.0 * loose['explains']:.0f} % of the difference, and the rest is not explained. Strikes {found_period()} s apart need a "
+        f"motion from {fixed(loose['start'])} to {fixed(loose['next'])} rad.\n\n"
+        f"If the printed number were the period of the settled motion: one percent more of a parameter "
+        f"changes it by so many percent: {effects}. {' '.join(found['result'])}"
     )
+
+
+def found_period() -> str:
+    """The period that the paper prints [s]."""
+    return f"{PAPER_PERIOD:g}"
 
 
 def precision(results: All) -> str:
@@ -269,14 +337,9 @@ def diagrams(results: All) -> str:
         results[name] for name in ("fig09_order_one", "fig10_order_two", "order_three")
     )
     coarse, fine = sorted(one["tables"], key=lambda table: -table["spacing"])
-    lines = [
-        [kind, note, f"{p:.9f}", minus(f"{x:.9f}")]
-        for kind, note, p, x in sorted(one["collisions"], key=lambda place: place[2])
-        if kind == "FF" or any(abs(p - named) < 1e-6 for named in NAMED)
-    ]
     return "\n\n".join(
         [
-            rows(["point of P_1", "", "ε_N1", "φ_S [rad]"], lines),
+            named(one),
             f"P_1 over ε_N1 in {SPAN}, φ_S in (−2.5, −0.24): {one['branches']} branches and "
             f"{one['points']} special points from {one['slices']['P_1']} slices, in "
             f"{number(one['seconds']['wall'])} s of wall time and {number(one['seconds']['cpu'])} s of CPU. "
@@ -288,13 +351,57 @@ def diagrams(results: All) -> str:
             f"P_1 and P_2 over the same span: {counts(two, 2)}, in {number(two['seconds']['wall'])} s of "
             f"wall time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two['seen'], 2)} "
             f"P_1 maps all but {two['unpaired']} branches of period 2 to another; the number of jump "
-            f"crossings is odd in {len(two['odd_jumps'])} slices. The jump branches of P_2 "
-            f"that start at A end at {places(two['from_a'])}. {again(two['residuals'])}",
+            f"crossings is odd in {len(two['odd_jumps'])} slices. {again(two['residuals'])}",
+            shown(two),
             f"P_1, P_2 and P_3: {counts(three, 3)}, in {number(three['seconds']['wall'])} s and "
             f"{number(three['evaluations'] / 1e6)} million evaluations. {checked(three['seen'], 3)} "
             f"{again(three['residuals'])} Left out as too steep, in one slice: up to "
             f"{three['steep']['P_2']} cycles of P_2 and {three['steep']['P_3']} of P_3.",
         ]
+    )
+
+
+def named(one: Results) -> str:
+    """The named points of P_1 under both laws."""
+    both = one["collisions"], one["separate"]["collisions"]
+    lines = []
+    for name, values in NAMED.items():
+        cells = []
+        for found, value in zip(both, values, strict=True):
+            at = [p for p in found if value is not None and abs(p[2] - value) < SAME]
+            kind, note, p, _ = at[0] if at else ("–", "", math.nan, math.nan)
+            cells += [f"{kind} {note}".strip(), f"{p:.9f}" if at else ""]
+        x = next(p[3] for p in both[0] if abs(p[2] - float(values[0] or 0.0)) < SAME)
+        lines.append([name, *cells, fixed(x, 7)])
+    header = [
+        "point of P_1",
+        "sum (inferred)",
+        "ε_N1",
+        "contact by contact",
+        "ε_N1",
+        "φ_S, sum [rad]",
+    ]
+    return rows(header, lines)
+
+
+def shown(two: Results) -> str:
+    """What the paper's Figure 10 shows, in numbers."""
+    low, high = (fixed(x, 3) for x in sorted(two["two_cycle"]))
+    (_, *_), (_, start, end), (_, *_) = (list(stretch.values()) for stretch in two["way"])
+    lower, upper = two["loops"]
+    cell = [
+        f"{pair[0]:.4f} to {pair[1]:.4f}, φ_S from {fixed(x[0])} to {fixed(x[1])}"
+        for pair, x in ((loop["eps_n1"], loop["phi_s"]) for loop in (lower, upper))
+    ]
+    return (
+        f"The paper's Figure 10 is there: a cycle of period 2 that attracts, with its points at {low} "
+        f"and {high} rad at ε_N1 = 0.05; the jump branch of P_2 from A to "
+        f"({start[0]:.5f}, {fixed(start[1], 5)}), from there a real cycle of period 2 to "
+        f"({end[0]:.5f}, {fixed(end[1], 5)}), which the paper's grid could not show, and a jump "
+        f"again to C; a loop of P_2 over ε_N1 from {cell[0]}, with its partner from {cell[1]} rad. "
+        f"Contact by contact the jump branches of P_2 that start at A end at "
+        f"{places(two['separate']['from_a'])}. (For that panel the search began with "
+        f"{two['separate']['first_slices']} slices instead of {two['first_slices']}.)"
     )
 
 
@@ -337,7 +444,7 @@ def machine(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        paper, sensitivities, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
+        paper, vertices, sensitivities, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
         machine,
     )
 }  # fmt: skip

@@ -11,6 +11,9 @@
 (d) Isolated roots: the first root of every guard from its closed form; against a look at all guards
     N times per swing for a change of sign.
 
+Impacts at two contacts expand under the toy's own law, friction bounded by the sum of both normal
+impulses, in both solvers of (b).
+
 Each pair does the same work in the same language, in turn, round after round; ratios are those of
 the medians of CPU time.
 """
@@ -28,10 +31,10 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
-from cases import CYCLE, FIXED_POINT, GUESS, WINDOW, distance
+from cases import CYCLE, FIXED_POINT, GUESS, WINDOW, distance, numbers
 from clocks import Job, Seconds, Timing, clocked, race
 from matplotlib.axes import Axes
-from peer_kernel import PlainPython, Work, numbers
+from peer_kernel import PlainPython, Work
 from peer_ode import first_return_ode
 from record import Results, command
 from scipy.integrate import DOP853
@@ -47,12 +50,15 @@ from woodpecker.modes import (
     CONTACT,
     DELASSUS,
     EPS,
+    EXPANSION,
+    FORCE,
     GUARDS,
     KAPPA,
     MU,
     OMEGA,
     PAIR,
     SECTION,
+    SUMMED,
     A,
     B,
     mode_states,
@@ -95,6 +101,7 @@ class Impacts(NamedTuple):
     mu: Floats  # (k, 2)
     floor: Floats  # (k, 2) smallest normal impulses [N s]
     first: Ints  # (k,) where the table of the two contacts begins in the model; 0 for one contact
+    coupling: Floats  # (k,) what the other normal impulse adds to a bound of friction, over mu
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -217,7 +224,7 @@ def _padded(table: Floats, impacts: Sequence[tuple[Ints, Floats, Floats]]) -> Im
     k = len(impacts)
     out = Impacts(
         np.zeros(k, np.int64), np.zeros((k, 4, 4)), np.zeros((k, 4)), np.zeros((k, 2)),
-        np.zeros((k, 2)), np.zeros(k, np.int64),
+        np.zeros((k, 2)), np.zeros(k, np.int64), np.zeros(k),
     )  # fmt: skip
     for row, (hit, free, floor) in enumerate(impacts):
         n = len(hit)
@@ -226,7 +233,10 @@ def _padded(table: Floats, impacts: Sequence[tuple[Ints, Floats, Floats]]) -> Im
         out.delassus[row, : 2 * n, : 2 * n] = table[DELASSUS + pick][:, pick]
         out.free[row, : 2 * n], out.floor[row, :n] = free, floor
         out.mu[row, :n] = table[CONTACT + hit, MU]
-        out.first[row] = PAIR + 36 * (hit[1] - 1) if n == 2 else 0
+        if n == 2:
+            summed = bool(floor.any() and table[FORCE, SUMMED])  # elsewhere it is Coulomb's table
+            out.first[row] = PAIR + 36 * (hit[1] - 1) + EXPANSION * summed
+            out.coupling[row] = float(summed)
     return out
 
 
@@ -383,7 +393,7 @@ def direct_work(*columns: list[Any]) -> Work:
 @jit
 def _direct(
     table: Floats, size: Ints, delassus: Floats, free: Floats, mu: Floats, floor: Floats,
-    first: Ints, out: Floats,
+    first: Ints, coupling: Floats, out: Floats,
 ) -> None:  # fmt: skip
     cases, feeds = np.zeros((2, 2), dtype=np.int64), np.zeros(2, dtype=np.int64)
     pair = make_pair()
@@ -395,8 +405,9 @@ def _direct(
             )
         else:
             two_contacts(
-                table, first[k], delassus[k], free[k], mu[k], floor[k], feeds, cases, out[k], pair
-            )
+                table, first[k], delassus[k], free[k], mu[k], coupling[k], floor[k], feeds, cases,
+                out[k], pair,
+            )  # fmt: skip
 
 
 def lemke(impacts: Impacts) -> Floats:
@@ -405,8 +416,9 @@ def lemke(impacts: Impacts) -> Floats:
     for k, n in enumerate(impacts.size):
         normals_first = np.concatenate([np.arange(0, 2 * n, 2), np.arange(1, 2 * n, 2)])
         g = impacts.delassus[k][np.ix_(normals_first, normals_first)]
+        friction = impacts.mu[k, :n, None] * np.where(np.eye(n) == 1.0, 1.0, impacts.coupling[k])
         answer = solve_contact_lcp(
-            g, impacts.free[k, normals_first], impacts.mu[k, :n], impacts.floor[k, :n]
+            g, impacts.free[k, normals_first], friction, impacts.floor[k, :n]
         )
         out[k, 0 : 2 * n : 2], out[k, 1 : 2 * n : 2] = answer.impulse_n, answer.impulse_t
     return out

@@ -33,6 +33,7 @@ STUDIES = (
     "fig06_phase_others",
     "fig07_frames",
     "fig08_return_map",
+    "fig08_vertices",
     "fig09_order_one",
     "fig10_order_two",
     "fig11_maps_near_a",

@@ -19,6 +19,7 @@ from record import Results
 from pwmap import Branch, BranchKind, Diagram
 from woodpecker import (
     Cycle,
+    ExpansionFriction,
     Found,
     Search,
     Settings,
@@ -49,15 +50,20 @@ class Part(NamedTuple):
     window: tuple[float, float]  # of phi_S [rad]
     search: Search
     slices: int  # in which fixed points are counted
+    law: ExpansionFriction = ExpansionFriction.SUMMED
+
+    def toy(self, eps_n1: float = 0.5) -> Toy:
+        """The toy under the law of this part."""
+        return Toy(eps_n1=eps_n1, expansion_friction=self.law)
 
 
 def searched(part: Part, orders: tuple[int, ...]) -> tuple[Found, Seconds]:
     """The diagram, and what it took once everything is compiled."""
-    first_return(Toy(), -0.53)
+    first_return(part.toy(), -0.53)
     kept: list[Found] = []
     taken = clocked(
         lambda: kept.append(
-            find_all(Toy(), "eps_n1", part.span, orders, part.window, search=part.search)
+            find_all(part.toy(), "eps_n1", part.span, orders, part.window, search=part.search)
         )
     )()
     return kept[0], taken
@@ -69,6 +75,7 @@ def examined(part: Part, order: int, found: Found, taken: Seconds) -> Results:
     Returns
     -------
     dict
+        ``law``; ``first_slices``: how many slices the search began with; ``span``, ``window``;
         ``branches``, ``points``: how many by kind and order; ``slices``, ``steep``,
         ``not_followed``, ``evaluations``, ``seconds``: of the search; ``seen``: see :class:`Seen`;
         ``odd``: parameters of slices that do not agree with the diagram; ``residuals``,
@@ -76,14 +83,16 @@ def examined(part: Part, order: int, found: Found, taken: Seconds) -> Results:
     """
     seen = [counted(found.diagram, part, order, p) for p in between(found.diagram, part.slices)]
     return {
+        "law": str(part.law),
+        "first_slices": part.search.slices,
         "span": part.span,
         "window": part.window,
         "seconds": taken._asdict(),
         **tally(found),
         "seen": [slice_._asdict() for slice_ in seen],
         "odd": [slice_.eps_n1 for slice_ in seen if not slice_.agrees],
-        "residuals": summary(residuals(found.diagram, ends=False)),
-        "residuals_at_ends": summary(residuals(found.diagram, ends=True)),
+        "residuals": summary(residuals(found.diagram, part, ends=False)),
+        "residuals_at_ends": summary(residuals(found.diagram, part, ends=True)),
     }
 
 
@@ -133,7 +142,7 @@ def between(diagram: Diagram, count: int) -> list[float]:
 
 def counted(diagram: Diagram, part: Part, order: int, eps_n1: float) -> Seen:
     """The fixed points of P_j at one parameter, from slices that know nothing of branches."""
-    toy, settings = Toy(eps_n1=eps_n1), Settings(window=part.window)
+    toy, settings = part.toy(eps_n1), Settings(window=part.window)
     low, high = part.window
     labelled = windowed(toy_map(toy), (low - MARGIN, high + MARGIN))
     samples = toy_samples(toy)
@@ -201,20 +210,20 @@ class Residual(NamedTuple):
     rounding: float  # what rounding of one point of the orbit grows to [rad]
 
 
-def residuals(diagram: Diagram, ends: bool) -> list[Residual]:
+def residuals(diagram: Diagram, part: Part, ends: bool) -> list[Residual]:
     """The first and last samples of all branches of fixed points, or all others."""
     found = []
     for branch in diagram.branches:
         if branch.kind is BranchKind.FIXED_POINT:
             last = len(branch) - 1
             chosen = sorted({0, last}) if ends else range(1, last)
-            found += [residual(branch, k) for k in chosen]
+            found += [residual(branch, k, part) for k in chosen]
     return found
 
 
-def residual(branch: Branch, k: int) -> Residual:
+def residual(branch: Branch, k: int, part: Part) -> Residual:
     """|P_j(x) - x|, and the most that rounding of one point x_i of the orbit can contribute."""
-    toy, order = Toy(eps_n1=float(branch.parameter[k])), branch.order
+    toy, order = part.toy(float(branch.parameter[k])), branch.order
     points = orbit(toy, float(branch.x[k]), order)
     left = [first_return(toy, x, order=order - i) for i, x in enumerate(points)]
     grown = [ROUNDING * abs(x * lap.slope) for x, lap in zip(points, left, strict=True)]

@@ -5,6 +5,8 @@
 Five tasks: three scenes of :mod:`cases`, the map at 1000 points, and the fixed point with its
 multiplier. Each method runs over its own knob: rtol of ``solve_ivp``, the step of a time-stepping
 scheme, the digits of mpmath. The kernel has none. Errors are distances from 30-digit references.
+Friction is Coulomb's contact by contact (``expansion_friction="separate"``): Moreau's scheme and
+Siconos know no other, and ``solve_ivp``, which has the project's contact problems, is held to it.
 Methods run in turn, round after round, and every time is that of a call as a user makes it.
 
 - A method that would take minutes over the map runs on twelve of its points; its time is scaled to
@@ -38,16 +40,18 @@ from cases import (
     SCENES,
     Scene,
     distance,
+    numbers,
     recomputed_fixed_point,
     same_events,
     sample,
     starts,
 )
 from clocks import Job, Seconds, clocked, race, summary
+from laws import CONTACT_BY_CONTACT
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
-from peer_kernel import PlainPython, Precise, first_return_kernel, first_return_mpmath, numbers
+from peer_kernel import PlainPython, Precise, first_return_kernel, first_return_mpmath
 from peer_moreau import SCHEMES, SOLVERS, first_return_moreau
 from peer_ode import first_return_ode
 from peer_siconos import available, first_return_siconos, simulate_siconos
@@ -257,7 +261,7 @@ def map_entries(
     settings: Iterable[Setting], other: PlainPython, one_core: ThreadPoolExecutor, whole: bool
 ) -> Iterator[Entry]:
     """The map: the compiled kernel at all points, plain Python if ``whole``, others at a few."""
-    toy, few, everywhere = Toy(), sample(), slice(None)
+    toy, few, everywhere = CONTACT_BY_CONTACT, sample(), slice(None)
     part = POINTS / len(few)
     known = return_map(toy, few).words  # a test checks these words
 
@@ -304,9 +308,10 @@ def fixed_entries(settings: Iterable[Setting], other: PlainPython) -> Iterator[E
         }
         return Answer(max(detail.values()), None, evaluations, detail)
 
-    yield Entry(KERNEL, "", "", None, partial(shoot, Toy(), GUESS),
+    toy = CONTACT_BY_CONTACT
+    yield Entry(KERNEL, "", "", None, partial(shoot, toy, GUESS),
                 lambda orbit: judge(orbit.phi_s, orbit.multiplier))  # fmt: skip
-    ask = partial(other.ask, "peer_kernel:fixed_point", numbers(Toy()), GUESS)
+    ask = partial(other.ask, "peer_kernel:fixed_point", numbers(toy), GUESS)
     yield Entry(PLAIN, "", "", None, lambda: ask()[0], lambda r: judge(*r[:2]), elsewhere(ask))
     for setting in settings:
         if setting.method != TWIN:
@@ -326,9 +331,9 @@ def newton(setting: Setting, laps: int = 12) -> tuple[float, float, int]:
 
     def image(x: float) -> float:
         nonlocal spent
-        if not x < Toy().phi_s_max:
+        if not x < CONTACT_BY_CONTACT.phi_s_max:
             raise LostError(f"Newton's method leaves the map, to {x:.3g} rad")
-        lap = setting.peer(Toy(), x)
+        lap = setting.peer(CONTACT_BY_CONTACT, x)
         spent += getattr(lap, "evaluations", 0)
         return float(lap.phi_s)
 

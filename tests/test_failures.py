@@ -18,6 +18,7 @@ from fail_scenes import STEP, exact, image_from_end, slips_at_once, with_lengths
 from woodpecker import Toy, equilibrium, first_return, jam_limit
 from woodpecker.compiled import COMPILED
 
+TOY = Toy(expansion_friction="separate")  # as in all scenes
 WORD = "S2 D2 I3s I1+3 J2"
 TRUTH = Truth(Decimal("-0.5"), "S2 D2 I3 I1+3 J2", slope=-2.0, other=-0.7)
 
@@ -136,12 +137,12 @@ def test_the_jam_gives_way_at_its_limit() -> None:
 
 @pytest.mark.slow
 def test_ends_of_the_open_impulse_enclose_the_kernel() -> None:
-    ends = sorted(image_from_end(Toy(), -0.513, end) for end in (0, 1))
-    once = first_return(Toy(), -0.513)
+    ends = sorted(image_from_end(TOY, -0.513, end) for end in (0, 1))
+    once = first_return(TOY, -0.513)
     assert ends[0] < once.phi_s < ends[1]
     assert ends[1] - ends[0] == pytest.approx(3.757e-4, rel=1e-3)  # four digits of this study
     with pytest.raises(ValueError, match="not unique"):
-        exact(Toy(), -0.513)
+        exact(TOY, -0.513)
 
 
 def test_scaling_by_powers_of_two_leaves_the_image() -> None:
@@ -234,9 +235,9 @@ def test_continuation_at_a_b_and_c(results: dict[str, Any]) -> None:
         assert theirs["end"] == "no convergence with the shortest step"
         assert project[f"shooting {name}"]["shots"]["it"] >= 1
         assert textbook[f"shooting {name}"]["shots"]["it"] < 6
-    hop = textbook["path A"]["hop"]
-    assert hop[0] > 0.01  # in eps_N1, past A without a word
-    assert textbook["path B"]["error"] < 1e-7
+    hop = textbook["path B"]["hop"]
+    assert hop[0] > 0.1  # in eps_N1, past B without a word
+    assert textbook["path A"]["error"] < 1e-7
 
 
 @pytest.mark.slow

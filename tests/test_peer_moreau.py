@@ -36,6 +36,7 @@ from woodpecker.compiled import COMPILED
 from woodpecker.lcp import solve_contact_lcp
 from woodpecker.mechanics import energy, equilibrium
 
+TOY = Toy(expansion_friction="separate")  # Coulomb's law, the only one that the scheme knows
 EVERY_WAY = [(scheme, solver) for scheme in SCHEMES for solver in SOLVERS]
 FINE = 1e-5 if COMPILED else 1e-4  # s; plain Python takes seconds for the finer one
 # rad per s of step, for a slope of -0.8: the largest |error| / step over 200 steps from 1e-4
@@ -46,8 +47,8 @@ PER_STEP = 60.0
 @pytest.mark.parametrize(("scheme", "solver"), EVERY_WAY)
 def test_one_return_of_the_nominal_cycle(scheme: str, solver: str) -> None:
     lap, kernel = (
-        first_return_moreau(Toy(), PHI_S, FINE, scheme, solver),
-        first_return(Toy(), PHI_S),
+        first_return_moreau(TOY, PHI_S, FINE, scheme, solver),
+        first_return(TOY, PHI_S),
     )
     assert lap.word == plain(kernel.word)
     assert lap.phi_s == pytest.approx(float(IMAGE), abs=PER_STEP * FINE)
@@ -74,7 +75,7 @@ def test_both_solvers_give_the_same_motion(scheme: str, eps_n1: float, phi_s: fl
 
     The second and third start have two contacts closed at once.
     """
-    toy = Toy(eps_n1=eps_n1)
+    toy = TOY.replace(eps_n1=eps_n1)
     direct, swept = (first_return_moreau(toy, phi_s, 1e-4, scheme, way) for way in SOLVERS)
     allowed = 2000 * PGS_STOP * 50.0
     assert swept.word == direct.word
@@ -95,7 +96,7 @@ def test_energy_never_grows_and_smooth_motion_keeps_it(
     2^-53 and some operations; what Gauss-Seidel leaves of a contact velocity, 1e-12 of 1 m/s,
     times impulses of 1e-3 N s, is 1e-15 J.
     """
-    toy, rounding = Toy(), 1e-16 if solver == "lcp" else 1e-15
+    toy, rounding = TOY, 1e-16 if solver == "lcp" else 1e-15
     run = simulate_moreau(toy, PHI_S, 1.0, step, scheme, solver)
     kinetic, potential = energy(toy, run.q, run.u)
     total = kinetic + potential
@@ -117,7 +118,7 @@ def test_free_steps_solve_the_equations_of_the_scheme(scheme: str, theta: float)
 
     Rounding: h_1 d is up to 1e-2 N m, u up to 50 rad/s times 3e-6 kg m^2, so 1e-18 and more.
     """
-    toy, step = Toy(), 1e-3
+    toy, step = TOY, 1e-3
     run = simulate_moreau(toy, PHI_S, 1.0, step, scheme, "lcp", theta)
     far = (np.abs(run.q[:, 1]) < 0.09) & (run.q[:, 2] < 0.0)  # rad; the gaps close at 0.103, 0.12
     free = far[1:] & far[:-1]
@@ -146,7 +147,7 @@ def test_the_minimum_is_found_within_the_step(scheme: str, step: float) -> None:
     That phi' is linear in a step leaves A (omega dt)^4; the period is off by (omega dt)^2 / 12 of
     itself.
     """
-    toy, phi_s = Toy(), -0.23
+    toy, phi_s = TOY, -0.23
     omega = np.sqrt(toy.c_phi / (toy.j_s + toy.m_s * toy.l_g**2))
     amplitude = equilibrium(toy).phi_s - phi_s
     lap = first_return_moreau(toy, phi_s, step, scheme)
@@ -163,7 +164,7 @@ def test_contact_solvers_against_lemke(contacts: tuple[int, ...]) -> None:
     Tolerance: the slack of the enumeration and the stopping rule, over the condition of G (1e3).
     """
     rng = np.random.default_rng(1)
-    toy = Toy(mu_1=0.4, mu_2=0.7, mu_3=0.2)
+    toy = TOY.replace(mu_1=0.4, mu_2=0.7, mu_3=0.2)
     numbers, part = discretise(toy, 1e-4), np.array(contacts)
     rows = np.array([2 * i + axis for axis in (0, 1) for i in contacts])  # normals first
     delassus = numbers[:3, DELASSUS:].reshape(6, 6)[np.ix_(rows, rows)]
@@ -200,7 +201,7 @@ def _solve(way: str, numbers: Floats, z: Floats, states: Floats, part: Floats) -
 @pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 def test_the_beak_strikes_while_the_upper_contact_is_closed() -> None:
     """P1(-0.8) at eps_N1 = 0.125 is -0.52034 by an independent program."""
-    lap = first_return_moreau(Toy(eps_n1=0.125), -0.8, 2e-6)
+    lap = first_return_moreau(TOY.replace(eps_n1=0.125), -0.8, 2e-6)
     assert lap.phi_s == pytest.approx(-0.52034, abs=PER_STEP * 2e-6)
     assert lap.word == "S2 D2 I3 D3 I3 I1+3 D3 I2 D2 I2 J2"
 
@@ -210,7 +211,7 @@ def test_the_beak_strikes_while_the_upper_contact_is_closed() -> None:
 @pytest.mark.parametrize("eps_n1", [0.9, 0.5])
 def test_images_agree_with_the_kernel_over_the_window(eps_n1: float) -> None:
     """All these starts have one contact at most in an impact of the beak, or one that slides."""
-    toy, step = Toy(eps_n1=eps_n1), 1e-5
+    toy, step = TOY.replace(eps_n1=eps_n1), 1e-5
     for phi_s in (-2.0, -1.1, -0.95, -0.85, -0.7, -0.6, -0.3):
         lap, kernel = first_return_moreau(toy, phi_s, step), first_return(toy, phi_s)
         allowed = 2.0 * PER_STEP * step * max(1.0, abs(kernel.slope))
@@ -222,25 +223,30 @@ def test_images_agree_with_the_kernel_over_the_window(eps_n1: float) -> None:
 def test_newton_and_poisson_differ_where_the_beak_begins_to_stick() -> None:
     """No step makes up for another impact law: 6.9e-3 rad remain, a hundred times the error."""
     eps_n1, phi_s = LAWS
-    image = first_return(Toy(eps_n1=eps_n1), phi_s).phi_s
-    assert "I1-s" in first_return(Toy(eps_n1=eps_n1), phi_s).word
+    image = first_return(TOY.replace(eps_n1=eps_n1), phi_s).phi_s
+    assert "I1-s" in first_return(TOY.replace(eps_n1=eps_n1), phi_s).word
     for step in (1e-5, 1e-6):
-        lap = first_return_moreau(Toy(eps_n1=eps_n1), phi_s, step)
+        lap = first_return_moreau(TOY.replace(eps_n1=eps_n1), phi_s, step)
         assert lap.phi_s - image == pytest.approx(6.87e-3, abs=2.0 * PER_STEP * step)
+
+
+def test_friction_bounded_by_a_sum_is_refused() -> None:
+    with pytest.raises(ValueError, match="expansion_friction='separate', got 'summed'"):
+        first_return_moreau(Toy(), PHI_S)
 
 
 def test_what_cannot_be_followed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match=r"below 0\.12"):
-        first_return_moreau(Toy(), 1.0)
+        first_return_moreau(TOY, 1.0)
     with pytest.raises(ValueError, match="step must be positive"):
-        first_return_moreau(Toy(), PHI_S, 0.0)
+        first_return_moreau(TOY, PHI_S, 0.0)
     with pytest.raises(ValueError, match="theta, midpoint"):
-        first_return_moreau(Toy(), PHI_S, 1e-3, "euler")
+        first_return_moreau(TOY, PHI_S, 1e-3, "euler")
     with pytest.raises(ValueError, match="theta must lie"):
-        simulate_moreau(Toy(), PHI_S, 0.1, 1e-3, "midpoint", "lcp", 0.6)
+        simulate_moreau(TOY, PHI_S, 0.1, 1e-3, "midpoint", "lcp", 0.6)
     monkeypatch.setattr(peer_moreau, "LONGEST", 0.1)  # s; the period is 0.146 s
     with pytest.raises(LostError, match="does not return within"):
-        first_return_moreau(Toy(), PHI_S, 1e-3)
+        first_return_moreau(TOY, PHI_S, 1e-3)
 
 
 def test_a_word_can_be_read_from_states() -> None:
@@ -248,8 +254,8 @@ def test_a_word_can_be_read_from_states() -> None:
     stuck, forward = STICK, peer_moreau.FORWARD
     rows = [[0, stuck, 0], [0, forward, 0], [0, 0, 0], [0, 0, forward], [0, 0, 0], [stuck, 0, 0],
             [0, 0, 0], [0, forward, 0], [0, stuck, 0]]  # fmt: skip
-    assert word_of_states(Toy(), np.array(rows)) == "S2 D2 I3 D3 I1 I2 J2"
-    assert word_of_states(Toy(eps_n1=0.0), np.array(rows)) == "S2 D2 I3 D3 I1 D1 I2 J2"
+    assert word_of_states(TOY, np.array(rows)) == "S2 D2 I3 D3 I1 I2 J2"
+    assert word_of_states(TOY.replace(eps_n1=0.0), np.array(rows)) == "S2 D2 I3 D3 I1 D1 I2 J2"
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from woodpecker import Toy
 from woodpecker.compiled import COMPILED
 
 WHY_NOT = available()
+TOY = Toy(expansion_friction="separate")  # Coulomb's law, the only one that Siconos knows
 needs_siconos = pytest.mark.skipif(bool(WHY_NOT), reason=WHY_NOT or "runs")
 NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
 # rad, s, m; Lemke's path rounds a contact velocity to 1e-12 or so in each of up to 1e4 steps, and
@@ -29,7 +30,7 @@ def test_siconos_and_the_project_take_the_same_steps(
     eps_n1: float, phi_s: float, step: float
 ) -> None:
     """Impacts with two contacts closed and accumulating ones are among them."""
-    toy = Toy(eps_n1=eps_n1)
+    toy = TOY.replace(eps_n1=eps_n1)
     there, here = first_return_siconos(toy, phi_s, step), first_return_moreau(toy, phi_s, step)
     assert there.word == here.word
     assert there.evaluations == here.evaluations
@@ -41,8 +42,8 @@ def test_siconos_and_the_project_take_the_same_steps(
 @needs_siconos
 @pytest.mark.slow
 def test_samples_are_those_of_the_project() -> None:
-    there = simulate_siconos(Toy(), PHI_S, 0.3, 1e-4, every=10)
-    here = simulate_moreau(Toy(), PHI_S, 0.3, 1e-4)
+    there = simulate_siconos(TOY, PHI_S, 0.3, 1e-4, every=10)
+    here = simulate_moreau(TOY, PHI_S, 0.3, 1e-4)
     n = len(there.t)
     assert there.t == pytest.approx(here.t[::10][:n], abs=1e-12)
     assert there.q == pytest.approx(here.q[::10][:n], abs=SAME)
@@ -54,7 +55,7 @@ def test_samples_are_those_of_the_project() -> None:
 @needs_siconos
 @pytest.mark.slow
 def test_gauss_seidel_of_siconos_solves_one_contact_to_rounding() -> None:
-    lemke, swept = (first_return_siconos(Toy(), PHI_S, 1e-4, way) for way in ("LEMKE", "NSGS"))
+    lemke, swept = (first_return_siconos(TOY, PHI_S, 1e-4, way) for way in ("LEMKE", "NSGS"))
     assert swept.word == lemke.word == NOMINAL
     assert swept.phi_s == pytest.approx(lemke.phi_s, abs=SAME)
 
@@ -86,13 +87,15 @@ def test_a_missing_siconos_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
         assert "/nowhere/python3" in available()
         assert main(fast=True) == {"skipped": available()}
         with pytest.raises(LostError, match="cannot be asked for"):
-            first_return_siconos(Toy(), PHI_S)
+            first_return_siconos(TOY, PHI_S)
     finally:
         available.cache_clear()
 
 
 def test_wrong_numbers_are_refused() -> None:
+    with pytest.raises(ValueError, match="expansion_friction='separate', got 'summed'"):
+        first_return_siconos(Toy(), PHI_S)
     with pytest.raises(ValueError, match=r"below 0\.12"):
-        first_return_siconos(Toy(), 1.0)
+        first_return_siconos(TOY, 1.0)
     with pytest.raises(ValueError, match="0 < step < t_end"):
-        simulate_siconos(Toy(), PHI_S, 0.1, 0.2)
+        simulate_siconos(TOY, PHI_S, 0.1, 0.2)

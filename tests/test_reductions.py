@@ -6,8 +6,9 @@ import cases
 import numpy as np
 import pytest
 import reductions as study
+from laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
 
-from woodpecker import Toy
+from woodpecker import ExpansionFriction, Toy
 from woodpecker.compiled import COMPILED
 from woodpecker.kernel import SECTION
 
@@ -16,7 +17,7 @@ STARTS = np.array([cases.CYCLE.phi_s, cases.DOUBLE.phi_s, cases.TWO_SWINGS.phi_s
 
 @pytest.fixture(scope="module")
 def motion() -> tuple[list[study.Phase], study.Impacts]:
-    return study.recorded(Toy(), STARTS)
+    return study.recorded(CONTACT_BY_CONTACT, STARTS)  # the law of the scenes
 
 
 def test_phases_add_up_to_the_periods(motion: tuple[list[study.Phase], study.Impacts]) -> None:
@@ -32,8 +33,10 @@ def test_phases_add_up_to_the_periods(motion: tuple[list[study.Phase], study.Imp
 
 
 @pytest.mark.slow
-def test_both_contact_solvers_agree(motion: tuple[list[study.Phase], study.Impacts]) -> None:
-    _, impacts = motion
+@pytest.mark.parametrize("law", LAWS)
+def test_both_contact_solvers_agree(law: ExpansionFriction) -> None:
+    _, impacts = study.recorded(TOYS[law], STARTS)
+    assert impacts.coupling.any() == (law is SUMMED)
     one, two = study.direct(impacts), study.lemke(impacts)
     scale = np.abs(two).max(axis=1, keepdims=True)
     assert one.any()

@@ -64,10 +64,13 @@ def test_the_peer_returns_near_the_reference() -> None:
     assert lap.drop == pytest.approx(first_return(Toy(), PHI_S).drop, abs=AGREES)
 
 
-@pytest.mark.parametrize("eps_n1", [0.9, 0.5, 0.1])
-def test_the_peer_agrees_with_the_kernel_over_the_window(eps_n1: float) -> None:
+@pytest.mark.parametrize(
+    ("eps_n1", "law"),
+    [(0.9, "summed"), (0.5, "summed"), (0.2, "summed"), (0.5, "separate"), (0.1, "separate")],
+)
+def test_the_peer_agrees_with_the_kernel_over_the_window(eps_n1: float, law: str) -> None:
     """Image, period, drop and word from start to start; no chatter among these starts."""
-    toy = Toy(eps_n1=eps_n1)
+    toy = Toy(eps_n1=eps_n1, expansion_friction=law)  # type: ignore[arg-type]
     for phi_s in (-2.4, -2.0, -1.6, -1.1, -0.95, -0.6, -0.4, -0.3):
         lap, peer = first_return(toy, phi_s), first_return_ode(toy, phi_s, rtol=RTOL)
         assert peer.word == lap.word
@@ -120,9 +123,16 @@ def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
     results = whole.main(fast=True, out=tmp_path)
     kinds = sorted(kind for kind, *_ in results["collisions"])
     assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
+    at = sorted(p for _, _, p, _ in results["collisions"])
+    assert at == pytest.approx([0.29152171, 0.34192345, 0.38834959], abs=5e-9)
+    other = results["separate"]
+    assert other["law"] == "separate"
+    at = [p for kind, note, p, _ in other["collisions"] if (kind, note) == ("BC", "fold")]
+    assert at == pytest.approx([0.32103615], abs=5e-9)
     assert results["unexplained"] == []
     assert results["orbits"] + results["lost"] == 10 * 12
-    assert (tmp_path / "fig09.png").stat().st_size > 20_000
+    for name in ("fig09.png", "fig09_laws.png"):
+        assert (tmp_path / name).stat().st_size > 20_000
     assert results["not_followed"] == []
     assert results["slices"]["P_1"] >= 8  # and more where these show something new
     fine, coarse = results["tables"]

@@ -9,6 +9,7 @@ import numpy as np
 import peer_kernel
 import pytest
 import work_precision as study
+from laws import CONTACT_BY_CONTACT
 from peer_ode import first_return_ode
 
 from woodpecker import Toy, first_return
@@ -56,7 +57,7 @@ def test_the_kernel_meets_the_references(scene: cases.Scene) -> None:
 
 def test_the_kernel_meets_the_sample_of_the_map() -> None:
     for x, image in zip(cases.sample(), cases.SAMPLE_IMAGES, strict=True):
-        assert cases.distance(first_return(Toy(), float(x)).phi_s, image) < ROUNDING
+        assert cases.distance(first_return(CONTACT_BY_CONTACT, float(x)).phi_s, image) < ROUNDING
 
 
 def test_words_are_compared_by_their_events() -> None:
@@ -124,11 +125,20 @@ def test_verdicts_follow_from_the_rows() -> None:
 @pytest.mark.slow
 def test_another_process_runs_the_plain_kernel() -> None:
     with peer_kernel.PlainPython() as other:
-        arguments = peer_kernel.numbers(Toy()), [cases.CYCLE.phi_s]
-        (images, words), seconds = other.ask("peer_kernel:laps", *arguments, count=2)
-    assert images == [first_return(Toy(), cases.CYCLE.phi_s).phi_s]  # the same numbers, exactly
-    assert words == [cases.CYCLE.word]
-    assert seconds.cpu > 0.0
+        start = cases.DOUBLE.phi_s
+        for toy in (Toy(), CONTACT_BY_CONTACT):  # the law goes with the numbers
+            arguments = cases.numbers(toy), [start]
+            (images, words), seconds = other.ask("peer_kernel:laps", *arguments, count=2)
+            assert images == [first_return(toy, start).phi_s]  # the same numbers, exactly
+            assert words == [first_return(toy, start).word]
+            assert seconds.cpu > 0.0
+
+
+def test_every_scene_is_under_the_law_that_all_methods_know() -> None:
+    assert {scene.toy.expansion_friction for scene in cases.SCENES} == {"separate"}
+    assert cases.numbers(Toy())["expansion_friction"] == "summed"
+    image = first_return(Toy(), cases.DOUBLE.phi_s).phi_s
+    assert cases.distance(image, cases.DOUBLE.image) > 0.01  # the sum gives another motion
 
 
 @pytest.mark.slow
