@@ -27,7 +27,7 @@ from pwmap.diagram import Diagram
 from woodpecker import Toy, continuation, first_return, kernel, return_map, shoot
 from woodpecker.arrays import Floats
 from woodpecker.compiled import COMPILED
-from woodpecker.modes import model
+from woodpecker.modes import FIXED, model
 from woodpecker.returns import EVENT_LIMIT
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
@@ -131,7 +131,7 @@ def equal_starts(toy: Toy, n: int) -> Callable[[], Floats]:
     status, lengths = np.empty(n, np.int64), np.empty(n, np.int64)
 
     def work() -> Floats:
-        kernel.sweep(numbers, begin, 1, seed, out, status, lengths, words)
+        kernel.sweep(numbers, FIXED, begin, 1, seed, out, status, lengths, words)
         return out[:, 0]
 
     return work

@@ -29,6 +29,7 @@ from woodpecker.modes import (
     ALPHA,
     ANGLE,
     CONTACT,
+    FIXED,
     GAP,
     GUARDS,
     KAPPA,
@@ -100,13 +101,15 @@ def first_return_ode(
     tangents, seed = np.zeros((0, 7)), np.zeros((0, 3))
     states, slips = np.array([Contact.OPEN, Contact.STICK, Contact.OPEN]), np.zeros(3, np.int64)
     codes, counts = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64)
-    room = kernel.make_room(0)
+    room, gaps = kernel.make_room(), np.zeros(3)
     z[1], z[2] = -toy.phi_m_max, phi_s
     fired, evaluations, modes = -1, 0, dict[int, _Mode]()
     while fired != SECTION:
+        kernel.measure(numbers, z, gaps)
         status = kernel.arrive(
-            numbers, z, tangents, seed, fired, states, slips, codes, counts, event, room
-        )
+            numbers, FIXED, z, gaps, tangents, seed, fired, states, slips, codes, counts, event,
+            room,
+        )  # fmt: skip
         if status != SOLVED or counts[0] > len(codes):
             raise LostError(f"the contact problem at t = {z[6]} s has no single solution")
         mode = mode_index(*states)

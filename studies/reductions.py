@@ -43,7 +43,7 @@ from style import STABLE, VIOLET, WIDTH, grid
 from woodpecker import Toy, free_frequency, kernel, return_map
 from woodpecker.arrays import Floats, Ints
 from woodpecker.compiled import COMPILED, jit
-from woodpecker.contact import make_pair, one_contact, rates, two_contacts
+from woodpecker.contact import PAIR_ROOM, one_contact, rates, two_contacts
 from woodpecker.guards import bracketed, value
 from woodpecker.lcp import solve_contact_lcp
 from woodpecker.modes import (
@@ -51,6 +51,7 @@ from woodpecker.modes import (
     DELASSUS,
     EPS,
     EXPANSION,
+    FIXED,
     FORCE,
     GUARDS,
     KAPPA,
@@ -154,6 +155,7 @@ def recorded(toy: Toy, begin: Floats) -> tuple[list[Phase], Impacts]:
     """Smooth phases and impacts of the returns from these starts, as in the kernel."""
     table = model(toy)
     phases: list[Phase] = []
+    gaps = np.zeros(3)
     impacts: list[tuple[Ints, Floats, Floats]] = []
     for phi_s in begin:
         rows, happened = _lap(table, phi_s)
@@ -161,8 +163,9 @@ def recorded(toy: Toy, begin: Floats) -> tuple[list[Phase], Impacts]:
         for row in rows:
             mode = int(row[7])
             states = np.array(mode_states(mode))
+            kernel.measure(table, row[:7], gaps)
             time, guard = kernel.next_event(
-                table, mode, row[:7], states, True, math.inf, before, -1
+                table, mode, row[:7], gaps, states, True, math.inf, before, -1
             )
             phases.append(Phase(row[:7].copy(), mode, before, time, guard))
             before = guard
@@ -194,7 +197,7 @@ def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
     z, counts = np.zeros(7), np.zeros(3, np.int64)
     z[1], z[2] = -table[CONTACT + 1, 0], phi_s
     kernel.run(
-        table, z, np.zeros((0, 7)), np.zeros((0, 3)), np.array([0, 1, 0]), True, math.inf,
+        table, FIXED, z, np.zeros((0, 7)), np.zeros((0, 3)), np.array([0, 1, 0]), True, math.inf,
         np.zeros(EVENTS, np.int16), phases, happened, counts,
     )  # fmt: skip
     return phases[: counts[1]], happened[: counts[2]]
@@ -396,7 +399,8 @@ def _direct(
     first: Ints, coupling: Floats, out: Floats,
 ) -> None:  # fmt: skip
     cases, feeds = np.zeros((2, 2), dtype=np.int64), np.zeros(2, dtype=np.int64)
-    pair = make_pair()
+    owner = np.zeros(1, dtype=PAIR_ROOM)
+    pair = owner[0]
     for k in range(len(size)):
         if size[k] == 1:
             g = delassus[k]
@@ -477,7 +481,7 @@ def land(table: Floats, z: Floats, tangents: npt.ArrayLike = ()) -> tuple[Floats
     away = 0
     while not away:
         kernel.run(
-            table, state, v, np.zeros((len(v), 3)), states, True, math.inf, codes,
+            table, FIXED, state, v, np.zeros((len(v), 3)), states, True, math.inf, codes,
             np.zeros((0, kernel.PHASE_COLUMNS)), np.zeros((0, kernel.EVENT_COLUMNS)), counts,
         )  # fmt: skip
         away = int(np.bitwise_or.reduce(codes[: counts[0]] % 8)) & 0b101
@@ -584,12 +588,15 @@ def wrong(phases: Sequence[Phase], times: Floats, which: Ints) -> int:
 
 def shortest_dip(table: Floats, phases: Sequence[Phase]) -> float:
     """Shortest time [s] for which a guard that ends a phase would stay negative if ignored."""
-    shortest = math.inf
+    shortest, gaps = math.inf, np.zeros(3)
     for phase in phases:
         if phase.guard == SECTION:
             continue
         states = np.array(mode_states(phase.mode))
-        jet = kernel.starting_jet(table, phase.mode, phase.guard, phase.z, states, phase.before)
+        kernel.measure(table, phase.z, gaps)
+        jet = kernel.starting_jet(
+            table, phase.mode, phase.guard, phase.z, gaps, states, phase.before
+        )
         kappa, omega = table[phase.mode, KAPPA], table[phase.mode, OMEGA]
         ahead = phase.time + np.geomspace(1e-9, 0.01, 1000)
         up = [t for t in ahead if value(*jet, kappa, omega, t)[0] > 0.0]
@@ -611,11 +618,12 @@ def _states(mode: int, states: Ints) -> None:
 def _isolate(
     table: Floats, z: Floats, modes: Ints, before: Ints, times: Floats, which: Ints
 ) -> None:
-    states = np.zeros(3, dtype=np.int64)
+    states, gaps = np.zeros(3, dtype=np.int64), np.zeros(3)
     for k in range(len(modes)):
         _states(modes[k], states)
+        kernel.measure(table, z[k], gaps)
         times[k], which[k] = kernel.next_event(
-            table, modes[k], z[k], states, True, math.inf, before[k], -1
+            table, modes[k], z[k], gaps, states, True, math.inf, before[k], -1
         )
 
 
@@ -624,10 +632,11 @@ def _sample(
     table: Floats, z: Floats, modes: Ints, before: Ints, step: float, times: Floats, which: Ints
 ) -> None:
     """First change of sign of a guard between two samples, then Newton's method for its root."""
-    states, jets = np.zeros(3, dtype=np.int64), np.zeros((5, 4))
+    states, jets, gaps = np.zeros(3, dtype=np.int64), np.zeros((5, 4)), np.zeros(3)
     for k in range(len(modes)):
         mode = modes[k]
         _states(mode, states)
+        kernel.measure(table, z[k], gaps)
         kappa, omega = table[mode, KAPPA], table[mode, OMEGA]
         end, fired, n = LOOK_AHEAD, -1, 0
         while n < 5 and table[mode, GUARDS + n] >= 0:
@@ -636,7 +645,7 @@ def _sample(
                 end, fired = kernel.time_to_minimum(table, mode, z[k]), guard
                 break  # the last one
             jets[n, 0], jets[n, 1], jets[n, 2], jets[n, 3] = kernel.starting_jet(
-                table, mode, guard, z[k], states, before[k]
+                table, mode, guard, z[k], gaps, states, before[k]
             )
             n += 1
         low = 0.0

@@ -10,7 +10,7 @@ import pytest
 
 from woodpecker import mechanics
 from woodpecker.contact import impact, make_pair
-from woodpecker.modes import ANGLE, SIGN, model
+from woodpecker.modes import ANGLE, FIXED, SIGN, model
 from woodpecker.toy import ExpansionFriction, Toy
 
 FloatArray = npt.NDArray[np.float64]
@@ -50,7 +50,7 @@ def strike(
     seeds = np.array(seed, dtype=float).reshape(-1, 3)
     hit = np.array(contacts, dtype=np.int64)
     marks = np.zeros(2, dtype=np.int64)
-    outcome = impact(model(toy), hit, z, rows, seeds, case, impulses, marks, make_pair())
+    outcome = impact(model(toy), FIXED, hit, z, rows, seeds, case, impulses, marks, make_pair())
     return Blow(
         outcome=outcome, u=z[3:6], tangents=rows[:, 3:6], case=case[: len(hit)], impulses=impulses
     )

@@ -15,12 +15,13 @@ from woodpecker import kernel, mechanics
 from woodpecker.arrays import Ints
 from woodpecker.compiled import COMPILED
 from woodpecker.contact import AMBIGUOUS, NO_SOLUTION, SOLVED
-from woodpecker.kernel import mode_of, settle
+from woodpecker.kernel import measure, mode_of, settle
 from woodpecker.lcp import enumerate_contacts, solve_contact_lcp
 from woodpecker.mechanics import equilibrium
 from woodpecker.modes import (
     ALPHA,
     CONE_POSITIVE,
+    FIXED,
     KAPPA,
     LAMBDA,
     NORMAL,
@@ -64,9 +65,11 @@ def decide(
     touching: Ints = np.zeros(3, dtype=np.int64)
     touching[list(closed)] = 1
     states: Ints = np.zeros(3, dtype=np.int64)
+    measure(model(toy), z, gaps := np.zeros(3))
     outcome = settle(
         model(toy),
         z,
+        gaps,
         touching,
         slip * touching,
         np.int64(fired),
@@ -458,8 +461,8 @@ def follow(
     z, counts = np.zeros(7), np.zeros(3, dtype=np.int64)
     z[1:3] = -TOY.phi_m_max, phi_s
     code = kernel.run(
-        model(TOY.replace(eps_n1=eps_n1)), z, tangents, SEED[: len(tangents)], states, False, t_end,
-        np.zeros(50, dtype=np.int16), np.zeros((0, kernel.PHASE_COLUMNS)),
+        model(TOY.replace(eps_n1=eps_n1)), FIXED, z, tangents, SEED[: len(tangents)], states,
+        False, t_end, np.zeros(50, dtype=np.int16), np.zeros((0, kernel.PHASE_COLUMNS)),
         np.zeros((0, kernel.EVENT_COLUMNS)), counts,
     )  # fmt: skip
     assert code == kernel.TIME_REACHED
