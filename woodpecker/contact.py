@@ -270,11 +270,9 @@ def _violation(
 
 @jit
 def _size(i: int, delassus: Floats, free: Floats, p: Floats) -> float:
-    """Sum of the moduli of the terms of a velocity."""
-    total = abs(free[i])
-    for j in range(4):
-        total += abs(delassus[i, j] * p[j])
-    return float(total)
+    """Size of the terms that a velocity is the sum of, and that rounding of impulses enters."""
+    row = abs(delassus[i, 0]) + abs(delassus[i, 1]) + abs(delassus[i, 2]) + abs(delassus[i, 3])
+    return float(abs(free[i]) + row * _largest(p))
 
 
 @jit

@@ -14,7 +14,10 @@ T = TypeVar("T")
 
 ROUGHLY = 1.0 / 64.0  # how well a change of word ahead is located while a branch comes near it
 NEAR = 64  # spacings of doubles between an edge and the first point a limit is read from
+WIDENINGS = 4  # times that this distance is made four times larger where words still flicker, since
+# rounding decides between them: a border has been seen to flicker over some hundred spacings
 MOST = 50  # edges looked for in one interval
+STRAIGHT = 0.25  # of a rise that the slope may miss: a square root misses half of it
 WIDEST = 0.02  # largest distance [rad] at which the next edge is looked for
 
 
@@ -22,8 +25,9 @@ WIDEST = 0.02  # largest distance [rad] at which the next edge is looked for
 class Edge:
     """The end of a piece, and both sides of it.
 
-    ``left`` and ``right`` are read a few spacings of doubles away: on the edge itself rounding can
-    make two events simultaneous and show a word that has no interval.
+    ``left`` and ``right`` are read some spacings of doubles away, where each side shows one word:
+    on the edge itself rounding can make two events simultaneous, and show a word that has no
+    interval, or that of the other side.
     """
 
     x: float
@@ -85,21 +89,20 @@ def change_ahead(
     return clear, changing[0]
 
 
-def one_sided(
-    labelled_map: LabelledMap, x: float, p: float, side: int, near: float
-) -> tuple[Evaluation, float]:
-    """The map next to an edge at x, and its limit, from the left (side = -1) or right (+1).
+def limit_of(first: Evaluation, second: Evaluation, distance: float) -> float:
+    """One-sided limit at an edge, from the map at a signed distance and at four times that.
 
-    The limit extrapolates f = L + c sqrt(|x - x_e|) from the distances ``near`` and 4 ``near``,
-    which is exact for a grazing's square root and first order for a smooth side.
+    A smooth side is continued with its exact slope. Where the slope does not tell the way to the
+    second point, f = L + c sqrt(|x - x_e|) is extrapolated, the square root of a grazing.
     """
-    first = labelled_map(x + side * near, p)
-    second = labelled_map(x + side * 4.0 * near, p)
     if not first.defined:
-        return first, math.nan
+        return math.nan
     if not second.defined or second.word != first.word:
-        return first, first.value
-    return first, 2.0 * first.value - second.value
+        return first.value
+    rise, straight = second.value - first.value, 3.0 * distance * first.slope
+    if abs(rise - straight) <= STRAIGHT * abs(rise):
+        return first.value - distance * first.slope
+    return first.value - rise
 
 
 def edge_between(
@@ -114,10 +117,31 @@ def edge_between(
 
 
 def _read(labelled_map: LabelledMap, p: float, x: float, beyond: float, near: float) -> Edge:
-    """The edge between neighbouring doubles, its limits read from a distance ``near``."""
-    left, left_limit = one_sided(labelled_map, min(x, beyond), p, -1, near)
-    right, right_limit = one_sided(labelled_map, max(x, beyond), p, +1, near)
-    return Edge(x=x, p=p, left=left, right=right, left_limit=left_limit, right_limit=right_limit)
+    """The edge between neighbouring doubles, its limits read from ``near`` or further away."""
+    nearest: Edge | None = None
+    for _ in range(1 + WIDENINGS):
+        left, right = (
+            (labelled_map(end + reach, p), labelled_map(end + 4.0 * reach, p))
+            for end, reach in ((min(x, beyond), -near), (max(x, beyond), near))
+        )
+        edge = Edge(
+            x=x, p=p, left=left[0], right=right[0],
+            left_limit=limit_of(*left, -near), right_limit=limit_of(*right, near),
+        )  # fmt: skip
+        if left[0].word == left[1].word != right[0].word == right[1].word:
+            return edge
+        nearest = nearest or edge
+        near *= 4.0
+    assert nearest is not None
+    return nearest
+
+
+def edge_at(labelled_map: LabelledMap, x: float, p: float, widest: float) -> Edge:
+    """The edge nearest to a place where one is known to be, up to rounding."""
+    half = 4.0 * NEAR * math.ulp(x)
+    while half < widest and labelled_map(x - half, p).word == labelled_map(x + half, p).word:
+        half *= 4.0
+    return edge_between(labelled_map, p, x - half, x + half)
 
 
 def nearest_edge(

@@ -13,13 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-import numpy as np
 import sympy
 
 from pwmap.bifurcations import bifurcation_diagram as exact_diagram
 from pwmap.diagram import BranchKind, Diagram, SpecialPoint
 from pwmap.maps import PiecewiseLinearMap
-from woodpecker.edges import NEAR, Edge, edge_between
+from woodpecker.edges import Edge, edge_at
 from woodpecker.labelled import LabelledMap
 from woodpecker.tolerances import DEFAULT, Tolerances
 
@@ -104,7 +103,7 @@ def local_model(
         If the map does not jump at x, or neither limit lies on the diagonal there.
     """
     step = tolerances.landing
-    edges = [_edge(labelled_map, x, p + dp, 100.0 * step) for dp in (-step, 0.0, step)]
+    edges = [edge_at(labelled_map, x, p + dp, 100.0 * step) for dp in (-step, 0.0, step)]
     edge = edges[1]
     if not abs(edge.jump) > tolerances.jump:
         raise ValueError(f"the map does not jump at x = {x}, p = {p}")
@@ -135,14 +134,6 @@ def local_model(
             start for start in _starts(found, point, speed) if _is_local(start, "LR"[inner > 0])
         ),
     )
-
-
-def _edge(labelled_map: LabelledMap, x: float, p: float, reach: float) -> Edge:
-    """The jump nearest to x: bisection from both sides of it must meet."""
-    half = 4.0 * NEAR * float(np.spacing(abs(x)))
-    while half < reach and labelled_map(x - half, p).word == labelled_map(x + half, p).word:
-        half *= 4.0
-    return edge_between(labelled_map, p, x - half, x + half)
 
 
 def _exact(value: float) -> sympy.Rational:

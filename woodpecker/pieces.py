@@ -27,7 +27,7 @@ from scipy.optimize import brentq
 from pwmap.diagram import runs_of
 from woodpecker.arrays import Floats, Ints
 from woodpecker.checks import interval, number, positive, whole
-from woodpecker.edges import NEAR, Edge, is_continuous
+from woodpecker.edges import NEAR, WIDENINGS, Edge, is_continuous, limit_of
 from woodpecker.labelled import BELOW, SEPARATOR, Evaluation, LabelledMap
 from woodpecker.tolerances import DEFAULT, Tolerances
 
@@ -318,6 +318,9 @@ def partition(
     )  # fmt: skip
 
 
+_Pair = tuple[Evaluation, Evaluation]
+
+
 class _Search:
     """The refinement of one window."""
 
@@ -385,7 +388,7 @@ class _Search:
         return located
 
     def edges(self, pieces: Sequence[Piece]) -> Iterator[Edge]:
-        """Edges between the pieces, with limits read as :func:`woodpecker.edges.one_sided` does."""
+        """Edges between the pieces, with limits read as in :mod:`woodpecker.edges`."""
         pairs = list(pairwise(pieces))
         if self.diagonal:
             pairs = [pair for pair in pairs if self._matters(*_facing(*pair))[0]]
@@ -395,28 +398,43 @@ class _Search:
             return
         x = np.array([left.high for left, _ in pairs])
         beyond = np.array([right.low for _, right in pairs])
-        near = NEAR * np.spacing(np.abs(x))
+        found: list[Edge | None] = [None] * len(pairs)
+        near, unsettled = NEAR * np.spacing(np.abs(x)), np.arange(len(pairs))
+        for _ in range(1 + WIDENINGS):
+            read = self._beside(x[unsettled], beyond[unsettled], near[unsettled])
+            for k, (left, right) in zip(unsettled.tolist(), read, strict=True):
+                settled = left[0].word == left[1].word != right[0].word == right[1].word
+                if settled or found[k] is None:
+                    found[k] = Edge(
+                        x=float(x[k]), p=self.p, left=left[0], right=right[0],
+                        left_limit=limit_of(*left, -near[k]), right_limit=limit_of(*right, near[k]),
+                    )  # fmt: skip
+                near[k] = math.nan if settled else 4.0 * near[k]
+            unsettled = unsettled[~np.isnan(near[unsettled])]
+            if not len(unsettled):
+                break
+        yield from (edge for edge in found if edge is not None)
+
+    def _beside(self, x: Floats, beyond: Floats, near: Floats) -> list[tuple[_Pair, _Pair]]:
+        """The map left and right of edges, at a distance and at four times that."""
         read = [
-            self.at(start + side * scale * near)
+            self._evaluations(start + side * scale * near)
             for start, side in ((x, -1.0), (beyond, 1.0))
             for scale in (1.0, 4.0)
         ]
-        for k in range(len(pairs)):
-            left = self._side(read[0], read[1], k)
-            right = self._side(read[2], read[3], k)
-            yield Edge(
-                x=float(x[k]), p=self.p, left=left[0], right=right[0],
-                left_limit=left[1], right_limit=right[1],
-            )  # fmt: skip
+        return [((a, b), (c, d)) for a, b, c, d in zip(*read, strict=True)]
 
-    def _side(self, first: Samples, second: Samples, k: int) -> tuple[Evaluation, float]:
-        word = self.map.words[first.words[k]]
-        if not first.defined[k]:
-            return Evaluation(math.nan, math.nan, math.nan, word, False), math.nan
-        here = Evaluation(float(first.value[k]), float(first.slope[k]), float(first.rate[k]), word)
-        if first.words[k] != second.words[k] or not second.defined[k]:
-            return here, here.value
-        return here, 2.0 * here.value - float(second.value[k])
+    def _evaluations(self, x: Floats) -> list[Evaluation]:
+        samples = self.at(x)
+        columns = samples.value, samples.slope, samples.rate, samples.words, samples.defined
+        return [
+            Evaluation(value, slope, rate, self.map.words[word], defined)
+            if defined
+            else Evaluation(math.nan, math.nan, math.nan, self.map.words[word], False)
+            for value, slope, rate, word, defined in zip(
+                *(column.tolist() for column in columns), strict=True
+            )
+        ]
 
 
 def _facing(left: Piece, right: Piece) -> tuple[Samples, Samples]:

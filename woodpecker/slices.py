@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.edges import NEAR, Edge, edge_between
+from woodpecker.edges import Edge, edge_at
 from woodpecker.itineraries import Backward, Itineraries
 from woodpecker.jumps import Jump, jump_through
 from woodpecker.labelled import SAME_CYCLE, Cycle, LabelledMap, correct, evaluate
@@ -18,6 +17,7 @@ from woodpecker.settings import Settings
 
 # What iterates ask of the pieces of P_1: guesses only, for Newton's method.
 BEND, EDGE, CLOSE = 1e-4, 1e-6, 1e-3
+WIDEST_FLICKER = 1e-11  # rad: as far rounding may blur where the words of an edge change
 MUCH = 100.0  # a guess this many times too steep is not looked at more closely
 
 
@@ -157,8 +157,7 @@ class Slicer:
 
     def _labelled(self, edge: Edge) -> Edge:
         """The same edge with the words of the labelled map on both sides."""
-        near = NEAR * math.ulp(edge.x)
-        return edge_between(self.map, edge.p, edge.x - near, edge.x + near)
+        return edge_at(self.map, edge.x, edge.p, WIDEST_FLICKER)
 
 
 def _distinct(cycles: Iterable[Cycle]) -> Iterator[Cycle]:

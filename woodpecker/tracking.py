@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from woodpecker.edges import NEAR, Edge, edge_between
+from woodpecker.edges import NEAR, WIDENINGS, Edge, edge_between
 from woodpecker.labelled import LabelledMap
 from woodpecker.settings import Settings
 
@@ -86,12 +86,13 @@ class Track:
                     inside = middle
                 else:
                     outside = middle
-            beside = NEAR * math.ulp(inside) if fine == 0.0 else 0.0
-            if (
-                self.map(inside - beside, p).word == self.left
-                and self.map(outside + beside, p).word == self.right
-            ):
-                return inside, outside
+            for widening in range(1 + WIDENINGS if fine == 0.0 else 1):
+                beside = NEAR * math.ulp(inside) * 4.0**widening if fine == 0.0 else 0.0
+                if (
+                    self.map(inside - beside, p).word == self.left
+                    and self.map(outside + beside, p).word == self.right
+                ):
+                    return inside, outside
         return None
 
     def sees(self, p: float, near: Edge, before: Edge) -> bool:
