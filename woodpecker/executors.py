@@ -13,7 +13,6 @@ from __future__ import annotations
 import logging
 import math
 import multiprocessing
-import operator
 import os
 import pickle
 import signal
@@ -28,6 +27,8 @@ from contextlib import ExitStack, contextmanager
 from functools import lru_cache, partial
 from multiprocessing.connection import Connection, wait
 from typing import Any, NamedTuple, Protocol
+
+from woodpecker.checks import whole
 
 WATCH = 1.0  # s: how often a worker looks whether its owner is still there
 PATIENCE = 2.0  # s: what takes less is done before processes that are started anew could help
@@ -209,9 +210,7 @@ def worker_count(workers: int | None) -> int:
     if workers is None:
         allowed = getattr(os, "sched_getaffinity", None)  # Linux
         return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
-    if isinstance(workers, bool) or not hasattr(workers, "__index__") or workers < 1:
-        raise ValueError(f"workers must be a whole number of at least 1, got {workers!r}")
-    return operator.index(workers)
+    return whole("workers", workers)
 
 
 # --- Sending work ---------------------------------------------------------------------------------

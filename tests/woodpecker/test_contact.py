@@ -8,7 +8,7 @@ import hypothesis.strategies as st
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from impacts import (
     LAWS,
     SCENES,
@@ -24,6 +24,7 @@ from impacts import (
     strike,
 )
 from scipy.optimize import linprog
+from thoroughness import thorough
 
 from woodpecker import mechanics
 from woodpecker.cases import BACKWARD, FORWARD, FREE, HOLD, REST, case_table, impulse_of
@@ -53,7 +54,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 MANY = 2000 if COMPILED else 60  # plain Python is a hundred times slower
-often = settings(deadline=None, derandomize=True, max_examples=300 if COMPILED else 30)
+often = thorough(300 if COMPILED else 30)
 
 # Elimination with condition below 1e4 or so: four digits less than doubles have.
 SOLVES = 1e-11

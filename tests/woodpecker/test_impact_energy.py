@@ -35,9 +35,10 @@ import hypothesis.strategies as st
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from impacts import directions, frictions, laws, restitutions, scenes, strike
 from scipy.optimize import brentq
+from thoroughness import thorough
 
 from woodpecker import Status, first_return, mechanics, simulate
 from woodpecker.compiled import COMPILED
@@ -49,7 +50,7 @@ from woodpecker.toy import ExpansionFriction, Toy
 FloatArray = npt.NDArray[np.float64]
 SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE
 
-often = settings(deadline=None, derandomize=True, max_examples=300 if COMPILED else 30)
+often = thorough(300 if COMPILED else 30)
 
 # Energies over the energy before: impulses are good to 1e-11 of it, see test_contact.SOLVES, and
 # the difference of energies is a sum of products with them.

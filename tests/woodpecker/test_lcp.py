@@ -10,7 +10,8 @@ import hypothesis.strategies as st
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
+from thoroughness import thorough
 
 from woodpecker import lcp, mechanics
 from woodpecker.lcp import (
@@ -137,7 +138,7 @@ def test_copositive_plus_is_always_solved() -> None:
         assert violation(a, b, result.x) < RESIDUAL
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@thorough(200)
 @given(st.data())
 def test_degenerate_integer_problems_end_with_a_verdict(data: st.DataObject) -> None:
     n = data.draw(st.integers(1, 4))
@@ -147,7 +148,7 @@ def test_degenerate_integer_problems_end_with_a_verdict(data: st.DataObject) -> 
     assert_agrees(a.reshape(n, n), b)
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@thorough(200)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 5))
 def test_units_do_not_matter(seed: int, n: int) -> None:
     """Rows in other units, columns in other units, and b a thousand times larger."""
@@ -358,7 +359,7 @@ def velocities(s: Scene, solution: ContactLcp) -> FloatArray:
     return np.asarray(s.delassus @ impulse + s.free)
 
 
-@settings(deadline=None, derandomize=True, max_examples=400)
+@thorough(400)
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 3),
@@ -399,7 +400,7 @@ def test_three_contacts_of_a_body_with_few_freedoms(seed: int, freedoms: int) ->
 # --- A full friction matrix: the bound F Lambda_N ------------------------------------------------
 
 
-@settings(deadline=None, derandomize=True, max_examples=400)
+@thorough(400)
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 3),
@@ -504,7 +505,7 @@ def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
     np.testing.assert_allclose(b, [*start, 2.0 * f[0] @ floor], rtol=EXACT)
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
 def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit: float) -> None:
     """Tangents measured in another unit at every second contact, F with them: same motion."""
@@ -523,7 +524,7 @@ def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit:
 # --- Energy and invariance -----------------------------------------------------------------------
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), freedoms=st.integers(2, 7))
 def test_compression_never_adds_energy(seed: int, n: int, freedoms: int) -> None:
     s = scene(np.random.default_rng(seed), n, freedoms)
@@ -558,7 +559,7 @@ def test_contact_solution_is_among_the_enumerated(n: int, scenes: int) -> None:
     assert unique > 0.7 * scenes  # the comparison is not vacuous
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
 def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -> None:
     """A heavier body with faster contacts needs impulses larger by both factors."""
@@ -571,7 +572,7 @@ def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -
     np.testing.assert_allclose(other.impulse_t, 2.0 * factor * one.impulse_t, atol=RESIDUAL * scale)
 
 
-@settings(deadline=None, derandomize=True, max_examples=200)
+@thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 2))
 def test_mirrored_tangents_mirror_the_solution(seed: int, n: int) -> None:
     """Reversing w_T reverses Lambda_T and gamma_T wherever the solution is unique."""
@@ -592,7 +593,6 @@ def test_mirrored_tangents_mirror_the_solution(seed: int, n: int) -> None:
 ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
 
 
-@settings(deadline=None, derandomize=True)
 @given(free_n=st.floats(-5.0, 5.0), free_t=st.floats(-5.0, 5.0), floor=st.floats(0.0, 3.0))
 def test_frictionless_closed_form(free_n: float, free_t: float, floor: float) -> None:
     """mu = 0: Lambda_N = max(floor, -free_N / G_NN), nothing tangential."""

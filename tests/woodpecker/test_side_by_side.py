@@ -100,7 +100,7 @@ def test_each_diagram_is_that_of_its_toy(
         ({"window": (-math.inf, -0.24)}, r"needs a finite window, got \(-inf, -0.24\)"),
         ({"span": (0.0, math.inf)}, r"span must be finite, got \(0.0, inf\)"),
         ({"parameter": "pole", "span": (0.01, math.inf)}, "span must be finite"),
-        ({"orders": (True,)}, "orders must be integers"),
+        ({"orders": (True,)}, "orders must be a whole number of at least 1, got True"),
         ({"workers": 0}, "workers must be a whole number of at least 1, got 0"),
     ],
 )
