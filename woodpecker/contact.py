@@ -24,8 +24,8 @@ of the segment, the one choice that prefers no contact.
 Energy. No impact adds any if the restitutions of its contacts are equal, at one contact always, nor
 without friction; mu and the law of expansion do not matter. With unequal restitutions the sum still
 adds none for the paper's friction (proved for equal mu up to 0.432, not seen up to mu = 8); contact
-by contact does where beak and upper edge strike at once: from eps_N1 = 0.99 on at mu = 0.3, from
-0.93 on for mu up to 0.6. A body close to jamming can gain under both laws
+by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at
+mu = 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
 (``tests/woodpecker/test_impact_energy.py`` has the proof and the examples).
 """
 
