@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 from collections.abc import Callable
@@ -37,7 +38,26 @@ def jit(function: F) -> F:
     except RuntimeError:
         compiled = numba.njit(error_model="numpy", nogil=True)(function)
         _say_that_nothing_is_cached()
+    _stamp(compiled)
     return compiled
+
+
+def _stamp(dispatcher: Any) -> None:
+    """Make what is cached of a function as old as the whole package.
+
+    Compiled code has functions of other files inside, but numba looks at the time and size of the
+    function's own file only: after a change elsewhere it would go on with the old code.
+    """
+    index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if hasattr(index, "_source_stamp"):
+        index._source_stamp = (index._source_stamp, _fingerprint())
+
+
+@cache
+def _fingerprint() -> str:
+    """A number of all sources of the package."""
+    sources = sorted(Path(__file__).parent.rglob("*.py"))
+    return hashlib.blake2b(b"".join(source.read_bytes() for source in sources)).hexdigest()
 
 
 @cache

@@ -111,3 +111,25 @@ def test_a_cached_kernel_is_not_announced(
     (tmp_path / "kernel.sweep-750.py311.nbi").touch()
     compiled.announce(function)
     assert caplog.messages == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
+def test_a_change_in_one_file_renews_what_others_have_cached_of_it(tmp_path: Path) -> None:
+    """A small package with this one's way to compile: outer calls inner, of another file."""
+    package = tmp_path / "small"
+    package.mkdir()
+    shutil.copy(compiled.__file__, package / "compiled.py")
+    (package / "__init__.py").touch()
+    inner = "from small.compiled import jit\n\n@jit\ndef inner(x):\n    return {} * x\n"
+    outer = "from small.inner import inner\n\n@jit\ndef outer(x):\n    return inner(x)\n"
+    (package / "outer.py").write_text("from small.compiled import jit\n" + outer)
+
+    def called(factor: int) -> str:
+        (package / "inner.py").write_text(inner.format(factor))
+        environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+        command = [sys.executable, "-c", "from small.outer import outer; print(outer(1.0))"]
+        run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        return run.stdout.strip()
+
+    assert [called(factor) for factor in (2, 2, 3)] == ["2.0", "2.0", "3.0"]
