@@ -137,6 +137,7 @@ PAIR_ROOM = np.dtype(
             ("floor", "f8", (2,)),
             ("free", "f8", (4,)),
             ("middle", "f8", (4,)),  # velocities between the phases
+            ("after", "f8", (4,)),  # and after them
             ("first", "i8", (2, 2)),  # combinations of the compression
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
@@ -403,6 +404,15 @@ def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
 
 
 @jit
+def _set_gap_rate(model: Floats, i: int, rate: float, z: Floats) -> None:
+    """Give contact i the gap rate [m/s] that its impact leaves, without the rounding of the kick.
+
+    A bounce can be slower than the rounding of the velocity that it reverses.
+    """
+    z[3 + ANGLE[i]] = SIGN[i] * rate / model[FORCE, LEVER + i]
+
+
+@jit
 def _single_impact(
     model: Floats, change: Floats, i: int, z: Floats, tangents: Floats, seed: Floats, case: Ints,
     impulses: Floats, marks: Ints,
@@ -444,6 +454,7 @@ def _single_impact(
             _kick(change, i, c_n + e_n, c_t + e_t, tangents[m])
         _kick(model, i, dc_n + de_n, dc_t + de_t, tangents[m])
     _kick(model, i, c_n + e_n, c_t + e_t, z)
+    _set_gap_rate(model, i, v_n + g_nn * e_n + g_nt * e_t, z)
     return SOLVED
 
 
@@ -477,7 +488,7 @@ def _double_impact(
 ) -> int:  # fmt: skip
     delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
     feeds, free, middle = pair.feeds, pair.free, pair.middle
-    first, second = pair.first, pair.second
+    first, second, after = pair.first, pair.second, pair.after
     fill_pair(model, contacts[1])
     for a in range(4):
         for b in range(4):
@@ -512,6 +523,7 @@ def _double_impact(
             return status
         for k in range(2):
             case[k] = second[0, k]
+    velocity_of(case[0] + 6 * case[1], delassus, middle, impulses[1], after)
     for k in range(2):
         marks[k] = _mark(first[0, k], case[k], expands, floor[k])
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
@@ -525,6 +537,8 @@ def _double_impact(
         p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
         p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
         _kick(model, contacts[k], p_n, p_t, z)
+    for k in range(2):
+        _set_gap_rate(model, contacts[k], after[2 * k], z)
     return outcome
 
 

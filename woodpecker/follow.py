@@ -27,7 +27,7 @@ from woodpecker.edges import (
 )
 from woodpecker.labelled import Cycle, LabelledMap, correct, evaluate, minimal_period, tangent
 from woodpecker.landing import beside, beyond, found_beside
-from woodpecker.settings import Settings
+from woodpecker.settings import END_OF_SPAN, Settings
 
 CLOSED = "the branch closes"
 DIVIDES = "the period is divided"  # two points of the cycle meet on an edge, as at a flip
@@ -154,7 +154,7 @@ class _Path:
             end = self._at_window(point, target, step)
             yield replace(end, kind=PointKind.EP, note="end of the window")
         elif not math.isnan(bound):
-            yield replace(target, kind=PointKind.EP, note="end of the parameter span")
+            yield replace(target, kind=PointKind.EP, note=END_OF_SPAN)
         else:
             self.travelled += step
             turn = float(np.linalg.norm(target.tangent - point.tangent))
@@ -279,8 +279,28 @@ class _Path:
         )  # fmt: skip
         return PathPoint(cycle=cycle, tangent=tangent(cycle, a.tangent))
 
+    def _at_end_of_span(self, point: PathPoint) -> PathPoint | None:
+        """The end of the branch at an end of the span where words are others, values are not.
+
+        So it is at zero restitution, where contacts rest that bounce at any larger one.
+        """
+        settings = self.settings
+        for bound in settings.span:
+            if abs(point.p - bound) > settings.tolerances.edge:
+                continue
+            cycle, good, _ = correct(self.map, point.cycle.x, bound, None, settings.tolerances)
+            if good and float(np.abs(cycle.x - point.cycle.x).max()) <= settings.tolerances.landing:
+                return PathPoint(
+                    cycle=cycle, tangent=point.tangent, kind=PointKind.EP, note=END_OF_SPAN
+                )
+        return None
+
     def _meet_edge(self, point: PathPoint) -> Iterator[PathPoint]:
         """The branch cannot go on with its word: find out what stops it."""
+        end = self._at_end_of_span(point)
+        if end is not None:
+            yield end
+            return
         met = self._met(point)
         if met is None:
             yield replace(point, kind=PointKind.EP, note="continuation stalls inside a piece")

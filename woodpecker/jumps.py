@@ -27,7 +27,7 @@ from woodpecker.labelled import (
     composed,
     iterate,
 )
-from woodpecker.settings import Settings
+from woodpecker.settings import END_OF_SPAN, Settings
 from woodpecker.tracking import RESOLVED, SAME_LIMITS, Track, same_words, shift
 
 FIRST_STEP = 2.5e-4  # in the parameter
@@ -80,7 +80,7 @@ def follow_jump(
     for _ in range(settings.max_points):
         p = min(max(current.p + direction * step, low), high)
         if p == current.p:
-            yield JumpPoint(edge=current.whole, kind=PointKind.EP, note="end of the parameter span")
+            yield JumpPoint(edge=current.whole, kind=PointKind.EP, note=END_OF_SPAN)
             return
         p = course.probed(p, current, previous)
         found = course.at(p, current, previous)
@@ -482,7 +482,7 @@ class _Course:
             edge = self.locate(a, b, before, lambda jump: jump.x - bound).whole
             return JumpPoint(edge=edge, kind=PointKind.EP, note="end of the window")
         if b.p in self.settings.span:
-            return JumpPoint(edge=whole, kind=PointKind.EP, note="end of the parameter span")
+            return JumpPoint(edge=whole, kind=PointKind.EP, note=END_OF_SPAN)
         return None
 
     def meeting(self, a: Jump, b: Jump, before: Jump) -> JumpPoint | float | None:

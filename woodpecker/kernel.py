@@ -31,7 +31,7 @@ from woodpecker.contact import (
     rates,
     rest_is_possible,
 )
-from woodpecker.guards import first_root, stumpff, stumpff_rates
+from woodpecker.guards import EPSILON, first_root, stumpff, stumpff_rates
 from woodpecker.modes import (
     ALPHA,
     ANGLE,
@@ -802,6 +802,8 @@ def _chatters(
         return False
     if flight * abs(f3 / f2) > CHATTER:
         return False
+    if lap > 2.0 * flight + 4.0 * EPSILON * z[6]:
+        return False  # the one before came from further away than a bounce
     tail = lap * ratio / (1.0 - ratio)
     horizon = 2.0 * tail
     return next_event(model, mode, z, gaps, states, to_section, horizon, GAP + i, GAP + i)[1] < 0
@@ -818,12 +820,12 @@ def _pair_at_rest(
     named in the word: their order changes less than is told apart anywhere.
     """
     sleeve = i if i > 0 else (1 if gaps[1] < gaps[2] else 2)
-    swing = 1.0
-    if states[0] == OPEN or states[sleeve] == OPEN:
-        swing = _remaining_swing(model, z, gaps, sleeve)
+    swing = _remaining_swing(model, z, gaps, sleeve)
     if swing > UNNAMED:
         bounce[2] = -1
         return 0
+    if states[0] != OPEN or states[sleeve] != OPEN:
+        return 0  # one of them rests: what the other does is a series
     if bounce[2] < 0:
         bounce[2] = symbols
     return 1 + (1 << sleeve) if swing <= COLLAPSED else 0

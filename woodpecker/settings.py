@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from woodpecker.checks import interval, number, positive, whole
 from woodpecker.tolerances import DEFAULT, Tolerances
 
+END_OF_SPAN = "end of the parameter span"  # why a branch ends
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
