@@ -569,7 +569,11 @@ class Run:
         if struck:
             speed = max(abs(dot(self.model.w_n[i], self.u)) for i in struck)
             symbols = [f"I{names(hit)}"]
-            if self.accumulates(symbols, speed):
+            still = self.still()
+            if len(still) > 1:
+                struck = hit = resting = still
+                symbols, self.u = [f"C{names(still)}"], halted(self.u, still)
+            elif self.accumulates(symbols, speed):
                 symbols, resting = [f"C{names(struck)}"], hit
                 self.u = halted(self.u, hit)
             else:
@@ -582,6 +586,17 @@ class Run:
         symbols += changes(before, self.mode, resting, struck, closed_now)
         self.word += symbols
         self.times += [self.t] * len(symbols)
+
+    def still(self) -> list[int]:
+        """The beak and a contact of the sleeve, if impacts in turns have all but stopped both."""
+        slow = mpf(10) ** ((10 - mp.dps) / 2)  # [m/s]; a gap follows from it as its square
+        found = []
+        for i, w in enumerate(self.model.w_n):
+            gap, speed = self.model.gap_0[i] + dot(w, self.q), dot(w, self.u)
+            if abs(gap) < slow * slow and abs(speed) < slow:
+                found.append(i)
+        moving = any(dot(self.model.w_n[i], self.u) for i in found)
+        return found if 0 in found and moving else []
 
     def accumulates(self, symbols: list[str], speed: mpf) -> bool:
         """Whether these impacts only repeat the last one, too weak to matter: chatter.

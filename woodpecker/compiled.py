@@ -48,7 +48,7 @@ def _stamp(dispatcher: Any) -> None:
     Compiled code has functions of other files inside, but numba looks at the time and size of the
     function's own file only: after a change elsewhere it would go on with the old code.
     """
-    index = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if hasattr(index, "_source_stamp"):
         index._source_stamp = (index._source_stamp, _fingerprint())
 

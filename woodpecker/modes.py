@@ -298,8 +298,9 @@ def _mode(
         a, b = system[j, n], system[j, n + 1]
         row[A + j], row[B + j] = a, b
         row[SECULAR + j] = a
-        if kappa.real != 0.0:  # no torque has a mean: angles drift linearly at most
-            row[SECULAR + j] = a - b * (alpha / kappa) if j == 0 else 0.0
+        if kappa.real != 0.0:  # no torque has a mean, so angles drift linearly at most; what sticks
+            # lets y swing only
+            row[SECULAR + j] = a - b * (alpha / kappa) if j == 0 and not sticks else 0.0
     at = 3
     for i in range(3):
         if state[i] != OPEN:
