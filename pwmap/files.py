@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import sys
 import uuid
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -45,7 +46,9 @@ def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[objec
 
 
 def write_figure(path: Path, figure: Any) -> None:
-    """Write a matplotlib figure in the format of the suffix."""
+    """Write a matplotlib figure in the format of the suffix, and close it."""
     data = io.BytesIO()
     figure.savefig(data, dpi=200, format=path.suffix[1:])
     write_whole(path, data.getvalue())
+    if "matplotlib.pyplot" in sys.modules:  # it keeps every figure until it is told
+        sys.modules["matplotlib.pyplot"].close(figure)

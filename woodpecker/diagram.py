@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pwmap.diagram import BranchKind, Diagram
 from woodpecker.atlas import Atlas
+from woodpecker.checks import whole
 from woodpecker.complete import Report, Search, complete
 from woodpecker.executors import Serial, scheduler, worker_count
 from woodpecker.explore import Explorer, Progress, Start, restore
@@ -286,9 +287,10 @@ def _followable(start: Cycle, settings: Settings) -> None:
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:
-    wanted = sorted(set(orders))
-    if not wanted or not all(isinstance(order, int) and order >= 1 for order in wanted):
-        raise ValueError(f"orders must be integers j >= 1, got {tuple(orders)}")
+    """Orders of iterates, ascending, each once."""
+    wanted = sorted({whole("orders", order) for order in orders})
+    if not wanted:
+        raise ValueError(f"orders must name at least one iterate, got {tuple(orders)}")
     return wanted
 
 

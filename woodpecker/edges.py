@@ -113,11 +113,17 @@ def edge_between(
     They are read at a distance of at least ``near`` from it.
     """
     x, beyond = bisect(labelled_map, p, inside, outside)
-    return _read(labelled_map, p, x, beyond, max(near, NEAR * math.ulp(x)))
+    word = labelled_map(inside, p).word
+    return _read(labelled_map, p, x, beyond, max(near, NEAR * math.ulp(x)), word)
 
 
-def _read(labelled_map: LabelledMap, p: float, x: float, beyond: float, near: float) -> Edge:
-    """The edge between neighbouring doubles, its limits read from ``near`` or further away."""
+def _read(
+    labelled_map: LabelledMap, p: float, x: float, beyond: float, near: float, word: str
+) -> Edge:
+    """The edge between neighbouring doubles, its limits read from ``near`` or further away.
+
+    There each side shows one word, that of x the one given.
+    """
     nearest: Edge | None = None
     for _ in range(1 + WIDENINGS):
         left, right = (
@@ -128,7 +134,9 @@ def _read(labelled_map: LabelledMap, p: float, x: float, beyond: float, near: fl
             x=x, p=p, left=left[0], right=right[0],
             left_limit=limit_of(*left, -near), right_limit=limit_of(*right, near),
         )  # fmt: skip
-        if left[0].word == left[1].word != right[0].word == right[1].word:
+        words = {left[0].word, left[1].word}, {right[0].word, right[1].word}
+        inner, outer = words if x < beyond else words[::-1]
+        if inner == {word} and len(outer) == 1 and inner != outer:
             return edge
         nearest = nearest or edge
         near *= 4.0
@@ -151,7 +159,7 @@ def nearest_edge(
 
     Near an edge rounding mixes the words of its two sides, and the steeper the map the further. The
     words at growing distances on both sides of x tell where the piece really is, once two distances
-    agree. If the same words show right next to the edge, its limits are read there.
+    agree. Limits are read right next to the edge if it shows two words there.
     """
     distance = NEAR * math.ulp(x)
     while distance < WIDEST:
@@ -162,13 +170,10 @@ def nearest_edge(
         if (all(left) and not any(right)) or (all(right) and not any(left)):
             side = 1 if all(left) else -1
             inside, outside = x - side * distance, x + side * distance
-            edge = edge_between(labelled_map, p, inside, outside, distance)
-            near = NEAR * math.ulp(x)
-            if distance > near:
-                closer = _read(labelled_map, p, edge.x, math.nextafter(edge.x, outside), near)
-                words = closer.left.word, closer.right.word
-                if words == (edge.left.word, edge.right.word):
-                    edge = closer
+            edge = edge_between(labelled_map, p, inside, outside)
+            facing = edge.left.word if side > 0 else edge.right.word
+            if facing != word or edge.left.word == edge.right.word:
+                edge = edge_between(labelled_map, p, inside, outside, distance)
             return edge, side
         if not any(left) and not any(right):  # a thin piece: both its ends are near
             ends = [

@@ -403,7 +403,11 @@ class _Search:
         for _ in range(1 + WIDENINGS):
             read = self._beside(x[unsettled], beyond[unsettled], near[unsettled])
             for k, (left, right) in zip(unsettled.tolist(), read, strict=True):
-                settled = left[0].word == left[1].word != right[0].word == right[1].word
+                settled = all(
+                    each.word == piece.word
+                    for side, piece in zip((left, right), pairs[k], strict=True)
+                    for each in side
+                )
                 if settled or found[k] is None:
                     found[k] = Edge(
                         x=float(x[k]), p=self.p, left=left[0], right=right[0],

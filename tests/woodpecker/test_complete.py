@@ -161,7 +161,7 @@ def test_a_cycle_ends_where_its_points_meet_on_an_edge() -> None:
 @pytest.mark.parametrize("orders", [(), (0,), (1.5,), (1, True), (np.True_,), ("1",), (1, None)])
 def test_orders_are_checked(orders: tuple[int, ...]) -> None:
     continued = labelled(PiecewiseLinearMap(MAPS["a fold-flip"][0]))
-    with pytest.raises(ValueError, match="orders must be integers j >= 1"):
+    with pytest.raises(ValueError, match="orders must "):
         whole_diagram(continued, sampled(continued), Settings(), orders)
 
 

@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from maps import grazing, line, lost_beyond, moving_edge, paper, pieces, skew_tent, two_lines
 
-from woodpecker.edges import Edge, bisect, edge_between, is_continuous, nearest_edge
+from woodpecker.edges import (
+    Edge,
+    bisect,
+    edge_at,
+    edge_between,
+    is_continuous,
+    nearest_edge,
+)
 from woodpecker.labelled import Evaluation, LabelledMap, iterate
 
 NEAR = 64  # spacings of doubles at which the first value beside an edge is read
@@ -97,8 +105,8 @@ def test_limit_beside_a_lost_side_is_nan() -> None:
     assert not is_continuous(edge)
 
 
-def test_limit_of_a_piece_thinner_than_the_reach_is_its_value() -> None:
-    """100 spacings wide: the point 256 spacings away lies on another piece and is not used."""
+def test_a_piece_as_thin_as_rounding_is_wide_is_passed() -> None:
+    """100 spacings: so far a word can show that has no interval, and no limit is read there."""
     x, ulp = 0.5, math.ulp(0.5)
 
     def thin(t: float, _p: float) -> Evaluation:
@@ -106,7 +114,26 @@ def test_limit_of_a_piece_thinner_than_the_reach_is_its_value() -> None:
         return Evaluation(1.0 if low else 3.0 if high else 7.0, 0.0, 0.0, f"{low}{high}")
 
     edge = edge_between(thin, 0.0, x - 0.1, x + 50 * ulp)
-    assert (edge.left_limit, edge.right_limit) == (1.0, 3.0)
+    assert (edge.left_limit, edge.right_limit) == (1.0, 7.0)
+
+
+@pytest.mark.parametrize("spacings", [3, 65, 300, 1000])
+def test_limits_are_read_where_words_no_longer_flicker(spacings: int) -> None:
+    """Rounding decides between the words of a jump, at random, that far on both sides of it."""
+    x, ulp, rng = 0.5, math.ulp(0.5), np.random.default_rng(1)  # the slopes are 2 and -1
+
+    def flickers(t: float, _p: float) -> Evaluation:
+        left = t < x if abs(t - x) > spacings * ulp else bool(rng.integers(2))
+        return Evaluation(2.0 * t if left else 0.5 - t, 2.0 if left else -1.0, 0.0, "RL"[left])
+
+    for _ in range(20):
+        edge = edge_between(flickers, 0.0, x - 0.1, x + 0.1)
+        assert (edge.left.word, edge.right.word) == ("L", "R")
+        # the slopes are exact, so only the place of the edge is uncertain
+        assert edge.left_limit == pytest.approx(1.0, abs=4.0 * spacings * ulp)
+        assert edge.right_limit == pytest.approx(0.0, abs=4.0 * spacings * ulp)
+    if spacings <= 65:  # beyond these it looks for two words first
+        assert edge_at(flickers, x, 0.0, 1e-6).right_limit == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(
