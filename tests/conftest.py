@@ -6,7 +6,10 @@ others, and many more: ``--hypothesis-profile=explore``, or that name in HYPOTHE
 
 import os
 
+import rounding
 from hypothesis import HealthCheck, settings
+
+rounding.apply()
 
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
 settings.register_profile(

@@ -1,0 +1,32 @@
+"""Another rounding of the same program, so that tests see what hangs on the last bits.
+
+Compiled code may join a product and a sum into one operation with one rounding: some processors
+do, some compilers let them, and the last bit of nearly every number changes. ROUNDING=fused asks
+for it, in a cache of its own; the mathematical library (glibc, x86-64) is asked not to.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+
+OTHER = {"ROUNDING": "fused", "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-FMA,-AVX2"}
+"""Environment of a process that rounds otherwise; it needs a NUMBA_CACHE_DIR of its own."""
+
+
+def is_other() -> bool:
+    """Whether this process is such a one."""
+    return os.environ.get("ROUNDING") == "fused"
+
+
+def apply() -> None:
+    """Before the package is imported: compile as the environment says."""
+    if not is_other():
+        return
+    try:
+        import numba
+    except ImportError:
+        return
+    if not os.environ.get("NUMBA_CACHE_DIR"):
+        raise ValueError("ROUNDING=fused needs a NUMBA_CACHE_DIR of its own")
+    numba.njit = functools.partial(numba.njit, fastmath={"contract"})
