@@ -483,6 +483,8 @@ def _admissible(
         for guard in (watched, other):
             if guard >= 0:
                 f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, trial, fired)
+                if guard >= SLIP:
+                    f0 = 0.0  # it is watched where nothing slips yet
                 weight = 0.0 if guard < NORMAL or guard >= SLIP else _weight(model, mode, i, z)
                 if not _positive(f0, f1, f2, f3, weight, strict):
                     return False
