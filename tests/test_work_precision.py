@@ -129,7 +129,8 @@ def test_another_process_runs_the_plain_kernel() -> None:
         for toy in (Toy(), CONTACT_BY_CONTACT):  # the law goes with the numbers
             arguments = cases.numbers(toy), [start]
             (images, words), seconds = other.ask("peer_kernel:laps", *arguments, count=2)
-            assert images == [first_return(toy, start).phi_s]  # the same numbers, exactly
+            # the same numbers up to rounding: complex quotients are formed in other ways
+            assert images == pytest.approx([first_return(toy, start).phi_s], abs=1e-14)
             assert words == [first_return(toy, start).word]
             assert seconds.cpu > 0.0
 
