@@ -592,11 +592,12 @@ class Run:
         slow = mpf(10) ** ((10 - mp.dps) / 2)  # [m/s]; a gap follows from it as its square
         found = []
         for i, w in enumerate(self.model.w_n):
+            if self.mode[i] is not Touch.OPEN:  # what bounces on a closed contact is a series
+                continue
             gap, speed = self.model.gap_0[i] + dot(w, self.q), dot(w, self.u)
             if abs(gap) < slow * slow and abs(speed) < slow:
                 found.append(i)
-        moving = any(dot(self.model.w_n[i], self.u) for i in found)
-        return found if 0 in found and moving else []
+        return found if 0 in found else []
 
     def accumulates(self, symbols: list[str], speed: mpf) -> bool:
         """Whether these impacts only repeat the last one, too weak to matter: chatter.
