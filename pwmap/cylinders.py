@@ -46,6 +46,17 @@ def refined(cylinders: Sequence[Cylinder], layout: int, judge: Judge) -> tuple[C
     return tuple(piece for cylinder in cylinders for piece in _split(cylinder, layout, judge))
 
 
+def cylinder_of(word: Word, layouts: Sequence[int], judge: Judge) -> Cylinder | None:
+    """The cylinder of one word, or None where it is empty."""
+    found: Cylinder | None = WHOLE_LINE[0]
+    for letter, layout in zip(word, layouts, strict=True):
+        assert found is not None
+        found = next((c for c in _split(found, layout, judge) if c.word[-1] == letter), None)
+        if found is None:
+            break
+    return found
+
+
 def _split(cylinder: Cylinder, layout: int, judge: Judge) -> Iterator[Cylinder]:
     word = cylinder.word
     direction = judge.slope(word)

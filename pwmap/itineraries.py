@@ -118,9 +118,13 @@ class Orbits:
         """Slope and intercept of A_word."""
         found = self._affine.get(word)
         if found is None:
-            slope, intercept = self.affine(word[:-1])
-            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
-            found = self._affine[word] = (m * slope, m * intercept + c)
+            n = next(n for n in range(len(word) - 1, -1, -1) if word[:n] in self._affine)
+            slope, intercept = self._affine[word[:n]]
+            for i in range(n, len(word)):  # a loop: words may be long
+                m, c = self.table.slopes[word[i]], self.table.intercepts[word[i]]
+                slope, intercept = m * slope, m * intercept + c
+                self._affine[word[: i + 1]] = slope, intercept
+            found = slope, intercept
         return found
 
     def orbit(self, k: int, word: Word) -> Number:
@@ -129,9 +133,12 @@ class Orbits:
             return self.table.breaks[k]
         found = self._orbits.get((k, word))
         if found is None:
-            before = self.orbit(k, word[:-1])
-            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
-            found = self._orbits[k, word] = m * before + c
+            known = (n for n in range(len(word) - 1, 0, -1) if (k, word[:n]) in self._orbits)
+            n = next(known, 0)
+            found = self._orbits[k, word[:n]] if n else self.table.breaks[k]
+            for i in range(n, len(word)):
+                m, c = self.table.slopes[word[i]], self.table.intercepts[word[i]]
+                found = self._orbits[k, word[: i + 1]] = m * found + c
         return found
 
     def preimage(self, k: int, word: Word) -> Fraction_:

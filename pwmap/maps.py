@@ -548,8 +548,9 @@ class PiecewiseLinearMap:
         )
 
     def _period(self, word: Word) -> int:
-        """Minimal period under the original map of a point with a word, or the order."""
-        return minimal_period(word) if len(set(self._chain)) == 1 else self.order
+        """Minimal period of a point with a word, counted in single maps."""
+        unit = minimal_period(self._chain)  # an iterate of p @ q repeats every two maps
+        return minimal_period(word, unit) * unit
 
     def fixed_intervals(self) -> tuple[FixedInterval, ...]:
         """All pieces on which the map is the identity."""
@@ -604,7 +605,8 @@ class PiecewiseLinearMap:
         Parameters
         ----------
         word
-            Letters of :attr:`letters`, for instance ``"RLL"``.
+            Letters of :attr:`letters`, for instance ``"RLL"``; each names a piece of the map that
+            acts at its position, in a composition those of the inner map and the outer in turn.
 
         Raises
         ------
@@ -614,14 +616,7 @@ class PiecewiseLinearMap:
         UndecidedError
             If the word's slope is 1, and the assumptions leave open which of these it is.
         """
-        for letter in word:
-            if letter not in self.letters:
-                raise ValueError(f"{letter!r} is no piece of this map, it has {self.letters}")
-        if not word:
-            raise ValueError("the word of a cycle must have at least one letter")
-        if len(word) % self.order:
-            raise ValueError(f"the length of a word must be a multiple of {self.order}: {word!r}")
-        indices = tuple(self.letters.index(letter) for letter in word)
+        indices = self._read_word(word)
         points, multiplier = self._cycle_points(indices)
         conditions: list[sympy.Basic] = []
         signs: list[tuple[Fraction_, bool]] = []
@@ -650,19 +645,48 @@ class PiecewiseLinearMap:
         """The layouts of n maps in a row, the chain repeated."""
         return [self._model.table.layouts[self._chain[i % self.order]] for i in range(n)]
 
+    def _read_word(self, word: str) -> Word:
+        """The pieces that the letters of a word name; two maps may use the same letter."""
+        indices = []
+        for letter, layout in zip(word, self._layouts(len(word)), strict=True):
+            own = {self.letters[i]: i for i in dict.fromkeys(layout.slots)}
+            if letter not in own:
+                raise ValueError(f"{letter!r} is no piece of this map, it has {tuple(own)}")
+            indices.append(own[letter])
+        if not word:
+            raise ValueError("the word of a cycle must have at least one letter")
+        if len(word) % self.order:
+            raise ValueError(f"the length of a word must be a multiple of {self.order}: {word!r}")
+        return tuple(indices)
+
     def _cycle_points(self, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
         """Points and multiplier of a cycle."""
-        at = self._point_piece(word)
-        slope = sympy.nan if at is not None else to_sympy(self.orbits.affine(word)[0])
-        if at is None and slope == 1:
-            at = self._only_point(word)
+        root = word[: self._period(word)]  # what is repeated has the same points
+        slope = math.prod((self.orbits.table.slopes[i] for i in word), start=self._one)
+        at = self._point_piece(root)
+        multiplier = to_sympy(slope) if at is None else sympy.nan
+        if at is None and slope == self._one:
+            root, at = word, self._only_point(word)
         if at is None:
-            rotations = [word[i:] + word[:i] for i in range(len(word))]
-            return [self.orbits.fixed_point(rotation) for rotation in rotations], slope
-        turned = word[at.steps :] + word[: at.steps]
-        orbit = [self.orbits.orbit(at.k, turned[:n]) for n in range(len(word))]
-        values = [(value, self._model.table.one) for value in orbit]
-        return values[len(word) - at.steps :] + values[: len(word) - at.steps], slope
+            points = self._orbit(self.orbits.fixed_point(root), root)
+        else:
+            turned = root[at.steps :] + root[: at.steps]
+            points = self._orbit((self.orbits.table.breaks[at.k], self._one), turned)
+            points = points[len(root) - at.steps :] + points[: len(root) - at.steps]
+        return points * (len(word) // len(root)), multiplier
+
+    @property
+    def _one(self) -> Number:
+        return self.orbits.table.one
+
+    def _orbit(self, start: Fraction_, word: Word) -> list[Fraction_]:
+        """A point and its images along a word, but for the last one."""
+        table, (top, bottom) = self.orbits.table, start
+        points = []
+        for letter in word:
+            points.append((top, bottom))
+            top = table.slopes[letter] * top + table.intercepts[letter] * bottom
+        return points
 
     def _point_piece(self, word: Word) -> Cut | None:
         """Where a cycle passes through a piece that is a point."""
@@ -678,11 +702,11 @@ class PiecewiseLinearMap:
         point only: its neighbours, on both sides, visit other pieces.
         """
         if self.judge.ask(Offset(word)) == 0:
-            repeated = self.iterate(len(word) // self.order)
-            for cylinder in repeated.cylinders:
-                if cylinder.word == word and cylinder.is_point:
-                    assert cylinder.lower is not None
-                    return cylinder.lower
+            chain = self._chain * (len(word) // self.order)
+            cylinder = cyl.cylinder_of(word, chain, self.judge)
+            if cylinder is not None and cylinder.is_point:
+                assert cylinder.lower is not None
+                return cylinder.lower
         raise ValueError(f"the slope of {self.spelled(word)} is 1: it has no isolated cycle")
 
     # --- As text --------------------------------------------------------------------------------
