@@ -17,7 +17,7 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.assumptions import Constraint, possible_signs
+from pwmap.assumptions import Constraint, Region, possible_signs
 from pwmap.exact import (
     Fraction_,
     Number,
@@ -26,11 +26,13 @@ from pwmap.exact import (
     is_constant,
     polynomial_ring,
     sign,
+    to_ring,
     to_sympy,
 )
 from pwmap.itineraries import Judge, Orbits, Question
 from pwmap.reading import Model
 from pwmap.roots import RealRoot, real_roots, sign_at, simplest_between
+from pwmap.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
 
 INFINITE = "infinite"
 
@@ -129,6 +131,13 @@ class Axis(ABC):
     def spread(self, low: Any, high: Any, n: int) -> list[Any]:
         """Places that part an interval, up to rounding, in n + 1 equal parts."""
 
+    @abstractmethod
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        """Where the answers of a cell hold that was cut for some orders of iterates.
+
+        With other parameters symbolic, after :meth:`closing`.
+        """
+
     @property
     def identity(self) -> Fraction_:
         """The parameter itself, as a quotient."""
@@ -178,6 +187,12 @@ class RationalAxis(Axis):
             return Judge(self.orbits, _SignAt(place))
         table = self.model.table.mapped(lambda number: _at(number, place))
         return Judge(Orbits(table), sign)
+
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        symbol = self.model.ring.symbols[0]
+        if low is not None and low is high:
+            return Edge(symbol, low)
+        return Interval(symbol, low, high, orders)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         return real_roots(dense(polynomial)) if polynomial else None
@@ -241,6 +256,7 @@ class SymbolicAxis(Axis):
         self._others = polynomial_ring([s for s in model.ring.symbols if str(s) != name])
         self._field = self._others.to_field()
         self._conditions: dict[PolyElement, None] = {}
+        self._assumed: list[Constraint] | None = None  # of the others, when all was decided
 
     def place(self, value: Number) -> Threshold:
         return Threshold(value, self._field.ground_new(value))
@@ -366,13 +382,40 @@ class SymbolicAxis(Axis):
             symbol, (below, above) = self._others.symbols[0], self.bounds()
             lower = [] if below is None else [symbol > real_to_sympy(below)]
             return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
+        return tuple(constraint.relation() for constraint in self._kept())
+
+    def _kept(self) -> list[Constraint]:
+        """All recorded signs, but for those that follow from others."""
         kept = self._own()
         for polynomial in sorted(self._conditions, key=len):
             for factor, _ in polynomial.factor_list()[1]:
                 side = sign(evaluate(factor, self.sample, None))
                 if possible_signs(factor, tuple(kept)) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
-        return tuple(constraint.relation() for constraint in kept)
+        return kept
+
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        ring, symbol = self.model.ring, self.model.ring.symbols[self._index]
+        if self._assumed is None:
+            kept = self._kept()
+            self._assumed = [Constraint(to_ring(c.polynomial, ring), c.strict) for c in kept]
+        if low is not None and low is high:
+            return SymbolicEdge(
+                symbol, self._quotient(low), Region(ring, (*self._assumed,)), orders
+            )
+        bounds = [*self._assumed]
+        for side, end in ((1, low), (-1, high)):
+            if end is not None:
+                top, bottom = self._quotient(end)
+                sense = side * sign(evaluate(bottom, self.sample, None))
+                bounds.append(Constraint(sense * (self.identity[0] * bottom - top), True))
+        left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
+        return SymbolicInterval(symbol, Region(ring, tuple(bounds)), left, right, orders)
+
+    def _quotient(self, place: Threshold) -> Fraction_:
+        """Numerator and denominator of a place in the ring of all parameters."""
+        ring = self.model.ring
+        return to_ring(place.expr.numer, ring), to_ring(place.expr.denom, ring)
 
     def bounds(self) -> tuple[Any, Any]:
         """The interval of the one other parameter in which all recorded signs persist."""

@@ -23,8 +23,7 @@ from sympy import QQ
 from pwmap.axis import Axis, ResampleError, axis_of, identical
 from pwmap.cylinders import (
     WHOLE_LINE,
-    Crossing,
-    Cylinder,
+    Iterate,
     Place,
     crossings,
     is_stable,
@@ -40,16 +39,6 @@ Result = TypeVar("Result")
 # --- The study of one place, and the cells --------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Iterate:
-    """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
-
-    cylinders: tuple[Cylinder, ...]
-    places: tuple[Place, ...]  # of the fixed point of each cylinder
-    stable: tuple[bool, ...]  # whether it attracts
-    crossings: tuple[Crossing, ...]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Study:
     """All iterates at one place, and the judge who decided them."""
@@ -57,12 +46,22 @@ class Study:
     judge: Judge
     iterates: dict[int, Iterate]
 
-    def shown(self) -> list[Iterate]:
+    def shown(self) -> dict[int, Iterate]:
         """The iterates, without telling apart fixed points that are virtual or missing."""
-        return [
-            replace(it, places=tuple(Place.VIRTUAL if p is Place.NONE else p for p in it.places))
-            for it in self.iterates.values()
-        ]
+        return {
+            order: replace(
+                it, places=tuple(Place.VIRTUAL if p is Place.NONE else p for p in it.places)
+            )
+            for order, it in self.iterates.items()
+        }
+
+    def agreed(self, *others: Study) -> Study:
+        """What this study and others that show the same have in common."""
+        shared = set(self.judge.answers.items())
+        for other in others:
+            shared &= set(other.judge.answers.items())
+        judge = Judge(self.judge.orbits, self.judge.sign, dict(shared))
+        return Study(judge, self.shown())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,7 +169,8 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
             and kept[-1].is_edge
             and kept[-2].study.shown() == kept[-1].study.shown() == cell.study.shown()
         ):
-            kept[-2:] = [Cell(kept[-2].lower, cell.upper, kept[-2].study)]
+            study = kept[-2].study.agreed(kept[-1].study, cell.study)
+            kept[-2:] = [Cell(kept[-2].lower, cell.upper, study)]
         else:
             kept.append(cell)
     return kept
@@ -189,7 +189,9 @@ class ParameterCell:
         Exact ends, equal for an edge; they do not belong to an open cell.
     map
         The map with its decisions made for this cell: its ``iterate(j).pieces``,
-        ``fixed_points()`` and ``jump_crossings()`` are formulas in the parameters.
+        ``fixed_points()`` and ``jump_crossings()`` are formulas in the parameters, for the orders
+        the cells were cut for. What else is asked of it is answered if that holds throughout the
+        cell; if it does not, or that is not proved, :class:`UndecidedError` names the orders.
     """
 
     lower: sympy.Expr
@@ -283,7 +285,13 @@ def shown_cells(
     for cell in merged(cells):
         lower = -sympy.oo if cell.lower is None else axis.to_sympy(cell.lower)
         upper = sympy.oo if cell.upper is None else axis.to_sympy(cell.upper)
-        decided = PiecewiseLinearMap.decided(map_, cell.study.judge, axis.orbits)
+        scope = axis.scope(cell.lower, cell.upper, orders)
+        decided = PiecewiseLinearMap.decided(
+            map_,
+            scope,
+            Judge(axis.orbits, scope.sign, cell.study.judge.answers),
+            {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
+        )
         shown.append(ParameterCell(lower=lower, upper=upper, map=decided))
     symbol = next(s for s in map_.parameters if str(s) == axis.name)
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)

@@ -9,6 +9,7 @@ preimage of a break along the word's own prefix), never as numbers.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 from typing import NamedTuple
@@ -143,6 +144,16 @@ class Crossing(NamedTuple):
     cut: Cut
     left: Word
     right: Word
+
+
+@dataclass(frozen=True, slots=True)
+class Iterate:
+    """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
+
+    cylinders: tuple[Cylinder, ...]
+    places: tuple[Place, ...]  # of the fixed point of each cylinder
+    stable: tuple[bool, ...]  # whether it attracts
+    crossings: tuple[Crossing, ...]
 
 
 def place_of_fixed_point(cylinder: Cylinder, judge: Judge) -> Place:

@@ -14,7 +14,7 @@ keep their signs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -173,22 +173,30 @@ class Judge:
         Where the polynomials come from.
     sign
         The sign of such a polynomial: -1, 0 or +1.
+    recorded
+        Answers that are known already.
     """
 
-    def __init__(self, orbits: Orbits, sign: Callable[[Number], int]) -> None:
+    def __init__(
+        self,
+        orbits: Orbits,
+        sign: Callable[[Number], int],
+        recorded: Mapping[Question, int] | None = None,
+    ) -> None:
         self.orbits = orbits
-        self.answers: dict[Question, int] = {}
-        self._sign = sign
+        self.answers: dict[Question, int] = dict(recorded or {})
+        self._recorded = recorded
+        self.sign = sign
         self._slots: dict[tuple[int, int, Word], int] = {}
 
-    def __reduce__(self) -> tuple[type[Judge], tuple[Orbits, Callable[[Number], int]]]:
-        return Judge, (self.orbits, self._sign)
+    def __reduce__(self) -> tuple[type[Judge], tuple[object, ...]]:
+        return Judge, (self.orbits, self.sign, self._recorded)
 
     def ask(self, question: Question) -> int:
         """The sign of the polynomial of a question."""
         answer = self.answers.get(question)
         if answer is None:
-            answer = self.answers[question] = self._sign(self.orbits.polynomial(question))
+            answer = self.answers[question] = self.sign(self.orbits.polynomial(question))
         return answer
 
     def slope(self, word: Word) -> int:

@@ -23,6 +23,7 @@ from pwmap import (
     ParameterCell,
     PiecewiseLinearMap,
     PointKind,
+    UndecidedError,
     bifurcation_diagram,
     parameter_cells,
 )
@@ -470,6 +471,29 @@ def test_formulas_of_a_cell_hold_inside_it(case: Case) -> None:
             for j in case.orders:
                 check_diagonal(cell.map, case.at(value), j, value)
                 check_pieces(cell.map, case.at(value), j, value)
+
+
+@pytest.mark.slow
+@every_case
+def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Case) -> None:
+    """Cut for one order only; of the others, what is not refused is true all over the cell."""
+    rng = random.Random(16)
+    cells = parameter_cells(case.map, case.name, orders=(2,), span=case.span)
+    refused = set()
+    for i, cell in enumerate(cells):
+        lo, hi = number(cell.lower), number(cell.upper)
+        values = [lo] if cell.is_edge else [between(rng, lo, hi) for _ in range(5)]
+        for j in case.orders:
+            try:
+                _ = cell.map.iterate(j).fixed_points(), cell.map.iterate(j).jump_crossings()
+            except UndecidedError:
+                refused.add((i, j))
+                continue
+            for value in values:
+                check_diagonal(cell.map, case.at(value), j, value)
+                check_pieces(cell.map, case.at(value), j, value)
+    assert not {(i, j) for i, j in refused if j == 2 or cells.cells[i].is_edge}
+    assert len(refused) < len(cells) * len(case.orders)
 
 
 def structure(f: Map, map_: PiecewiseLinearMap, j: int) -> Record:
