@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy
 from sympy import QQ
+from sympy.polys.densearith import dup_sub
 from sympy.polys.rings import PolyElement
 
 from pwmap.assumptions import Constraint, possible_signs
@@ -26,11 +27,12 @@ from pwmap.exact import (
     is_constant,
     polynomial_ring,
     sign,
+    to_float,
     to_sympy,
 )
 from pwmap.itineraries import Judge, Orbits, Question
 from pwmap.reading import Model
-from pwmap.roots import RealRoot, real_roots, sign_at, simplest_between
+from pwmap.roots import Dense, RealRoot, bounds, real_roots, sign_at, simplest_between
 
 INFINITE = "infinite"
 
@@ -114,12 +116,19 @@ class Axis(ABC):
         """Sign of the difference of two finite quotients at a place."""
 
     @abstractmethod
+    def compare(self, first: Any, second: Any, place: Any) -> int:
+        """Sign of the difference of two values, as :meth:`value` returned them for a place.
+
+        With symbolic parameters it is the sign at their sample, which is not recorded.
+        """
+
+    @abstractmethod
     def to_sympy(self, place: Any) -> sympy.Expr:
         """A place as an expression."""
 
     @abstractmethod
     def number(self, fraction: Fraction_, place: Any) -> float:
-        """A finite quotient at a place as a float."""
+        """A finite quotient at a place as a float, infinite if it is too large; for drawing."""
 
     @abstractmethod
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
@@ -198,14 +207,19 @@ class RationalAxis(Axis):
         bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
         return sign_at(dense(a * d - c * b), place) * bottom
 
+    def compare(self, first: Any, second: Any, place: Any) -> int:
+        if isinstance(place, RealRoot):
+            return place.sign_of(_difference(first, second))
+        return sign(first - second)
+
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)
 
     def number(self, fraction: Fraction_, place: Any) -> float:
         if isinstance(place, RealRoot):
-            place = place.refined_to(QQ(1, 2**80))
-        top, bottom = (_at(number, place) for number in fraction)
-        return float(top / bottom)
+            top, bottom = (dense(number) for number in fraction)
+            return place.to_float(top, bottom)
+        return to_float(_at(fraction[0], place) / _at(fraction[1], place))
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if not isinstance(place, RealRoot):
@@ -215,8 +229,8 @@ class RationalAxis(Axis):
         return sympy.radsimp(sympy.expand(sum(QQ.to_sympy(c) * root**i for i, c in powers)))
 
     def spread(self, low: Any, high: Any, n: int) -> list[Number]:
-        fine = QQ(1, 2**60)
-        first, last = (x.refined_to(fine) if isinstance(x, RealRoot) else x for x in (low, high))
+        ends = low, high
+        first, last = (bounds(end)[1 - i] for i, end in enumerate(ends))
         return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
 
 
@@ -321,13 +335,16 @@ class SymbolicAxis(Axis):
         self._keep_sign_of(difference)
         return sign(self._at_sample(difference))
 
+    def compare(self, first: Any, second: Any, place: Threshold) -> int:
+        return sign(self._at_sample(first) - self._at_sample(second))
+
     def to_sympy(self, place: Threshold) -> sympy.Expr:
         return sympy.factor(place.expr.as_expr())
 
     def number(self, fraction: Fraction_, place: Threshold) -> float:
         values = {**self.sample, self.name: place.value}
         top, bottom = (evaluate(number, values, None) for number in fraction)
-        return float(top / bottom)
+        return to_float(top / bottom)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         return sympy.factor(value.as_expr())
@@ -412,3 +429,8 @@ def _at(number: PolyElement, value: Number) -> Number:
     for (exponent,), coefficient in number.items():
         total += coefficient * value**exponent
     return total
+
+
+def _difference(first: Dense, second: Dense) -> Dense:
+    """The difference of two polynomials."""
+    return tuple(dup_sub(list(first), list(second), QQ))

@@ -6,10 +6,9 @@ from which branches meet there, and on which side.
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from math import inf, nan
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -21,8 +20,8 @@ from pwmap.cells import Cell, checked_orders, checked_span, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
-from pwmap.roots import bounds
-from pwmap.runs import ALONG, LEFT, RIGHT, End, Meeting, Run, Sweep
+from pwmap.roots import ceiling, whole_part
+from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Run, Sweep
 
 SAMPLES = 65  # along a branch that is curved
 
@@ -97,8 +96,8 @@ def _whole_span(
 def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Number, Number]:
     edges = [cell.lower for cell in cells if cell.is_edge]
     edges = edges or [axis.between(cells[0].lower, cells[0].upper)]
-    below, above = bounds(_number(edges[0]))[0], bounds(_number(edges[-1]))[1]
-    low, high = QQ(math.floor(below) - 1), QQ(math.ceil(above) + 1)
+    low = QQ(whole_part(_number(edges[0])) - 1)
+    high = QQ(ceiling(_number(edges[-1])) + 1)
     first, last = cells[0].lower, cells[-1].upper  # as far as the assumptions reach
     if first is not None and axis.place(low) < first:
         low = _number(axis.between(first, edges[0]))
@@ -150,8 +149,8 @@ def _point(
     branch_ids: Mapping[Run, str],
 ) -> SpecialPoint:
     axis, place = sweep.axis, meeting.place
-    infinite = abs(meeting.x) == inf
-    x = sympy.oo * meeting.x if infinite else axis.value_to_sympy(meeting.value, place)
+    x = meeting.value
+    exact_x = sympy.oo * x.side if isinstance(x, Infinite) else axis.value_to_sympy(x, place)
     return SpecialPoint(
         id=point_id,
         kind=kind,
@@ -160,7 +159,7 @@ def _point(
         branches=tuple(dict.fromkeys(branch_ids[end.run] for end in meeting.ends)),
         order=lowest(meeting.ends) // sweep.unit,
         note=note,
-        exact={"parameter": axis.to_sympy(place), "x": x},
+        exact={"parameter": axis.to_sympy(place), "x": exact_x},
     )
 
 
@@ -250,7 +249,7 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     ends = meeting.ends
     if at_span_end:
         return PointKind.EP, "end of the span"
-    if abs(meeting.x) == inf:
+    if isinstance(meeting.value, Infinite):
         escapes = any(end.unit == 1 for end in ends)
         return PointKind.LP if escapes else PointKind.EP, "x grows without bound"
     own = [end for end in ends if end.steps == lowest(ends)]

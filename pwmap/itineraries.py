@@ -14,6 +14,7 @@ keep their signs.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -110,6 +111,7 @@ class Orbits:
         zero = table.one - table.one
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
+        self._slopes: dict[tuple[tuple[int, int], ...], Number] = {}
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
         return Orbits, (self.table,)
@@ -118,9 +120,23 @@ class Orbits:
         """Slope and intercept of A_word."""
         found = self._affine.get(word)
         if found is None:
-            slope, intercept = self.affine(word[:-1])
-            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
-            found = self._affine[word] = (m * slope, m * intercept + c)
+            known = self._longest(word, lambda start: start in self._affine)
+            slope, intercept = self._affine[word[:known]]
+            for letter in word[known:]:
+                m, c = self.table.slopes[letter], self.table.intercepts[letter]
+                slope, intercept = m * slope, m * intercept + c
+            found = self._affine[word] = slope, intercept
+        return found
+
+    def slope(self, word: Word) -> Number:
+        """Slope of A_word alone."""
+        counts = tuple(sorted(Counter(word).items()))
+        found = self._slopes.get(counts)
+        if found is None:
+            found = self.table.one
+            for letter, count in counts:
+                found = found * self.table.slopes[letter] ** count
+            self._slopes[counts] = found
         return found
 
     def orbit(self, k: int, word: Word) -> Number:
@@ -129,10 +145,17 @@ class Orbits:
             return self.table.breaks[k]
         found = self._orbits.get((k, word))
         if found is None:
-            before = self.orbit(k, word[:-1])
-            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
-            found = self._orbits[k, word] = m * before + c
+            known = self._longest(word, lambda start: (k, start) in self._orbits)
+            found = self._orbits[k, word[:known]] if known else self.table.breaks[k]
+            for letter in word[known:]:
+                found = self.table.slopes[letter] * found + self.table.intercepts[letter]
+            self._orbits[k, word] = found
         return found
+
+    @staticmethod
+    def _longest(word: Word, is_known: Callable[[Word], bool]) -> int:
+        """Length of the longest proper start of a word that was met before, or 0."""
+        return next((n for n in range(len(word) - 1, 0, -1) if is_known(word[:n])), 0)
 
     def preimage(self, k: int, word: Word) -> Fraction_:
         """The x with A_word(x) = b_k, as numerator and denominator."""
@@ -152,7 +175,7 @@ class Orbits:
             case Slope(letter):
                 return self.table.slopes[letter]
             case Multiplier(word, unit):
-                return self.affine(word)[0] - unit * self.table.one
+                return self.slope(word) - unit * self.table.one
             case Offset(word):
                 return self.affine(word)[1]
 

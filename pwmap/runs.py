@@ -56,6 +56,13 @@ class Name:
         return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
 
 
+@dataclass(frozen=True, slots=True)
+class Infinite:
+    """An x that grows without bound, to the side -1 or +1."""
+
+    side: int
+
+
 class Shows(NamedTuple):
     """What a cell shows of a fixed point."""
 
@@ -140,9 +147,9 @@ class Meeting:
     Attributes
     ----------
     value
-        The common x in canonical form, or (INFINITE, sign).
+        The common x in canonical form, or :class:`Infinite`.
     x
-        The same as a float.
+        The same as a float, for drawing; it is infinite too where the x is too large for one.
     """
 
     place: Any
@@ -300,7 +307,7 @@ class Sweep:
             for meeting in meetings
             if meeting.place == place
             and (x := meeting.ends[0].x(self.orbits)) is not None
-            and abs(meeting.x) < inf
+            and not isinstance(meeting.value, Infinite)
             and (low is None or order(low, x, place) < 0)
             and (high is None or order(x, high, place) < 0)
         }
@@ -324,11 +331,20 @@ class Sweep:
         for run in runs:
             for end in self.ends(run):
                 groups[end.place, self._value(end)].append(end)
-        meetings = [
+        found = [
             Meeting(place, value, self.x(ends[0]), tuple(ends))
             for (place, value), ends in groups.items()
         ]
-        return sorted(meetings, key=lambda meeting: (meeting.place, meeting.x))
+        return sorted(found, key=cmp_to_key(self._compared))
+
+    def _compared(self, first: Meeting, second: Meeting) -> int:
+        """-1, 0 or 1: the order of two meetings, by place and then by x."""
+        place = first.place
+        if place != second.place:
+            return -1 if place < second.place else 1
+        values = first.value, second.value
+        sides = [value.side if isinstance(value, Infinite) else 0 for value in values]
+        return sides[0] - sides[1] if any(sides) else self.axis.compare(*values, place)
 
     def ends(self, run: Run) -> tuple[End, End]:
         """Both ends of a run."""
@@ -367,15 +383,16 @@ class Sweep:
     def x(self, end: End) -> float:
         """The x of an end as a float, which may be infinite."""
         value, x = self._value(end), end.x(self.orbits)
-        if x is None or self._is_infinite(value):
-            return float(value[1]) * inf
+        if isinstance(value, Infinite):
+            return value.side * inf
+        assert x is not None
         return self.axis.number(x, end.place)
 
     def _value(self, end: End) -> Any:
-        """The x of an end in canonical form; an infinite one with its sign."""
+        """The x of an end in canonical form; an infinite one with its side."""
         x, place = end.x(self.orbits), end.place
         if x is None:
-            return INFINITE, 2 * end.which - 1
+            return Infinite(2 * end.which - 1)
         value = self.axis.value(x, place)
         if value != INFINITE:
             return value
@@ -385,11 +402,7 @@ class Sweep:
             self.axis.order((number, one), (one - one, one), where)
             for number, where in zip(x, (place, inside), strict=True)
         )
-        return INFINITE, top * bottom
-
-    @staticmethod
-    def _is_infinite(value: Any) -> bool:
-        return isinstance(value, tuple) and value[:1] == (INFINITE,)
+        return Infinite(top * bottom)
 
 
 def _cuts(cylinder: Cylinder, place: Place) -> list[Cut | None]:
