@@ -32,7 +32,7 @@ from pwmap.exact import (
 )
 from pwmap.itineraries import Judge, Orbits, Question
 from pwmap.reading import Model
-from pwmap.roots import Dense, RealRoot, bounds, real_roots, sign_at, simplest_between
+from pwmap.roots import Dense, RealRoot, bounds, real_roots, sign_at, simplest_between, trimmed
 
 INFINITE = "infinite"
 
@@ -135,8 +135,12 @@ class Axis(ABC):
         """What :meth:`value` returned for a place, as an expression."""
 
     @abstractmethod
+    def coefficients(self, polynomial: Number) -> Dense:
+        """A polynomial in the parameter of the axis alone, others at their sample."""
+
+    @abstractmethod
     def spread(self, low: Any, high: Any, n: int) -> list[Any]:
-        """Places that part an interval, up to rounding, in n + 1 equal parts."""
+        """Places inside an interval, in equal steps."""
 
     @property
     def identity(self) -> Fraction_:
@@ -227,6 +231,9 @@ class RationalAxis(Axis):
         root = place.to_sympy()
         powers = enumerate(reversed(value))
         return sympy.radsimp(sympy.expand(sum(QQ.to_sympy(c) * root**i for i, c in powers)))
+
+    def coefficients(self, polynomial: Number) -> Dense:
+        return dense(polynomial)
 
     def spread(self, low: Any, high: Any, n: int) -> list[Number]:
         ends = low, high
@@ -348,6 +355,9 @@ class SymbolicAxis(Axis):
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         return sympy.factor(value.as_expr())
+
+    def coefficients(self, polynomial: Number) -> Dense:
+        return trimmed(evaluate(c, self.sample, None) for c in reversed(self._powers(polynomial)))
 
     def spread(self, low: Any, high: Any, n: int) -> list[Threshold]:
         step = (high.value - low.value) / (n + 1)

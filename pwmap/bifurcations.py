@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from math import nan
 from typing import Any
 
-import numpy as np
 import sympy
 from sympy import QQ
 
@@ -22,8 +20,7 @@ from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import ceiling, whole_part
 from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Run, Sweep
-
-SAMPLES = 65  # along a branch that is curved
+from pwmap.samples import is_isolated, samples
 
 
 def bifurcation_diagram(
@@ -121,13 +118,13 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
         counts[letter] += 1
         branch_ids[run] = f"{letter}{counts[letter]}"
     points: list[SpecialPoint] = []
-    ends: dict[tuple[Run, int], str] = {}
+    ends: dict[tuple[Run, int], SpecialPoint] = {}
     for meeting in sweep.meetings(runs):
         kind, note = classify(meeting, at_span_end=meeting.place in sweep.span)
         counts[kind] += 1
         point = _point(sweep, meeting, f"{kind}{counts[kind]}", kind, note, branch_ids)
         points.append(point)
-        ends.update({(end.run, end.which): point.id for end in meeting.ends})
+        ends.update({(end.run, end.which): point for end in meeting.ends})
     branches = [
         _branch(map_, sweep, run, branch_ids[run], (ends[run, 0], ends[run, 1])) for run in runs
     ]
@@ -164,7 +161,11 @@ def _point(
 
 
 def _branch(
-    map_: PiecewiseLinearMap, sweep: Sweep, run: Run, branch_id: str, ends: tuple[str, str]
+    map_: PiecewiseLinearMap,
+    sweep: Sweep,
+    run: Run,
+    branch_id: str,
+    ends: tuple[SpecialPoint, SpecialPoint],
 ) -> Branch:
     name, axis, orbits = run.name, sweep.axis, sweep.orbits
     low, high = (axis.to_sympy(place) for place in run.places)
@@ -172,55 +173,28 @@ def _branch(
         "interval": sympy.Interval(low, high, not run.closed[0], not run.closed[1])
     }
     if run.band is None:
-        exact["x"] = fraction_to_sympy(name.x(orbits))
+        exact["x"] = fraction_to_sympy(sweep.position(name))
     else:
         exact["interval"] = sympy.FiniteSet(low)
     if name.kind is BranchKind.JUMP and name.cut is not None:
         for side, word in zip(("left", "right"), name.words, strict=True):
             exact[side] = to_sympy(orbits.orbit(name.cut.k, word[name.cut.steps :]))
     else:
-        slope = to_sympy(orbits.affine(name.word)[0])
-        exact["multiplier"] = sympy.nan if _isolated(run) else slope
-    parameter, x, multiplier = zip(*_samples(sweep, run), strict=True)
+        slope = to_sympy(orbits.slope(name.word))
+        exact["multiplier"] = sympy.nan if is_isolated(run) else slope
+    drawn = samples(sweep, run, ends)
     return Branch(
         id=branch_id,
         kind=name.kind,
         order=len(name.word) // sweep.unit,
         word="|".join(map_.spelled(word) for word in name.words),
-        parameter=np.array(parameter),
-        x=np.array(x),
-        multiplier=np.array(multiplier),
-        ends=ends,
+        parameter=drawn.parameter,
+        x=drawn.x,
+        multiplier=drawn.multiplier,
+        ends=(ends[0].id, ends[1].id),
         exact=exact,
         attracts=None if run.shows is None else run.shows.stable,
     )
-
-
-def _isolated(run: Run) -> bool:
-    return run.shows is not None and run.shows.isolated
-
-
-def _samples(sweep: Sweep, run: Run) -> list[tuple[float, float, float]]:
-    """Parameter, x and multiplier along a run; few samples where that is enough."""
-    axis, one = sweep.axis, sweep.orbits.table.one
-    slope = sweep.orbits.affine(run.name.word)[0]
-    smooth = run.name.kind is BranchKind.FIXED_POINT and not _isolated(run)
-
-    def sample(place: Any, x: float) -> tuple[float, float, float]:
-        multiplier = axis.number((slope, one), place) if smooth else nan
-        return axis.number(axis.identity, place), x, multiplier
-
-    first, last = (sample(end.place, sweep.x(end)) for end in sweep.ends(run))
-    if run.band is not None:
-        return [first, last]
-    if run.places[0] == run.places[1]:
-        return [first]
-    position = run.name.x(sweep.orbits)
-    degrees = [axis.degree(number) for number in (*position, slope)]
-    if degrees[0] <= 1 and degrees[1:] == [0, 0]:
-        return [first, last]
-    inner = axis.spread(*run.places, SAMPLES - 2)
-    return [first, *(sample(place, axis.number(position, place)) for place in inner), last]
 
 
 # --- What kind of point ---------------------------------------------------------------------------

@@ -65,12 +65,13 @@ class RealRoot:
         Rationals that isolate it.
     """
 
-    __slots__ = ("_bits", "_coefficients", "_floor", "_rises", "index", "polynomial")
+    __slots__ = ("_bits", "_coefficients", "_floor", "_hash", "_rises", "index", "polynomial")
 
     def __init__(self, polynomial: Dense, index: int, low: Number, high: Number) -> None:
         self.polynomial = polynomial
         self.index = index
         self._coefficients = integers(polynomial)
+        self._hash = hash((self._coefficients, index))
         self._rises = _scaled(self._coefficients, *pair(high)) > 0
         self._bits = _BITS
         while not self._isolate(low, high):
@@ -92,7 +93,7 @@ class RealRoot:
             middle = (first + last) // 2
             first, last = (middle, last) if self._above(middle, self._bits) else (first, middle)
         self._floor = first
-        return low <= self.low and self.high <= high
+        return bool(low <= self.low and self.high <= high)
 
     def _above(self, n: int, bits: int) -> bool:
         """Whether the root is larger than n / 2**bits, which lies where it is isolated."""
@@ -199,10 +200,10 @@ class RealRoot:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RealRoot):
             return False
-        return self.polynomial == other.polynomial and self.index == other.index
+        return self._coefficients == other._coefficients and self.index == other.index
 
     def __hash__(self) -> int:
-        return hash((self.polynomial, self.index))
+        return self._hash
 
     def __lt__(self, other: Real) -> bool:
         if not isinstance(other, RealRoot):
