@@ -229,8 +229,11 @@ class RationalAxis(Axis):
         if not isinstance(place, RealRoot):
             return QQ.to_sympy(value)
         root = place.to_sympy()
-        powers = enumerate(reversed(value))
-        return sympy.radsimp(sympy.expand(sum(QQ.to_sympy(c) * root**i for i, c in powers)))
+        found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
+        if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
+            return sympy.sympify(found)
+        found = sympy.expand(found)
+        return found if len(place.polynomial) == 3 else sympy.radsimp(found)
 
     def coefficients(self, polynomial: Number) -> Dense:
         return dense(polynomial)

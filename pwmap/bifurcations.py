@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -169,9 +170,7 @@ def _branch(
 ) -> Branch:
     name, axis, orbits = run.name, sweep.axis, sweep.orbits
     low, high = (axis.to_sympy(place) for place in run.places)
-    exact: dict[str, sympy.Basic] = {
-        "interval": sympy.Interval(low, high, not run.closed[0], not run.closed[1])
-    }
+    exact: dict[str, sympy.Basic] = {"interval": _interval(low, high, *run.closed)}
     if run.band is None:
         exact["x"] = fraction_to_sympy(sweep.position(name))
     else:
@@ -195,6 +194,11 @@ def _branch(
         exact=exact,
         attracts=None if run.shows is None else run.shows.stable,
     )
+
+
+@lru_cache(maxsize=4096)  # sympy compares the ends by their digits
+def _interval(low: sympy.Expr, high: sympy.Expr, starts: bool, stops: bool) -> sympy.Set:
+    return sympy.Interval(low, high, not starts, not stops)
 
 
 # --- What kind of point ---------------------------------------------------------------------------

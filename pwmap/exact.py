@@ -268,6 +268,25 @@ def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
     top, bottom = cancelled(fraction)
     if is_constant(top) and is_constant(bottom):
         return to_sympy(constant(top) / constant(bottom))
-    quotient = to_sympy(top) / to_sympy(bottom)
-    plain = len(top.ring.gens) == 1 and top.degree() <= 1 and bottom.degree() <= 1
-    return quotient if plain else sympy.factor(quotient)
+    if len(top.ring.gens) > 1:
+        return sympy.factor(to_sympy(top) / to_sympy(bottom))
+    if top.degree() <= 1 and bottom.degree() <= 1:
+        return to_sympy(top) / to_sympy(bottom)
+    (unit, above), (scale, below) = factored(top), factored(bottom)
+    powers = [*above, *((factor, -exponent) for factor, exponent in below)]
+    product = sympy.Mul(*(to_sympy(factor) ** exponent for factor, exponent in powers))
+    return _with_coefficient(to_sympy(unit / scale), product)
+
+
+def _with_coefficient(coefficient: sympy.Rational, product: sympy.Expr) -> sympy.Expr:
+    """A product as ``sympy.factor`` writes it: the coefficient is not multiplied into a sum."""
+    if coefficient in (1, -1) or not product.is_Add:
+        return coefficient * product
+    return sympy.Mul(coefficient, product, evaluate=False)
+
+
+@lru_cache(maxsize=4096)
+def factored(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, int], ...]]:
+    """A constant, and the irreducible factors with their exponents."""
+    unit, factors = polynomial.factor_list()
+    return unit, tuple(factors)
