@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import total_ordering
+from functools import lru_cache, total_ordering
 from itertools import pairwise
 from typing import Any
 
@@ -30,9 +30,18 @@ from pwmap.exact import (
     to_float,
     to_sympy,
 )
-from pwmap.itineraries import Judge, Orbits, Question
+from pwmap.itineraries import IntegerOrbits, Judge, Orbits, Question
 from pwmap.reading import Model
-from pwmap.roots import Dense, RealRoot, bounds, real_roots, sign_at, simplest_between, trimmed
+from pwmap.roots import (
+    Dense,
+    RealRoot,
+    bounds,
+    integers,
+    real_roots,
+    sign_at,
+    simplest_between,
+    trimmed,
+)
 
 INFINITE = "infinite"
 
@@ -170,7 +179,12 @@ class _SignAt:
     root: RealRoot
 
     def __call__(self, number: Number) -> int:
-        return self.root.sign_of(dense(number))
+        return self.root.sign_of(_integers(number))
+
+
+@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
+def _integers(number: Number) -> tuple[int, ...]:
+    return integers(dense(number))
 
 
 class RationalAxis(Axis):
@@ -190,7 +204,7 @@ class RationalAxis(Axis):
         if isinstance(place, RealRoot):
             return Judge(self.orbits, _SignAt(place))
         table = self.model.table.mapped(lambda number: _at(number, place))
-        return Judge(Orbits(table), sign)
+        return Judge(IntegerOrbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         return real_roots(dense(polynomial)) if polynomial else None
@@ -213,7 +227,7 @@ class RationalAxis(Axis):
 
     def compare(self, first: Any, second: Any, place: Any) -> int:
         if isinstance(place, RealRoot):
-            return place.sign_of(_difference(first, second))
+            return sign_at(_difference(first, second), place)
         return sign(first - second)
 
     def to_sympy(self, place: Any) -> sympy.Expr:
@@ -275,7 +289,8 @@ class SymbolicAxis(Axis):
 
     def judge(self, place: Threshold) -> Judge:
         values = {**self.sample, self.name: place.value}
-        return Judge(Orbits(self.model.table.mapped(lambda n: evaluate(n, values, None))), sign)
+        table = self.model.table.mapped(lambda n: evaluate(n, values, None))
+        return Judge(IntegerOrbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         if not polynomial:

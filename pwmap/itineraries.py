@@ -17,9 +17,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import islice
+from math import lcm, prod
 from typing import NamedTuple
 
-from pwmap.exact import Fraction_, Number, Packed, packed, ring_of, unpacked
+from pwmap.exact import Fraction_, Number, Packed, packed, pair, ring_of, unpacked
 
 Word = tuple[int, ...]
 
@@ -97,6 +99,13 @@ class Offset(NamedTuple):
 Question = Order | Slope | Multiplier | Offset
 
 
+class Mark(NamedTuple):
+    """How much a judge knew at some time: numbers of answers and of slots."""
+
+    answers: int
+    slots: int
+
+
 class Orbits:
     """Affine forms of words and orbits of breaks, each computed once.
 
@@ -112,6 +121,7 @@ class Orbits:
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
         self._slopes: dict[tuple[tuple[int, int], ...], Number] = {}
+        self._polynomials: dict[Question, Number] = {}
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
         return Orbits, (self.table,)
@@ -169,6 +179,12 @@ class Orbits:
 
     def polynomial(self, question: Question) -> Number:
         """The number whose sign answers a question."""
+        found = self._polynomials.get(question)
+        if found is None:
+            found = self._polynomials[question] = self._polynomial(question)
+        return found
+
+    def _polynomial(self, question: Question) -> Number:
         match question:
             case Order(k, word, l):
                 return self.orbit(k, word) - self.table.breaks[l]
@@ -178,6 +194,69 @@ class Orbits:
                 return self.slope(word) - unit * self.table.one
             case Offset(word):
                 return self.affine(word)[1]
+
+
+class IntegerOrbits:
+    """Orbits of a map with rational coefficients, for their signs only: all in integers.
+
+    Slopes, intercepts and breaks are multiples of 1/d, so that n letters later an orbit is a
+    multiple of 1/d^(n + 1).
+
+    Parameters
+    ----------
+    table
+        The coefficients, in ``QQ``.
+    """
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+        parts = table.slopes, table.intercepts, table.breaks
+        pairs = [[pair(number) for number in part] for part in parts]
+        self._unit = lcm(*(bottom for part in pairs for _, bottom in part))
+        self._slopes, self._intercepts, self._breaks = (
+            [top * (self._unit // bottom) for top, bottom in part] for part in pairs
+        )
+        self._powers = [1, self._unit]
+        self._orbits: dict[tuple[int, Word], int] = {}
+
+    def __reduce__(self) -> tuple[type[IntegerOrbits], tuple[Table]]:
+        return IntegerOrbits, (self.table,)
+
+    def polynomial(self, question: Question) -> int:
+        """An integer with the sign that answers a question."""
+        match question:
+            case Order(k, word, l):
+                return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
+            case Slope(letter):
+                return self._slopes[letter]
+            case Multiplier(word, unit):
+                return prod(self._slopes[i] for i in word) - unit * self._power(len(word))
+            case Offset(word):
+                return self._followed(0, word, 0)
+
+    def _orbit(self, k: int, word: Word) -> int:
+        found = self._orbits.get((k, word))
+        if found is None:
+            before = self._orbits.get((k, word[:-1]))
+            if before is None:
+                found = self._followed(self._breaks[k], word, 1)
+            else:
+                letter = word[-1]
+                shift = self._intercepts[letter] * self._power(len(word))
+                found = self._slopes[letter] * before + shift
+            self._orbits[k, word] = found
+        return found
+
+    def _followed(self, value: int, word: Word, scale: int) -> int:
+        """A multiple of d^-scale along a word."""
+        for n, letter in enumerate(word, start=scale):
+            value = self._slopes[letter] * value + self._intercepts[letter] * self._power(n)
+        return value
+
+    def _power(self, n: int) -> int:
+        while len(self._powers) <= n:
+            self._powers.append(self._powers[-1] * self._unit)
+        return self._powers[n]
 
 
 class Judge:
@@ -191,14 +270,24 @@ class Judge:
         The sign of such a polynomial: -1, 0 or +1.
     """
 
-    def __init__(self, orbits: Orbits, sign: Callable[[Number], int]) -> None:
+    def __init__(self, orbits: Orbits | IntegerOrbits, sign: Callable[[Number], int]) -> None:
         self.orbits = orbits
         self.answers: dict[Question, int] = {}
         self._sign = sign
         self._slots: dict[tuple[int, int, Word], int] = {}
+        self._slopes: dict[Word, int] = {(): 1}
 
-    def __reduce__(self) -> tuple[type[Judge], tuple[Orbits, Callable[[Number], int]]]:
+    def __reduce__(self) -> tuple[Callable[..., Judge], tuple[object, ...]]:
         return Judge, (self.orbits, self._sign)
+
+    def mark(self) -> Mark:
+        """How much is known by now."""
+        return Mark(len(self.answers), len(self._slots))
+
+    def learn(self, other: Judge, mark: Mark) -> None:
+        """Take over what another judge knew at some time, which must hold here too."""
+        self.answers.update(islice(other.answers.items(), mark.answers))
+        self._slots.update(islice(other._slots.items(), mark.slots))
 
     def ask(self, question: Question) -> int:
         """The sign of the polynomial of a question."""
@@ -209,11 +298,14 @@ class Judge:
 
     def slope(self, word: Word) -> int:
         """Sign of the slope of a word."""
-        product = 1
-        for letter in word:
-            product *= self.ask(Slope(letter))
-            if not product:
-                return 0
+        product = self._slopes.get(word)
+        if product is None:
+            product = 1
+            for letter in word:
+                product *= self.ask(Slope(letter))
+                if not product:
+                    break
+            self._slopes[word] = product
         return product
 
     def multiplier(self, word: Word, unit: int) -> int:

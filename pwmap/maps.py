@@ -287,13 +287,11 @@ class PiecewiseLinearMap:
     ) -> None:
         self._model = model
         self._chain = chain
-        self.judge = judge or Judge(
-            Orbits(model.table), sign if model.ring is None else model.region.sign
-        )
+        self.orbits = orbits or Orbits(model.table)  # affine forms in the ring of the parameters
+        self.judge = judge or Judge(self.orbits, sign if model.ring is None else model.region.sign)
         self._known: dict[Chain, tuple[Cylinder, ...]] = (
             {(): cyl.WHOLE_LINE} if known is None else known
         )
-        self.orbits = orbits or self.judge.orbits  # affine forms in the ring of the parameters
 
     @classmethod
     def decided(cls, map_: PiecewiseLinearMap, judge: Judge, orbits: Orbits) -> PiecewiseLinearMap:

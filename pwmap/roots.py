@@ -7,7 +7,7 @@ that isolates one of its roots, refined only as far as a comparison asks for.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cache, lru_cache, total_ordering
+from functools import cache, total_ordering
 from itertools import pairwise
 from math import lcm
 
@@ -31,8 +31,7 @@ def trimmed(coefficients: Iterable[Number]) -> Dense:
     return tuple(result)
 
 
-@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
-def integers(polynomial: Dense) -> tuple[int, ...]:
+def integers(polynomial: Iterable[Number]) -> tuple[int, ...]:
     """The coefficients of the least positive multiple of a polynomial that has integers only."""
     pairs = [pair(coefficient) for coefficient in polynomial]
     common = lcm(*(bottom for _, bottom in pairs))
@@ -133,11 +132,11 @@ class RealRoot:
         """Whether the root lies between n and n + 1 steps; both lie where it is isolated."""
         return self._above(n, bits) and not self._above(n + 1, bits)
 
-    def sign_of(self, polynomial: Dense) -> int:
-        """Sign of another polynomial at this root."""
-        found = self._sure_sign(integers(polynomial)) if polynomial else 0
+    def sign_of(self, polynomial: tuple[int, ...]) -> int:
+        """Sign of another polynomial, with integer coefficients, at this root."""
+        found = self._sure_sign(polynomial) if polynomial else 0
         if found is None:
-            rest = self.reduced(polynomial)
+            rest = self.reduced(tuple(map(QQ, polynomial)))
             while (found := self._sure_sign(integers(rest)) if rest else 0) is None:
                 self.refine()
         return found
@@ -270,7 +269,7 @@ def _poly(dense: Sequence[Number]) -> sympy.Poly:
 def sign_at(polynomial: Dense, x: Real) -> int:
     """Sign of a polynomial at a rational or algebraic number."""
     if isinstance(x, RealRoot):
-        return x.sign_of(polynomial)
+        return x.sign_of(integers(polynomial))
     return sign(_scaled(integers(polynomial), *pair(x)))
 
 
