@@ -9,12 +9,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import total_ordering
+from functools import lru_cache, total_ordering
 from itertools import pairwise
 from typing import Any
 
 import sympy
 from sympy import QQ
+from sympy.polys.densearith import dup_sub
 from sympy.polys.rings import PolyElement
 
 from pwmap.assumptions import Constraint, Region, possible_signs
@@ -26,12 +27,22 @@ from pwmap.exact import (
     is_constant,
     polynomial_ring,
     sign,
+    to_float,
     to_ring,
     to_sympy,
 )
-from pwmap.itineraries import Judge, Orbits, Question
+from pwmap.itineraries import IntegerOrbits, Judge, Orbits, Question
 from pwmap.reading import Model
-from pwmap.roots import RealRoot, real_roots, sign_at, simplest_between
+from pwmap.roots import (
+    Dense,
+    RealRoot,
+    bounds,
+    integers,
+    real_roots,
+    sign_at,
+    simplest_between,
+    trimmed,
+)
 from pwmap.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
 
 INFINITE = "infinite"
@@ -116,20 +127,31 @@ class Axis(ABC):
         """Sign of the difference of two finite quotients at a place."""
 
     @abstractmethod
+    def compare(self, first: Any, second: Any, place: Any) -> int:
+        """Sign of the difference of two values, as :meth:`value` returned them for a place.
+
+        With symbolic parameters it is the sign at their sample, which is not recorded.
+        """
+
+    @abstractmethod
     def to_sympy(self, place: Any) -> sympy.Expr:
         """A place as an expression."""
 
     @abstractmethod
     def number(self, fraction: Fraction_, place: Any) -> float:
-        """A finite quotient at a place as a float."""
+        """A finite quotient at a place as a float, infinite if it is too large; for drawing."""
 
     @abstractmethod
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         """What :meth:`value` returned for a place, as an expression."""
 
     @abstractmethod
+    def coefficients(self, polynomial: Number) -> Dense:
+        """A polynomial in the parameter of the axis alone, others at their sample."""
+
+    @abstractmethod
     def spread(self, low: Any, high: Any, n: int) -> list[Any]:
-        """Places that part an interval, up to rounding, in n + 1 equal parts."""
+        """Places inside an interval, in equal steps."""
 
     @abstractmethod
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
@@ -166,7 +188,12 @@ class _SignAt:
     root: RealRoot
 
     def __call__(self, number: Number) -> int:
-        return self.root.sign_of(dense(number))
+        return self.root.sign_of(_integers(number))
+
+
+@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
+def _integers(number: Number) -> tuple[int, ...]:
+    return integers(dense(number))
 
 
 class RationalAxis(Axis):
@@ -186,7 +213,7 @@ class RationalAxis(Axis):
         if isinstance(place, RealRoot):
             return Judge(self.orbits, _SignAt(place))
         table = self.model.table.mapped(lambda number: _at(number, place))
-        return Judge(Orbits(table), sign)
+        return Judge(IntegerOrbits(table), sign)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         symbol = self.model.ring.symbols[0]
@@ -213,25 +240,36 @@ class RationalAxis(Axis):
         bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
         return sign_at(dense(a * d - c * b), place) * bottom
 
+    def compare(self, first: Any, second: Any, place: Any) -> int:
+        if isinstance(place, RealRoot):
+            return sign_at(_difference(first, second), place)
+        return sign(first - second)
+
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)
 
     def number(self, fraction: Fraction_, place: Any) -> float:
         if isinstance(place, RealRoot):
-            place = place.refined_to(QQ(1, 2**80))
-        top, bottom = (_at(number, place) for number in fraction)
-        return float(top / bottom)
+            top, bottom = (dense(number) for number in fraction)
+            return place.to_float(top, bottom)
+        return to_float(_at(fraction[0], place) / _at(fraction[1], place))
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if not isinstance(place, RealRoot):
             return QQ.to_sympy(value)
         root = place.to_sympy()
-        powers = enumerate(reversed(value))
-        return sympy.radsimp(sympy.expand(sum(QQ.to_sympy(c) * root**i for i, c in powers)))
+        found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
+        if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
+            return sympy.sympify(found)
+        found = sympy.expand(found)
+        return found if len(place.polynomial) == 3 else sympy.radsimp(found)
+
+    def coefficients(self, polynomial: Number) -> Dense:
+        return dense(polynomial)
 
     def spread(self, low: Any, high: Any, n: int) -> list[Number]:
-        fine = QQ(1, 2**60)
-        first, last = (x.refined_to(fine) if isinstance(x, RealRoot) else x for x in (low, high))
+        ends = low, high
+        first, last = (bounds(end)[1 - i] for i, end in enumerate(ends))
         return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
 
 
@@ -267,7 +305,8 @@ class SymbolicAxis(Axis):
 
     def judge(self, place: Threshold) -> Judge:
         values = {**self.sample, self.name: place.value}
-        return Judge(Orbits(self.model.table.mapped(lambda n: evaluate(n, values, None))), sign)
+        table = self.model.table.mapped(lambda n: evaluate(n, values, None))
+        return Judge(IntegerOrbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         if not polynomial:
@@ -337,16 +376,22 @@ class SymbolicAxis(Axis):
         self._keep_sign_of(difference)
         return sign(self._at_sample(difference))
 
+    def compare(self, first: Any, second: Any, place: Threshold) -> int:
+        return sign(self._at_sample(first) - self._at_sample(second))
+
     def to_sympy(self, place: Threshold) -> sympy.Expr:
         return sympy.factor(place.expr.as_expr())
 
     def number(self, fraction: Fraction_, place: Threshold) -> float:
         values = {**self.sample, self.name: place.value}
         top, bottom = (evaluate(number, values, None) for number in fraction)
-        return float(top / bottom)
+        return to_float(top / bottom)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         return sympy.factor(value.as_expr())
+
+    def coefficients(self, polynomial: Number) -> Dense:
+        return trimmed(evaluate(c, self.sample, None) for c in reversed(self._powers(polynomial)))
 
     def spread(self, low: Any, high: Any, n: int) -> list[Threshold]:
         step = (high.value - low.value) / (n + 1)
@@ -455,3 +500,8 @@ def _at(number: PolyElement, value: Number) -> Number:
     for (exponent,), coefficient in number.items():
         total += coefficient * value**exponent
     return total
+
+
+def _difference(first: Dense, second: Dense) -> Dense:
+    """The difference of two polynomials."""
+    return tuple(dup_sub(list(first), list(second), QQ))

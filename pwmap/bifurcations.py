@@ -6,13 +6,11 @@ from which branches meet there, and on which side.
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from math import inf, nan
+from functools import lru_cache
 from typing import Any
 
-import numpy as np
 import sympy
 from sympy import QQ
 
@@ -21,10 +19,9 @@ from pwmap.cells import Cell, checked_orders, checked_span, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
-from pwmap.roots import bounds
-from pwmap.runs import ALONG, LEFT, RIGHT, End, Meeting, Run, Sweep
-
-SAMPLES = 65  # along a branch that is curved
+from pwmap.roots import ceiling, whole_part
+from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Run, Sweep
+from pwmap.samples import is_isolated, samples
 
 
 def bifurcation_diagram(
@@ -97,8 +94,8 @@ def _whole_span(
 def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Number, Number]:
     edges = [cell.lower for cell in cells if cell.is_edge]
     edges = edges or [axis.between(cells[0].lower, cells[0].upper)]
-    below, above = bounds(_number(edges[0]))[0], bounds(_number(edges[-1]))[1]
-    low, high = QQ(math.floor(below) - 1), QQ(math.ceil(above) + 1)
+    low = QQ(whole_part(_number(edges[0])) - 1)
+    high = QQ(ceiling(_number(edges[-1])) + 1)
     first, last = cells[0].lower, cells[-1].upper  # as far as the assumptions reach
     if first is not None and axis.place(low) < first:
         low = _number(axis.between(first, edges[0]))
@@ -122,13 +119,13 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
         counts[letter] += 1
         branch_ids[run] = f"{letter}{counts[letter]}"
     points: list[SpecialPoint] = []
-    ends: dict[tuple[Run, int], str] = {}
+    ends: dict[tuple[Run, int], SpecialPoint] = {}
     for meeting in sweep.meetings(runs):
         kind, note = classify(meeting, at_span_end=meeting.place in sweep.span)
         counts[kind] += 1
         point = _point(sweep, meeting, f"{kind}{counts[kind]}", kind, note, branch_ids)
         points.append(point)
-        ends.update({(end.run, end.which): point.id for end in meeting.ends})
+        ends.update({(end.run, end.which): point for end in meeting.ends})
     branches = [
         _branch(map_, sweep, run, branch_ids[run], (ends[run, 0], ends[run, 1])) for run in runs
     ]
@@ -150,8 +147,8 @@ def _point(
     branch_ids: Mapping[Run, str],
 ) -> SpecialPoint:
     axis, place = sweep.axis, meeting.place
-    infinite = abs(meeting.x) == inf
-    x = sympy.oo * meeting.x if infinite else axis.value_to_sympy(meeting.value, place)
+    x = meeting.value
+    exact_x = sympy.oo * x.side if isinstance(x, Infinite) else axis.value_to_sympy(x, place)
     return SpecialPoint(
         id=point_id,
         kind=kind,
@@ -160,68 +157,48 @@ def _point(
         branches=tuple(dict.fromkeys(branch_ids[end.run] for end in meeting.ends)),
         order=lowest(meeting.ends) // sweep.unit,
         note=note,
-        exact={"parameter": axis.to_sympy(place), "x": x},
+        exact={"parameter": axis.to_sympy(place), "x": exact_x},
     )
 
 
 def _branch(
-    map_: PiecewiseLinearMap, sweep: Sweep, run: Run, branch_id: str, ends: tuple[str, str]
+    map_: PiecewiseLinearMap,
+    sweep: Sweep,
+    run: Run,
+    branch_id: str,
+    ends: tuple[SpecialPoint, SpecialPoint],
 ) -> Branch:
     name, axis, orbits = run.name, sweep.axis, sweep.orbits
     low, high = (axis.to_sympy(place) for place in run.places)
-    exact: dict[str, sympy.Basic] = {
-        "interval": sympy.Interval(low, high, not run.closed[0], not run.closed[1])
-    }
+    exact: dict[str, sympy.Basic] = {"interval": _interval(low, high, *run.closed)}
     if run.band is None:
-        exact["x"] = fraction_to_sympy(name.x(orbits))
+        exact["x"] = fraction_to_sympy(sweep.position(name))
     else:
         exact["interval"] = sympy.FiniteSet(low)
     if name.kind is BranchKind.JUMP and name.cut is not None:
         for side, word in zip(("left", "right"), name.words, strict=True):
             exact[side] = to_sympy(orbits.orbit(name.cut.k, word[name.cut.steps :]))
     else:
-        slope = to_sympy(orbits.affine(name.word)[0])
-        exact["multiplier"] = sympy.nan if _isolated(run) else slope
-    parameter, x, multiplier = zip(*_samples(sweep, run), strict=True)
+        slope = to_sympy(orbits.slope(name.word))
+        exact["multiplier"] = sympy.nan if is_isolated(run) else slope
+    drawn = samples(sweep, run, ends)
     return Branch(
         id=branch_id,
         kind=name.kind,
         order=len(name.word) // sweep.unit,
         word="|".join(map_.spelled(word) for word in name.words),
-        parameter=np.array(parameter),
-        x=np.array(x),
-        multiplier=np.array(multiplier),
-        ends=ends,
+        parameter=drawn.parameter,
+        x=drawn.x,
+        multiplier=drawn.multiplier,
+        ends=(ends[0].id, ends[1].id),
         exact=exact,
         attracts=None if run.shows is None else run.shows.stable,
     )
 
 
-def _isolated(run: Run) -> bool:
-    return run.shows is not None and run.shows.isolated
-
-
-def _samples(sweep: Sweep, run: Run) -> list[tuple[float, float, float]]:
-    """Parameter, x and multiplier along a run; few samples where that is enough."""
-    axis, one = sweep.axis, sweep.orbits.table.one
-    slope = sweep.orbits.affine(run.name.word)[0]
-    smooth = run.name.kind is BranchKind.FIXED_POINT and not _isolated(run)
-
-    def sample(place: Any, x: float) -> tuple[float, float, float]:
-        multiplier = axis.number((slope, one), place) if smooth else nan
-        return axis.number(axis.identity, place), x, multiplier
-
-    first, last = (sample(end.place, sweep.x(end)) for end in sweep.ends(run))
-    if run.band is not None:
-        return [first, last]
-    if run.places[0] == run.places[1]:
-        return [first]
-    position = run.name.x(sweep.orbits)
-    degrees = [axis.degree(number) for number in (*position, slope)]
-    if degrees[0] <= 1 and degrees[1:] == [0, 0]:
-        return [first, last]
-    inner = axis.spread(*run.places, SAMPLES - 2)
-    return [first, *(sample(place, axis.number(position, place)) for place in inner), last]
+@lru_cache(maxsize=4096)  # sympy compares the ends by their digits
+def _interval(low: sympy.Expr, high: sympy.Expr, starts: bool, stops: bool) -> sympy.Set:
+    return sympy.Interval(low, high, not starts, not stops)
 
 
 # --- What kind of point ---------------------------------------------------------------------------
@@ -250,7 +227,7 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     ends = meeting.ends
     if at_span_end:
         return PointKind.EP, "end of the span"
-    if abs(meeting.x) == inf:
+    if isinstance(meeting.value, Infinite):
         escapes = any(end.unit == 1 for end in ends)
         return PointKind.LP if escapes else PointKind.EP, "x grows without bound"
     own = [end for end in ends if end.steps == lowest(ends)]

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice, pairwise
 from typing import Any, TypeVar
 
@@ -23,6 +24,7 @@ from sympy import QQ
 from pwmap.axis import Axis, ResampleError, axis_of, identical
 from pwmap.cylinders import (
     WHOLE_LINE,
+    Cylinder,
     Iterate,
     Place,
     crossings,
@@ -31,7 +33,7 @@ from pwmap.cylinders import (
     refined,
 )
 from pwmap.exact import Number, rational
-from pwmap.itineraries import Judge
+from pwmap.itineraries import Judge, Mark
 from pwmap.maps import PiecewiseLinearMap, checked_order
 
 Result = TypeVar("Result")
@@ -41,10 +43,17 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Study:
-    """All iterates at one place, and the judge who decided them."""
+    """All iterates at one place, and the judge who decided them.
+
+    Attributes
+    ----------
+    cylinders
+        Of the last iterate that was composed.
+    """
 
     judge: Judge
     iterates: dict[int, Iterate]
+    cylinders: tuple[Cylinder, ...] = WHOLE_LINE
 
     def shown(self) -> dict[int, Iterate]:
         """The iterates, without telling apart fixed points that are virtual or missing."""
@@ -71,6 +80,7 @@ class Cell:
     lower: Any
     upper: Any
     study: Study
+    sample: Any  # the place of the study
 
     @property
     def is_edge(self) -> bool:
@@ -78,18 +88,17 @@ class Cell:
         return self.lower is not None and self.lower is self.upper
 
 
-def studied(judge: Judge, chain: tuple[int, ...], orders: Iterable[int]) -> Study:
-    """Iterates of the given orders, with every sign that their fixed points depend on."""
-    wanted = set(orders)
-    current, iterates = WHOLE_LINE, {}
-    for order in range(1, max(wanted) + 1):
-        for layout in chain:
-            current = refined(current, layout, judge)
-        if order in wanted:
-            places = tuple(place_of_fixed_point(cylinder, judge) for cylinder in current)
-            stable = tuple(is_stable(current, i, place, judge) for i, place in enumerate(places))
-            iterates[order] = Iterate(current, places, stable, tuple(crossings(current, judge)))
-    return Study(judge, iterates)
+def grown(study: Study, chain: tuple[int, ...], order: int, *, shown: bool) -> Study:
+    """A study of one order more, with every sign that its fixed points depend on if it is shown."""
+    judge, current, iterates = study.judge, study.cylinders, study.iterates
+    for layout in chain:
+        current = refined(current, layout, judge)
+    if shown:
+        places = tuple(place_of_fixed_point(cylinder, judge) for cylinder in current)
+        stable = tuple(is_stable(current, i, place, judge) for i, place in enumerate(places))
+        found = Iterate(current, places, stable, tuple(crossings(current, judge)))
+        iterates = {**iterates, order: found}
+    return Study(judge, iterates, current)
 
 
 def decomposed(
@@ -102,6 +111,9 @@ def decomposed(
 ) -> list[Cell]:
     """Cells and edges of an open interval of the axis, from left to right.
 
+    They are refined order by order. What a cell knows of lower orders holds in all its parts and
+    on the edges between them, so that only the questions of the new order are asked there.
+
     Parameters
     ----------
     low, high
@@ -109,47 +121,66 @@ def decomposed(
     ends
         The ends to study as edges too, of ``low`` and ``high``.
     """
-    open_cells: list[Cell] = []
-    waiting = [(low, high)]
+    sample = axis.between(low, high)
+    cells = [Cell(low, high, Study(axis.judge(sample), {}), sample)]
+    for end, i in ((low, 0), (high, 2)):
+        if end in ends:
+            cells.insert(i, Cell(end, end, Study(axis.judge(end), {}), end))
+    for order in range(1, max(orders) + 1):
+        grow = partial(grown, chain=chain, order=order, shown=order in orders)
+        cells = [part for cell in cells for part in _parts(axis, cell, grow)]
+    return cells
+
+
+def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
+    """A cell, or what an order more cuts it into: cells and the edges between them."""
+    mark = cell.study.judge.mark()
+    if cell.is_edge:
+        return [_edge(axis, cell.sample, grow(cell.study), mark)]
+
+    def study_at(place: Any) -> Study:
+        judge = axis.judge(place)
+        judge.learn(cell.study.judge, mark)
+        return grow(replace(cell.study, judge=judge))
+
+    opened: list[Cell] = []
+    waiting = [(cell.lower, cell.upper)]
     while waiting:
         left, right = waiting.pop()
-        sample = axis.between(left, right)
-        study = studied(axis.judge(sample), chain, orders)
-        edge = _edge_at(axis, study.judge, sample)
+        old = (left is None or left < cell.sample) and (right is None or cell.sample < right)
+        sample = cell.sample if old else axis.between(left, right)
+        study = grow(cell.study) if old else study_at(sample)
+        new = islice(study.judge.answers.items(), mark.answers, None)
+        edge = _edge_at(axis, study.judge, sample, mark)
         if edge is not None:  # the sample is no inner point of a cell
             waiting += [(left, edge), (edge, right)]
             continue
-        roots = {root for question in study.judge.answers for root in axis.roots(question) or ()}
+        roots = {root for question, _ in new for root in axis.roots(question) or ()}
         start = max((x for x in roots if x < sample and (left is None or left < x)), default=left)
         stop = min((x for x in roots if sample < x and (right is None or x < right)), default=right)
-        open_cells.append(Cell(start, stop, study))
+        opened.append(Cell(start, stop, study, sample))
         if start is not left:
             waiting.append((left, start))
         if stop is not right:
             waiting.append((stop, right))
-    open_cells.sort(key=lambda cell: axis.between(cell.lower, cell.upper))
-    cells: list[Cell] = []
-    for cell in open_cells:
-        if cells or cell.lower in ends:
-            cells.append(_edge(axis, cell.lower, chain, orders))
-        cells.append(cell)
-    if cells[-1].upper in ends:
-        cells.append(_edge(axis, cells[-1].upper, chain, orders))
-    return cells
+    opened.sort(key=lambda part: part.sample)
+    parts = opened[:1]
+    for part in opened[1:]:
+        parts += [_edge(axis, part.lower, study_at(part.lower), mark), part]
+    return parts
 
 
-def _edge(axis: Axis, place: Any, chain: tuple[int, ...], orders: Sequence[int]) -> Cell:
-    study = studied(axis.judge(place), chain, orders)
-    found = _edge_at(axis, study.judge, place)
+def _edge(axis: Axis, place: Any, study: Study, mark: Mark) -> Cell:
+    found = _edge_at(axis, study.judge, place, mark)
     if found is not None and not identical(found, place):
         raise ResampleError
-    return Cell(place, place, study)
+    return Cell(place, place, study, place)
 
 
-def _edge_at(axis: Axis, judge: Judge, place: Any) -> Any:
-    """The root that a place hits, if an answer is zero there but not everywhere."""
+def _edge_at(axis: Axis, judge: Judge, place: Any, mark: Mark) -> Any:
+    """The root that a place hits, if a new answer is zero there but not everywhere."""
     found = None
-    for question, answer in judge.answers.items():
+    for question, answer in islice(judge.answers.items(), mark.answers, None):
         roots = axis.roots(question) if answer == 0 else None
         if roots is None:
             continue
@@ -170,7 +201,7 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
             and kept[-2].study.shown() == kept[-1].study.shown() == cell.study.shown()
         ):
             study = kept[-2].study.agreed(kept[-1].study, cell.study)
-            kept[-2:] = [Cell(kept[-2].lower, cell.upper, study)]
+            kept[-2:] = [replace(kept[-2], upper=cell.upper, study=study)]
         else:
             kept.append(cell)
     return kept
@@ -289,6 +320,7 @@ def shown_cells(
         decided = PiecewiseLinearMap.decided(
             map_,
             scope,
+            axis.orbits,
             Judge(axis.orbits, scope.sign, cell.study.judge.answers),
             {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
         )

@@ -230,7 +230,8 @@ class Decided(NamedTuple):
     """Where the answers of a map hold, who gives them, and what is known already."""
 
     scope: Scope
-    judge: Judge  # in the ring of all parameters
+    orbits: Orbits  # affine forms in the ring of the parameters
+    judge: Judge
     iterates: Mapping[Chain, Iterate]  # those that the cell of the map was cut for
 
 
@@ -296,8 +297,9 @@ class PiecewiseLinearMap:
         self._model = model
         self._chain = chain
         if decided is None:
+            orbits = Orbits(model.table)
             decide = sign if model.ring is None else model.region.sign
-            decided = Decided(model.region, Judge(Orbits(model.table), decide), {})
+            decided = Decided(model.region, orbits, Judge(orbits, decide), {})
         self._decided = decided
         self._known: dict[Chain, tuple[Cylinder, ...]] = (
             {(): cyl.WHOLE_LINE, **{c: it.cylinders for c, it in decided.iterates.items()}}
@@ -310,6 +312,7 @@ class PiecewiseLinearMap:
         cls,
         map_: PiecewiseLinearMap,
         scope: Scope,
+        orbits: Orbits,
         judge: Judge,
         iterates: Mapping[Chain, Iterate],
     ) -> PiecewiseLinearMap:
@@ -319,13 +322,13 @@ class PiecewiseLinearMap:
         ----------
         scope
             The cell.
-        judge
-            Who decides there, in the ring of all parameters.
+        orbits, judge
+            Affine forms in the ring of all parameters, and who decides there.
         iterates
             What iterates show there.
         """
         self = cls.__new__(cls)
-        self._set(map_._model, map_._chain, Decided(scope, judge, iterates))
+        self._set(map_._model, map_._chain, Decided(scope, orbits, judge, iterates))
         return self
 
     def __reduce__(self) -> tuple[Callable[..., PiecewiseLinearMap], tuple[object, ...]]:
@@ -349,7 +352,7 @@ class PiecewiseLinearMap:
     @property
     def orbits(self) -> Orbits:
         """Affine forms of words in the ring of the parameters."""
-        return self.judge.orbits
+        return self._decided.orbits
 
     # --- What it is -----------------------------------------------------------------------------
 
@@ -489,7 +492,8 @@ class PiecewiseLinearMap:
         if cell is None or (self.parameters and inner.parameters):
             other._set(model, chain)
         else:
-            other._set(model, chain, Decided(cell, Judge(Orbits(model.table), cell.sign), {}))
+            orbits = Orbits(model.table)
+            other._set(model, chain, Decided(cell, orbits, Judge(orbits, cell.sign), {}))
         return other
 
     def __matmul__(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
@@ -756,7 +760,7 @@ class PiecewiseLinearMap:
     def _cycle_points(self, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
         """Points and multiplier of a cycle."""
         root = word[: self._period(word)]  # what is repeated has the same points
-        slope = math.prod((self.orbits.table.slopes[i] for i in word), start=self._one)
+        slope = self.orbits.slope(word)
         at = self._point_piece(root)
         multiplier = to_sympy(slope) if at is None else sympy.nan
         if at is None and self._is_zero(slope - self._one):
