@@ -257,12 +257,7 @@ class RationalAxis(Axis):
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if not isinstance(place, RealRoot):
             return QQ.to_sympy(value)
-        root = place.to_sympy()
-        found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
-        if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
-            return sympy.sympify(found)
-        found = sympy.expand(found)
-        return found if len(place.polynomial) == 3 else sympy.radsimp(found)
+        return place.element_to_sympy(value)
 
     def coefficients(self, polynomial: Number) -> Dense:
         return dense(polynomial)

@@ -55,8 +55,9 @@ def bifurcation_diagram(
     Diagram
         The exact values are sympy objects: ``exact`` of a branch holds ``x``, ``multiplier`` (or
         the limits ``left`` and ``right`` of a jump) and ``interval``, the values of the parameter
-        at which it exists; that of a point holds ``parameter`` and ``x``. ``given`` says for which
-        values of symbolic parameters all of it holds.
+        at which it exists. A band along one value has its ends ``lower`` and ``upper`` for ``x``,
+        and each can belong to it or not. That of a point holds ``parameter`` and ``x``. ``given``
+        says for which values of symbolic parameters all of it holds.
 
     Raises
     ------
@@ -135,6 +136,7 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
         branches=tuple(branches),
         points=tuple(points),
         given=tuple(str(relation) for relation in sweep.axis.given),
+        sample={name: QQ.to_sympy(value) for name, value in sweep.axis.sample.items()},
     )
 
 
@@ -175,6 +177,9 @@ def _branch(
         exact["x"] = fraction_to_sympy(sweep.position(name))
     else:
         exact["interval"] = sympy.FiniteSet(low)
+        lower, upper = run.band
+        exact["lower"] = -sympy.oo if lower is None else fraction_to_sympy(lower)
+        exact["upper"] = sympy.oo if upper is None else fraction_to_sympy(upper)
     if name.kind is BranchKind.JUMP and name.cut is not None:
         for side, word in zip(("left", "right"), name.words, strict=True):
             exact[side] = to_sympy(orbits.orbit(name.cut.k, word[name.cut.steps :]))

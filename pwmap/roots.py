@@ -196,6 +196,15 @@ class RealRoot:
         """The root as radicals where that is short, otherwise as a ``CRootOf``."""
         return _root_to_sympy(self.polynomial, self.index)
 
+    def element_to_sympy(self, value: Dense) -> sympy.Expr:
+        """A number of the root's field, given in canonical form."""
+        root = self.to_sympy()
+        found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
+        if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
+            return sympy.sympify(found)
+        found = sympy.expand(found)
+        return found if len(self.polynomial) == 3 else sympy.radsimp(found)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RealRoot):
             return False

@@ -611,6 +611,28 @@ def check_diagram(branches: Sequence[Curve], case: Case, value: Any) -> None:
         assert jumps == expected, (value, j)
 
 
+@pytest.mark.slow
+@every_case
+def test_slices_show_what_the_formulas_hold(case: Case) -> None:
+    """At every edge, algebraic ones too, and between them; sorted, with floats of exact values."""
+    diagram = bifurcation_diagram(case.map, case.name, case.span, case.orders)
+    drawn = curves(diagram)
+    edges = {p.exact["parameter"] for p in diagram.points}
+    for value in [*edges, *samples(case, 25)]:
+        at = number(value) if isinstance(value, sympy.Expr) else value
+        hits = [hit for hit in diagram.at(value) if "x" in hit.branch.exact]
+        expected = [
+            (branch.id, evaluated(curve.x, at))
+            for branch, curve in zip(diagram.branches, drawn, strict=True)
+            if curve.holds(at) and curve.x is not None
+        ]
+        found = [(hit.branch.id, number(hit.exact["x"])) for hit in hits]
+        assert sorted(name for name, _ in found) == sorted(name for name, _ in expected)
+        assert dict(found) == dict(expected)
+        assert not any(after < before for (_, before), (_, after) in pairwise(found))
+        assert [hit.x for hit in hits] == pytest.approx([float(hit.exact["x"]) for hit in hits])
+
+
 def check_fixed_points(
     branches: Sequence[Curve], map_: PiecewiseLinearMap, f: Map, n: int, value: Any
 ) -> None:
