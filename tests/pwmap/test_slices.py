@@ -66,7 +66,7 @@ def test_ends_that_do_not_belong_to_a_branch() -> None:
     ]  # fmt: skip
     assert [x for _, x, _ in shown[2]] == [0, Rational(8, 9), Rational(8, 5)]
     beyond = [x for _, x, _ in shown[2 + Fraction(1, 10**30)]]
-    assert beyond == [4 * (2 + tiny) / 9, 4 * (2 + tiny) / 5]
+    assert beyond == [0, 4 * (2 + tiny) / 9, 4 * (2 + tiny) / 5]
 
 
 def test_a_slice_at_an_algebraic_edge() -> None:
