@@ -24,6 +24,7 @@ from pwmap.exact import (
     Number,
     dense,
     evaluate,
+    factored_to_sympy,
     is_constant,
     polynomial_ring,
     sign,
@@ -353,16 +354,22 @@ class SymbolicAxis(Axis):
     def _at_sample(self, expr: Any) -> Number:
         return evaluate(expr.numer, self.sample, None) / evaluate(expr.denom, self.sample, None)
 
-    def _substituted(self, polynomial: PolyElement, place: Threshold) -> Any:
-        """A polynomial at a place, as an element of the field of the other parameters."""
-        value = self._field.zero
-        for power in reversed(self._powers(polynomial)):  # Horner's rule
-            value = value * place.expr + self._field.field_new(power)
-        return value
+    def _substituted(self, polynomial: PolyElement, place: Threshold) -> tuple[PolyElement, int]:
+        """A polynomial of degree n at a place p/q, times q^n, and n."""
+        top, bottom = place.expr.numer, place.expr.denom
+        powers = self._powers(polynomial)
+        value, scale = self._others.zero, self._others.one
+        for power in reversed(powers):  # Horner's rule
+            value = value * top + power * scale
+            scale = scale * bottom
+        return value, len(powers) - 1
 
     def value(self, fraction: Fraction_, place: Threshold) -> Any:
-        top, bottom = (self._substituted(number, place) for number in fraction)
-        return INFINITE if not bottom else top / bottom
+        (top, n), (bottom, m) = (self._substituted(number, place) for number in fraction)
+        if not bottom:
+            return INFINITE
+        scale = place.expr.denom
+        return self._field.new(top * scale ** max(0, m - n), bottom * scale ** max(0, n - m))
 
     def order(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
         difference = self.value(first, place) - self.value(second, place)
@@ -375,7 +382,7 @@ class SymbolicAxis(Axis):
         return sign(self._at_sample(first) - self._at_sample(second))
 
     def to_sympy(self, place: Threshold) -> sympy.Expr:
-        return sympy.factor(place.expr.as_expr())
+        return factored_to_sympy((place.expr.numer, place.expr.denom))
 
     def number(self, fraction: Fraction_, place: Threshold) -> float:
         values = {**self.sample, self.name: place.value}
@@ -383,7 +390,7 @@ class SymbolicAxis(Axis):
         return to_float(top / bottom)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        return sympy.factor(value.as_expr())
+        return factored_to_sympy((value.numer, value.denom))
 
     def coefficients(self, polynomial: Number) -> Dense:
         return trimmed(evaluate(c, self.sample, None) for c in reversed(self._powers(polynomial)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -15,7 +16,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.axis import Axis
-from pwmap.cells import Cell, checked_orders, checked_span, with_cells
+from pwmap.cells import Cell, admitted, checked_orders, checked_span, studied_at, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
@@ -65,31 +66,30 @@ def bifurcation_diagram(
         As :func:`pwmap.parameter_cells`.
     """
     orders = checked_orders(orders)
-    if span is None:
-        low, high = _whole_span(map_, parameter, orders, sample)
-    else:
-        low, high = checked_span(span)
     unit = len(map_.chain)
-    return with_cells(
-        lambda axis, cells: _assembled(
-            map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper))
-        ),
-        map_,
-        parameter,
-        orders,
-        (low, high),
-        sample,
-        with_ends=True,
+
+    def build(axis: Axis, cells: list[Cell]) -> Diagram:
+        if span is None:
+            cells = _with_ends(axis, map_.chain, cells)
+        return _assembled(map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper)))
+
+    ends = (None, None) if span is None else checked_span(span)
+    with_ends = span is not None
+    return with_cells(build, map_, parameter, orders, ends, sample, with_ends=with_ends)
+
+
+def _with_ends(axis: Axis, chain: tuple[int, ...], cells: Sequence[Cell]) -> list[Cell]:
+    """Cells of the whole axis, cut off beyond the first and the last edge, with the ends."""
+    low, high = map(axis.place, _outermost(axis, cells))
+    axis.closing([low, *(cell.lower for cell in cells if cell.is_edge), high])
+    kept = list(cells)
+    kept[0] = replace(kept[0], lower=low)
+    kept[-1] = replace(kept[-1], upper=high)
+    first, last = (
+        [studied_at(end, axis, chain, cell)] if admitted(axis, end) else []
+        for end, cell in ((low, kept[0]), (high, kept[-1]))
     )
-
-
-def _whole_span(
-    map_: PiecewiseLinearMap,
-    parameter: object,
-    orders: Sequence[int],
-    sample: Mapping[Any, object] | None,
-) -> tuple[Number, Number]:
-    return with_cells(_outermost, map_, parameter, orders, (None, None), sample)
+    return [*first, *kept, *last]
 
 
 def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Number, Number]:

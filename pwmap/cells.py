@@ -170,6 +170,14 @@ def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]
     return parts
 
 
+def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
+    """An edge at some place in or beside a cell, with the same iterates."""
+    study = Study(axis.judge(place), {})
+    for order in range(1, max(cell.study.iterates) + 1):
+        study = grown(study, chain, order, shown=order in cell.study.iterates)
+    return Cell(place, place, study, place)
+
+
 def _edge(axis: Axis, place: Any, study: Study, mark: Mark) -> Cell:
     found = _edge_at(axis, study.judge, place, mark)
     if found is not None and not identical(found, place):
@@ -354,7 +362,7 @@ def with_cells(
         axis = axis_of(map_.model, name, values)
         try:
             ends = _limited(axis, *span, start)
-            studied_ends = [end for end in ends if with_ends and _admitted(axis, end)]
+            studied_ends = [end for end in ends if with_ends and admitted(axis, end)]
             cells = decomposed(axis, map_.chain, orders, *ends, studied_ends)
             places = [ends[0], *(c.lower for c in cells if c.is_edge), ends[1]]
             axis.closing([place for place in places if place is not None])
@@ -365,7 +373,7 @@ def with_cells(
     raise ResampleError(f"at {others} edges meet by chance: choose another sample")
 
 
-def _admitted(axis: Axis, place: Any) -> bool:
+def admitted(axis: Axis, place: Any) -> bool:
     """Whether the assumptions hold at an end of a span."""
     return place is not None and all(
         constraint.holds(axis.sign(constraint.polynomial, place))

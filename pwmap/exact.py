@@ -268,10 +268,16 @@ def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
     top, bottom = cancelled(fraction)
     if is_constant(top) and is_constant(bottom):
         return to_sympy(constant(top) / constant(bottom))
+    plain = len(top.ring.gens) == 1 and top.degree() <= 1 and bottom.degree() <= 1
+    return to_sympy(top) / to_sympy(bottom) if plain else factored_to_sympy((top, bottom))
+
+
+@lru_cache(maxsize=4096)
+def factored_to_sympy(fraction: Fraction_) -> sympy.Expr:
+    """A quotient of polynomials in lowest terms as ``sympy.factor`` writes it."""
+    top, bottom = fraction
     if len(top.ring.gens) > 1:
         return sympy.factor(to_sympy(top) / to_sympy(bottom))
-    if top.degree() <= 1 and bottom.degree() <= 1:
-        return to_sympy(top) / to_sympy(bottom)
     (unit, above), (scale, below) = factored(top), factored(bottom)
     powers = [*above, *((factor, -exponent) for factor, exponent in below)]
     product = sympy.Mul(*(to_sympy(factor) ** exponent for factor, exponent in powers))
