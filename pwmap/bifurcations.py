@@ -21,7 +21,7 @@ from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import ceiling, whole_part
-from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Run, Sweep
+from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
 from pwmap.samples import is_isolated, samples
 
 
@@ -219,9 +219,11 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     """Kind of a special point, and a note, from the branches that meet there.
 
     With n the lowest order of the fixed points that meet, look at all branches of that order. If
-    one passes with the same word on both sides, its multiplier is +1 (LP) or -1 (PD), or the other
-    side of the border it lies on changes. Otherwise fixed points meet a border (BC): the branches
-    lie on both sides of the parameter (persistence) or on one (fold).
+    one passes with the same word on both sides, its multiplier is +1 (LP) or -1 (PD), or it lies on
+    a border, where its stability changes or other branches end: on both sides (persistence) or on
+    one (fold); where the map is continuous at this parameter only, it can attract here and on
+    neither side. Otherwise fixed points meet a border (BC): the branches lie on both sides of the
+    parameter (persistence) or on one (fold).
 
     A fold of one branch of fixed points into a jump branch starts a jump branch of order 2n too,
     and then is a fold-flip (FF), just if the multiplier m has |m| > 1: let F be the distance of the
@@ -249,9 +251,30 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
         return PointKind.PD, "degenerate: points nearby have twice the period" if doubled else ""
     if 1 in units or not fixed:
         return PointKind.LP, "degenerate: an interval of fixed points"
+    staying = {end.run.name for end in fixed if end.run.closed[end.which]} & passing
+    if staying:
+        return PointKind.BC, _staying_note(meeting, own, staying)
     sides = {end.side for end in own} - {ALONG}
     if len(sides) != 1:
-        note = "stability changes at the border" if passing else "persistence"
-        return PointKind.BC, note if sides else "isolated"
+        return PointKind.BC, "persistence" if sides else "isolated"
     flips = len(fixed) == 1 and any(not end.is_fixed for end in own) and fixed[0].is_steep
     return (PointKind.FF if flips else PointKind.BC), "fold"
+
+
+def _staying_note(meeting: Meeting, own: Sequence[End], staying: set[Name]) -> str:
+    """What happens to a branch that stays on a border, and which others end on it."""
+    stable = {end.run.shows.stable for end in own if end.run.name in staying and end.run.shows}
+    sides = {end.side for end in own if end.run.name not in staying} - {ALONG}
+    notes = ["stability changes at the border"] if len(stable) > 1 else []
+    if sides:
+        notes.append(f"{'fold' if len(sides) == 1 else 'persistence'} at a branch on the border")
+    elif len(own) < len(meeting.ends):
+        notes.append("higher orders end at a branch on the border")
+    if meeting.attracts:
+        word = (
+            "attracts at this value only"
+            if meeting.attracts > 0
+            else "does not attract at this value"
+        )
+        notes.append(word)
+    return ", ".join(notes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import networkx as nx
 import pytest
 import sympy
 
@@ -99,3 +100,46 @@ def test_open_ends_of_a_band_are_no_fixed_points() -> None:
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - x, True))")
     (band,) = map_.at({"r": "1/2"}).iterate(2).fixed_intervals()
     assert band.interval == sympy.Interval.open(0, sympy.Rational(1, 2))
+
+
+ON_BORDER = {  # right piece beside x/2, which keeps 0: what meets 0 at p = 0, stable there or not
+    "p + x/3": ("fold at a branch on the border, attracts at this value only", 1),
+    "p - 2*x": ("fold at a branch on the border, attracts at this value only", 1),
+    "p**2 + x/3": ("persistence at a branch on the border, attracts at this value only", 2),
+    "p + 2*x": ("fold at a branch on the border", 1),
+}
+
+
+@pytest.mark.parametrize(("right", "expected"), ON_BORDER.items(), ids=ON_BORDER)
+def test_a_branch_on_a_border_is_collided_with(right: str, expected: tuple[str, int]) -> None:
+    """The fixed point 0 of x/2 (x <= 0) stays; that of the right piece ends on it at p = 0.
+
+    Beside p = 0 the map jumps at 0. At p = 0 it is continuous there, and 0 attracts if the right
+    slope n is below 1: with 1/2 on the left, n > 1 leads away.
+    """
+    map_ = PiecewiseLinearMap([("x/2", "x <= 0"), (right, "x > 0")])
+    found = bifurcation_diagram(map_, "p", (-1, 1), (1,))
+    (point,) = (p for p in found.points if p.kind != "EP")
+    note, others = expected
+    assert (str(point.kind), point.note, point.exact) == ("BC", note, {"parameter": 0, "x": 0})
+    kept = [b for b in found.branches if b.exact["x"] == 0]
+    assert [b.exact["interval"] for b in kept] == [sympy.Interval(-1, 0), sympy.Interval(0, 1)]
+    assert not any(b.stable.any() for b in kept)
+    assert len(point.branches) == 2 + others
+    assert {b.id for b in found.component_of(point.id).branches} >= {*point.branches}
+    (zero,) = (p for p in map_.at({"p": 0}).fixed_points() if p.x == 0)
+    assert zero.stable is ("attracts" in note)
+
+
+def test_orbits_of_higher_order_end_at_a_branch_on_a_border() -> None:
+    """-2 x keeps 0; on the right p - x/3. Beside 0 the 2-cycle 3 p, -6 p lives for p < 0."""
+    map_ = PiecewiseLinearMap([("-2*x", "x <= 0"), ("p - x/3", "x > 0")])
+    found = bifurcation_diagram(map_, "p", (-1, 1), (1, 2))
+    (point,) = (p for p in found.points if p.kind != "EP")
+    assert {str(found.branch(b).exact["x"]) for b in point.branches} == {
+        "0",
+        "3*p/4",
+        "3*p",
+        "-6*p",
+    }
+    assert len(nx.node_connected_component(found.graph(), point.id)) == len(found.points)
