@@ -271,10 +271,6 @@ def _staying_note(meeting: Meeting, own: Sequence[End], staying: set[Name]) -> s
     elif len(own) < len(meeting.ends):
         notes.append("higher orders end at a branch on the border")
     if meeting.attracts:
-        word = (
-            "attracts at this value only"
-            if meeting.attracts > 0
-            else "does not attract at this value"
-        )
-        notes.append(word)
+        does = "attracts" if meeting.attracts > 0 else "does not attract"
+        notes.append(f"{does} at this value{' only' * (meeting.attracts > 0)}")
     return ", ".join(notes)

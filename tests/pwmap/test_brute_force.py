@@ -927,15 +927,13 @@ def has_in_closure(curve: Curve, at: Any, x: Any) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", [5, 11, 12, 16, 22, 25, 29, 43, 64, 68, 77, 81, 85, 88])
 def test_points_know_all_branches_in_whose_closure_they_lie(seed: int) -> None:
     """But for jumps of other orders that go through, which do not change there.
 
     Where a branch stays on a border, its stability there is that of the branch, or in the note.
     """
     case = kept_on_borders(seed)
-    if not case.map.parameters:
-        return
     diagram = bifurcation_diagram(case.map, case.name, case.span, case.orders)
     drawn = dict(zip((b.id for b in diagram.branches), curves(diagram), strict=True))
     for point in diagram.points:

@@ -136,10 +136,6 @@ def test_orbits_of_higher_order_end_at_a_branch_on_a_border() -> None:
     map_ = PiecewiseLinearMap([("-2*x", "x <= 0"), ("p - x/3", "x > 0")])
     found = bifurcation_diagram(map_, "p", (-1, 1), (1, 2))
     (point,) = (p for p in found.points if p.kind != "EP")
-    assert {str(found.branch(b).exact["x"]) for b in point.branches} == {
-        "0",
-        "3*p/4",
-        "3*p",
-        "-6*p",
-    }
+    meeting = {str(found.branch(b).exact["x"]) for b in point.branches}
+    assert meeting == {"0", "3*p/4", "3*p", "-6*p"}
     assert len(nx.node_connected_component(found.graph(), point.id)) == len(found.points)
