@@ -225,11 +225,17 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     neither side. Otherwise fixed points meet a border (BC): the branches lie on both sides of the
     parameter (persistence) or on one (fold).
 
-    A fold of one branch of fixed points into a jump branch starts a jump branch of order 2n too,
-    and then is a fold-flip (FF), just if the multiplier m has |m| > 1: let F be the distance of the
-    limit on the fixed point's side from the diagonal and D that on the other side, of opposite sign
-    where the jump crosses. The preimage of the jump lies at -F/m from it, there P_2n jumps between
-    F and D, and F - (-F/m) = F (1 + 1/m) has the sign of F.
+    A fold of one branch of fixed points, with multiplier m, into a jump branch is a fold-flip (FF)
+    just if |m| > 1: then a jump branch of order 2n starts at the preimage of the jump. Let F be the
+    distance of the limit on the fixed point's side from the diagonal and D that on the other side,
+    of opposite sign where the jump crosses. The preimage lies at -F/m from the jump; there P_2n
+    jumps between F and D, and F - (-F/m) = F (1 + 1/m) has the sign of F just if |m| > 1.
+
+    A jump branch of order 2n can start at the jump itself too, which is no fold-flip. There the
+    limits of P_2n are at the distances E, to which P_n takes the limit D, and F (1 + m), or about D
+    for those F that P_n takes across the jump. So with |m| < 1 there is one on just one side of the
+    parameter, that of the fold if E and D have the same sign; with |m| > 1 there is one on both
+    sides if these signs differ, otherwise on neither.
     """
     ends = meeting.ends
     if at_span_end:
