@@ -2,6 +2,7 @@
 
 from pwmap.assumptions import UndecidedError
 from pwmap.bifurcations import bifurcation_diagram
+from pwmap.budget import Budget, BudgetError, Progress
 from pwmap.cells import ParameterCell, ParameterCells, parameter_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.graph import read_graph, write_graph
@@ -19,6 +20,8 @@ from pwmap.plane import ParameterPlane, Strip, parameter_plane
 __all__ = [
     "Branch",
     "BranchKind",
+    "Budget",
+    "BudgetError",
     "Cycle",
     "Diagram",
     "FixedInterval",
@@ -31,6 +34,7 @@ __all__ = [
     "Piece",
     "PiecewiseLinearMap",
     "PointKind",
+    "Progress",
     "SpecialPoint",
     "Strip",
     "UndecidedError",

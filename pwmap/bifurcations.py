@@ -7,7 +7,7 @@ from which branches meet there, and on which side.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -16,7 +16,8 @@ import sympy
 from sympy import QQ
 
 from pwmap.axis import Axis
-from pwmap.cells import Cell, admitted, checked_orders, checked_span, studied_at, with_cells
+from pwmap.budget import BUDGET, Budget, BudgetError, Progress, Report
+from pwmap.cells import Cell, Stage, admitted, checked_orders, checked_span, studied_at, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
@@ -31,6 +32,10 @@ def bifurcation_diagram(
     span: tuple[object, object] | None = None,
     orders: Iterable[int] = (1, 2),
     sample: Mapping[Any, object] | None = None,
+    *,
+    budget: Budget = BUDGET,
+    progress: Report | None = None,
+    on_interrupt: Callable[[], None] | None = None,
 ) -> Diagram:
     """All branches and special points of some iterates over a parameter, exactly.
 
@@ -63,19 +68,83 @@ def bifurcation_diagram(
     Raises
     ------
     ValueError, TypeError
-        As :func:`pwmap.parameter_cells`.
+        As :func:`pwmap.parameter_cells`. A ``BudgetError`` if no order was completed.
     """
     orders = checked_orders(orders)
+    watch = _Watch(orders, progress, on_interrupt)
     unit = len(map_.chain)
 
     def build(axis: Axis, cells: list[Cell]) -> Diagram:
         if span is None:
             cells = _with_ends(axis, map_.chain, cells)
-        return _assembled(map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper)))
+        found = _assembled(map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper)))
+        return replace(found, given=(*found.given, *watch.left_out))
 
     ends = (None, None) if span is None else checked_span(span)
-    with_ends = span is not None
-    return with_cells(build, map_, parameter, orders, ends, sample, with_ends=with_ends)
+    return with_cells(
+        build,
+        map_,
+        parameter,
+        orders,
+        ends,
+        sample,
+        with_ends=span is not None,
+        budget=budget,
+        follow=watch,
+    )
+
+
+class _Watch:
+    """Follows how a diagram grows, and keeps what is there when that ends early.
+
+    Attributes
+    ----------
+    left_out
+        A sentence on the orders that are missing, if any are.
+    """
+
+    def __init__(
+        self,
+        orders: tuple[int, ...],
+        progress: Report | None,
+        on_interrupt: Callable[[], None] | None,
+    ) -> None:
+        self.left_out: tuple[str, ...] = ()
+        self._orders = orders
+        self._progress = progress
+        self._on_interrupt = on_interrupt
+
+    def __call__(self, found: Iterator[Stage]) -> list[Cell]:
+        """The cells of the last order that was completed."""
+        self.left_out = ()
+        cells: list[Cell] = []
+        done: list[int] = []
+        try:
+            for order, cells, pieces in found:
+                done = [wanted for wanted in self._orders if wanted <= order]
+                if self._progress is not None:
+                    self._progress(Progress(order, len(cells), pieces))
+        except BudgetError as error:
+            if not done:
+                raise
+            self._leave_out(done, str(error))
+        except KeyboardInterrupt:
+            if not done or self._on_interrupt is None:
+                raise
+            self._on_interrupt()
+            self._leave_out(done, "interrupted")
+        return cells
+
+    def _leave_out(self, done: Sequence[int], reason: str) -> None:
+        if len(done) < len(self._orders):
+            self.left_out = (f"stopped after orders {_listed(done)}: {reason}",)
+
+
+def _listed(orders: Sequence[int]) -> str:
+    """Orders as text, such as 1..7 or 2, 4, 8."""
+    if len(orders) > 1 and orders[-1] - orders[0] == len(orders) - 1:
+        return f"{orders[0]}..{orders[-1]}"
+    return ", ".join(map(str, orders))
 
 
 def _with_ends(axis: Axis, chain: tuple[int, ...], cells: Sequence[Cell]) -> list[Cell]:

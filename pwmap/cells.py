@@ -14,14 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import islice, pairwise
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import sympy
 from sympy import QQ
 
 from pwmap.axis import Axis, ResampleError, axis_of, identical
+from pwmap.budget import BUDGET, Budget, BudgetError, checked_size
 from pwmap.cylinders import (
     WHOLE_LINE,
     Cylinder,
@@ -88,11 +88,13 @@ class Cell:
         return self.lower is not None and self.lower is self.upper
 
 
-def grown(study: Study, chain: tuple[int, ...], order: int, *, shown: bool) -> Study:
+def grown(
+    study: Study, chain: tuple[int, ...], order: int, *, shown: bool, budget: Budget = BUDGET
+) -> Study:
     """A study of one order more, with every sign that its fixed points depend on if it is shown."""
     judge, current, iterates = study.judge, study.cylinders, study.iterates
     for layout in chain:
-        current = refined(current, layout, judge)
+        current = refined(current, layout, judge, budget)
     if shown:
         places = tuple(place_of_fixed_point(cylinder, judge) for cylinder in current)
         stable = tuple(is_stable(current, i, place, judge) for i, place in enumerate(places))
@@ -101,18 +103,27 @@ def grown(study: Study, chain: tuple[int, ...], order: int, *, shown: bool) -> S
     return Study(judge, iterates, current)
 
 
-def decomposed(
+class Stage(NamedTuple):
+    """Cells and edges of an interval of the axis, from left to right, for orders up to one."""
+
+    order: int
+    cells: list[Cell]
+    pieces: int  # that were made so far
+
+
+def stages(
     axis: Axis,
     chain: tuple[int, ...],
     orders: Sequence[int],
     low: Any,
     high: Any,
     ends: Sequence[Any] = (),
-) -> list[Cell]:
-    """Cells and edges of an open interval of the axis, from left to right.
+    budget: Budget = BUDGET,
+) -> Iterator[Stage]:
+    """Cut an open interval of the axis into cells and edges, order by order.
 
-    They are refined order by order. What a cell knows of lower orders holds in all its parts and
-    on the edges between them, so that only the questions of the new order are asked there.
+    What a cell knows of lower orders holds in all its parts and on the edges between them, so that
+    only the questions of the new order are asked there.
 
     Parameters
     ----------
@@ -120,16 +131,36 @@ def decomposed(
         Places on the axis, or None for an infinite end.
     ends
         The ends to study as edges too, of ``low`` and ``high``.
+
+    Raises
+    ------
+    BudgetError
+        If an order takes more pieces than there are left.
     """
+    pieces = 0
+
+    def grow(study: Study) -> Study:
+        nonlocal pieces
+        more = grown(study, chain, order, shown=order in orders, budget=budget)
+        pieces += len(more.cylinders)
+        if pieces > budget.pieces:
+            raise BudgetError(f"order {order} takes more than {budget.pieces} pieces in all cells")
+        return more
+
     sample = axis.between(low, high)
     cells = [Cell(low, high, Study(axis.judge(sample), {}), sample)]
     for end, i in ((low, 0), (high, 2)):
         if end in ends:
             cells.insert(i, Cell(end, end, Study(axis.judge(end), {}), end))
     for order in range(1, max(orders) + 1):
-        grow = partial(grown, chain=chain, order=order, shown=order in orders)
         cells = [part for cell in cells for part in _parts(axis, cell, grow)]
-    return cells
+        yield Stage(order, cells, pieces)
+
+
+def last(found: Iterable[Stage]) -> list[Cell]:
+    """The cells for all orders."""
+    *_, stage = found
+    return stage.cells
 
 
 def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
@@ -346,10 +377,13 @@ def with_cells(
     sample: Mapping[Any, object] | None,
     *,
     with_ends: bool = False,
+    budget: Budget = BUDGET,
+    follow: Callable[[Iterator[Stage]], list[Cell]] = last,
 ) -> Result:
     """Build something from the cells of a parameter, at the first sample that is generic.
 
-    With ``with_ends`` the ends of the span are edges too, if the assumptions admit them.
+    With ``with_ends`` the ends of the span are edges too, if the assumptions admit them. Who
+    follows the stages says which cells are built from.
     """
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
@@ -357,13 +391,14 @@ def with_cells(
     names = [str(s) for s in map_.parameters]
     if name not in names:
         raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
+    checked_size(max(orders), len(map_.chain), budget)
     for values in _samples(map_, name, sample):
         start = values.pop(name)
         axis = axis_of(map_.model, name, values)
         try:
             ends = _limited(axis, *span, start)
             studied_ends = [end for end in ends if with_ends and admitted(axis, end)]
-            cells = decomposed(axis, map_.chain, orders, *ends, studied_ends)
+            cells = follow(stages(axis, map_.chain, orders, *ends, studied_ends, budget))
             places = [ends[0], *(c.lower for c in cells if c.is_edge), ends[1]]
             axis.closing([place for place in places if place is not None])
             return build(axis, cells)
@@ -435,10 +470,14 @@ def _samples(
 
 def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
     """Orders of iterates, sorted; ValueError if there is none or one is not at least 1."""
-    listed = tuple(orders) if isinstance(orders, Iterable) else (orders,)
+    listed: set[int] = set()
+    for given in orders if isinstance(orders, Iterable) else (orders,):
+        order = checked_order(given)
+        listed.add(order)
+        checked_size(order, 1)  # at once: a range of orders need not end soon
     if not listed:
         raise ValueError("orders must name at least one iterate, got none")
-    return tuple(sorted({checked_order(order) for order in listed}))
+    return tuple(sorted(listed))
 
 
 def checked_span(span: tuple[object, object]) -> tuple[Number, Number]:

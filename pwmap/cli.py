@@ -8,8 +8,12 @@ from typing import Annotated, Any
 import matplotlib as mpl
 import typer
 from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bar
 
 from pwmap.bifurcations import bifurcation_diagram
+from pwmap.budget import BUDGET, Budget, Progress
+from pwmap.diagram import Diagram
 from pwmap.files import write_figure
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.results import FILES, table_of_branches, table_of_points, write_results
@@ -22,6 +26,7 @@ app = typer.Typer(
 )
 console = Console()
 errors = Console(stderr=True)
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 
 
 @app.callback()
@@ -47,11 +52,17 @@ def analyse(
         typer.Option(help="An assumption on parameters that stay symbolic, such as 'a > 1'."),
     ] = None,
     variable: Annotated[str, typer.Option(help="The variable of the map.")] = "x",
+    pieces: Annotated[
+        int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
+    ] = BUDGET.pieces,
     out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
         "out"
     ),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
+
+    The iterates are taken order by order. If that takes more pieces than allowed, or is ended by
+    Ctrl-C, the orders that were completed are kept.
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
@@ -59,10 +70,15 @@ def analyse(
         map_ = PiecewiseLinearMap.from_sympy(formula, variable, given or ())
         values = dict(_assignment(text) for text in set_ or ())
         map_ = map_.at(values) if values else map_
-        found = bifurcation_diagram(map_, parameter, span, _orders(orders))
+        found, interrupted = _computed(
+            map_, parameter, span, _orders(orders), Budget(pieces=pieces)
+        )
         out.mkdir(parents=True, exist_ok=True)
         write_figure(out / "diagram.png", _drawn(found))
         write_results(found, out)
+    except KeyboardInterrupt:
+        errors.print("Interrupted before order 1 was completed", style="red")
+        raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
         errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)
         raise typer.Exit(2) from None
@@ -70,6 +86,42 @@ def analyse(
     console.print(table_of_points(found))
     names = ("diagram.png", *FILES)
     console.print("wrote " + ", ".join(str(out / name) for name in names), soft_wrap=True)
+    if interrupted:
+        errors.print("Interrupted: the orders that were completed are kept", style="red")
+        raise typer.Exit(INTERRUPTED)
+
+
+def _computed(
+    map_: PiecewiseLinearMap,
+    parameter: str,
+    span: tuple[str, str] | None,
+    orders: list[int],
+    budget: Budget,
+) -> tuple[Diagram, bool]:
+    """The diagram, and whether Ctrl-C ended it; with a bar that leaves nothing behind."""
+    interrupts: list[bool] = []
+    bar = Bar(
+        TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
+        transient=True,
+    )  # fmt: skip
+    with bar:
+        task = bar.add_task("order 1", total=max(orders, default=1))
+
+        def tell(done: Progress) -> None:
+            more = f"order {done.order + 1}" if done.order < max(orders) else "points and branches"
+            text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
+            bar.update(task, completed=done.order, description=text)
+
+        found = bifurcation_diagram(
+            map_,
+            parameter,
+            span,
+            orders,
+            budget=budget,
+            progress=tell,
+            on_interrupt=lambda: interrupts.append(True),
+        )
+    return found, bool(interrupts)
 
 
 def _assignment(text: str) -> tuple[str, str]:

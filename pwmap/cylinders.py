@@ -14,6 +14,7 @@ from enum import Enum
 from itertools import pairwise
 from typing import NamedTuple
 
+from pwmap.budget import BUDGET, Budget, BudgetError
 from pwmap.itineraries import Judge, Offset, Order, Word
 
 
@@ -42,9 +43,25 @@ class Cylinder(NamedTuple):
 WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 
 
-def refined(cylinders: Sequence[Cylinder], layout: int, judge: Judge) -> tuple[Cylinder, ...]:
-    """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``."""
-    return tuple(piece for cylinder in cylinders for piece in _split(cylinder, layout, judge))
+def refined(
+    cylinders: Sequence[Cylinder], layout: int, judge: Judge, budget: Budget = BUDGET
+) -> tuple[Cylinder, ...]:
+    """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
+
+    Raises
+    ------
+    BudgetError
+        If there are too many.
+    """
+    pieces: list[Cylinder] = []
+    for cylinder in cylinders:
+        pieces += _split(cylinder, layout, judge)
+        if len(pieces) > budget.pieces:
+            raise BudgetError(
+                f"an iterate with words of {len(cylinder.word) + 1} letters has more than "
+                f"{budget.pieces} pieces; one letter less makes {len(cylinders)}"
+            )
+    return tuple(pieces)
 
 
 def cylinder_of(word: Word, layouts: Sequence[int], judge: Judge) -> Cylinder | None:

@@ -15,6 +15,7 @@ from sympy import QQ
 
 from pwmap import cylinders as cyl
 from pwmap.assumptions import Constraint, Region
+from pwmap.budget import checked_size
 from pwmap.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
 from pwmap.exact import (
     Fraction_,
@@ -463,10 +464,14 @@ class PiecewiseLinearMap:
 
         Raises
         ------
+        BudgetError
+            If its words would be too long, or when its pieces are asked for and are too many.
         UndecidedError
             When its pieces are asked for, if they differ within what is assumed of the parameters.
         """
-        return self._with_chain(self._chain * checked_order(j))
+        order = checked_order(j)
+        checked_size(order, len(self._chain))
+        return self._with_chain(self._chain * order)
 
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``.

@@ -11,6 +11,7 @@ from pwmap.diagram import Branch, Diagram, PointKind, SpecialPoint
 from pwmap.files import write_table
 from pwmap.graph import write_graph
 
+LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
 FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json")
 
 
@@ -64,7 +65,7 @@ def table_of_points(diagram: Diagram) -> Table:
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
         title=f"{len(diagram.branches)} branches, {len(diagram.points)} special points, "
         f"{changes} of them changes of word",
-        caption=f"given: {', '.join(diagram.given)}" if diagram.given else None,
+        caption=f"given: {', '.join(map(short, diagram.given))}" if diagram.given else None,
     )  # fmt: skip
     for point in diagram.points:
         if point.kind is not PointKind.WC:
@@ -86,15 +87,28 @@ def table_of_branches(diagram: Diagram) -> Table:
             str(branch.kind),
             str(branch.order),
             branch.word,
-            str(branch.exact.get("x", "an interval")),
-            str(branch.exact.get("multiplier", jump)),
-            f"{diagram.parameter_name} in {_interval(branch)}",
+            short(branch.exact.get("x", "an interval")),
+            short(branch.exact.get("multiplier", jump)),
+            short(f"{diagram.parameter_name} in {_interval(branch)}"),
         )
     return table
 
 
+def short(value: object, most: int = LONGEST) -> str:
+    """Text for people: what is longer than a few lines keeps its beginning and its end.
+
+    The files of :func:`write_results` hold it in full.
+    """
+    text = str(value)
+    if len(text) <= most:
+        return text
+    mark = f" ... ({len(text)} characters) ... "
+    kept = most - len(mark)
+    return text[: kept - kept // 3] + mark + text[-(kept // 3) :]
+
+
 def _columns(*names: str) -> list[Column]:
-    """Columns that fold what is too long: nothing exact is cut off."""
+    """Columns that fold what is too long for one line."""
     return [Column(name, overflow="fold") for name in names]
 
 
@@ -103,7 +117,7 @@ def _names(items: Sequence[SpecialPoint | Branch]) -> tuple[str, ...]:
 
 
 def _shown(point: SpecialPoint, name: str, value: float) -> str:
-    return str(point.exact[name]) if name in point.exact else f"{value:.10f}"
+    return short(point.exact[name]) if name in point.exact else f"{value:.10f}"
 
 
 def _interval(branch: Branch) -> str:
