@@ -23,7 +23,7 @@ from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import ceiling, whole_part
 from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
-from pwmap.samples import is_isolated, samples
+from pwmap.drawn import is_isolated, samples
 
 
 def bifurcation_diagram(
