@@ -17,7 +17,6 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.assumptions import Constraint, possible_signs
 from pwmap.exact import (
     Fraction_,
     Number,
@@ -28,9 +27,11 @@ from pwmap.exact import (
     sign,
     to_sympy,
 )
+from pwmap.inequalities import Constraint
 from pwmap.itineraries import Judge, Orbits, Question
 from pwmap.reading import Model
 from pwmap.roots import RealRoot, real_roots, sign_at, simplest_between
+from pwmap.signs import possible_signs
 
 INFINITE = "infinite"
 

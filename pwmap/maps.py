@@ -14,7 +14,7 @@ import sympy
 from sympy import QQ
 
 from pwmap import cylinders as cyl
-from pwmap.assumptions import Constraint, Region
+from pwmap.assumptions import Region
 from pwmap.cylinders import Crossing, Cut, Cylinder, Place, minimal_period
 from pwmap.exact import (
     Fraction_,
@@ -31,6 +31,7 @@ from pwmap.exact import (
     to_ring,
     to_sympy,
 )
+from pwmap.inequalities import Constraint
 from pwmap.itineraries import Judge, Layout, Offset, Orbits, Table, Word
 from pwmap.reading import Model, read
 
