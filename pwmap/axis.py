@@ -66,6 +66,10 @@ class ResampleError(ValueError):
     """The sample of the symbolic parameters is not generic: there edges meet."""
 
 
+class DegreeError(ValueError):
+    """A polynomial is of a higher degree in the parameter of the axis than one."""
+
+
 class Axis(ABC):
     """One parameter of a map, along which the signs of polynomials are followed."""
 
@@ -90,13 +94,32 @@ class Axis(ABC):
         self.model = model
         self.orbits = Orbits(model.table)
         self.sample = {}
-        self._roots: dict[Question, tuple[Any, ...] | None] = {}
+        self._roots: dict[Question | PolyElement, tuple[Any, ...] | None] = {}
 
     def roots(self, question: Question) -> tuple[Any, ...] | None:
         """Places where the answer to a question is zero; None if it is zero everywhere."""
         if question not in self._roots:
             self._roots[question] = self.zeros(self.orbits.polynomial(question))
         return self._roots[question]
+
+    def limits(self, constraint: Constraint) -> tuple[Any, ...]:
+        """Places where an assumption begins or ceases to hold.
+
+        Raises
+        ------
+        ValueError
+            If its degree is too high for that.
+        """
+        polynomial = constraint.polynomial
+        if polynomial not in self._roots:
+            try:
+                self._roots[polynomial] = self.zeros(polynomial)
+            except DegreeError:
+                raise DegreeError(
+                    f"the assumption {constraint} is not of degree one in {self.name}: "
+                    "give the other parameters values (.at)"
+                ) from None
+        return self._roots[polynomial] or ()
 
     @abstractmethod
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
@@ -262,7 +285,7 @@ class SymbolicAxis(Axis):
         factors = [factor for factor, _ in polynomial.factor_list()[1]]
         worst = max(factors, key=self.degree)
         if self.degree(worst) > 1:
-            raise ValueError(
+            raise DegreeError(
                 f"a decision has degree {self.degree(worst)} in {self.name}: "
                 f"{sympy.factor(to_sympy(worst))}; give the other parameters values (.at)"
             )

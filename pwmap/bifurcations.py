@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from math import inf, nan
 from typing import Any
 
@@ -16,10 +17,11 @@ import numpy as np
 import sympy
 from sympy import QQ
 
+from pwmap.admitted import Span
 from pwmap.axis import Axis
-from pwmap.cells import Cell, checked_orders, checked_span, with_cells
+from pwmap.cells import Cell, checked_orders, checked_span, close, edge_cell, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from pwmap.exact import Number, fraction_to_sympy, to_sympy
+from pwmap.exact import fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import bounds
 from pwmap.runs import ALONG, LEFT, RIGHT, End, Meeting, Run, Sweep
@@ -67,44 +69,42 @@ def bifurcation_diagram(
         As :func:`pwmap.parameter_cells`.
     """
     orders = checked_orders(orders)
-    if span is None:
-        low, high = _whole_span(map_, parameter, orders, sample)
-    else:
-        low, high = checked_span(span)
-    unit = len(map_.chain)
-    return with_cells(
-        lambda axis, cells: _assembled(
-            map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper))
-        ),
-        map_,
-        parameter,
-        orders,
-        (low, high),
-        sample,
-        with_ends=True,
-    )
+    limits: Span = (None, None) if span is None else checked_span(span)
+
+    def build(axis: Axis, cells: list[Cell]) -> Diagram:
+        if span is None:
+            ends = _outermost(axis, cells)
+            cells = _cut_off(axis, cells, ends, map_.chain, orders)
+            close(axis, cells)
+        else:
+            ends = axis.place(limits[0]), axis.place(limits[1])
+        return _assembled(map_, Sweep(axis, cells, len(map_.chain), ends))
+
+    return with_cells(build, map_, parameter, orders, limits, sample, with_ends=True)
 
 
-def _whole_span(
-    map_: PiecewiseLinearMap,
-    parameter: object,
-    orders: Sequence[int],
-    sample: Mapping[Any, object] | None,
-) -> tuple[Number, Number]:
-    return with_cells(_outermost, map_, parameter, orders, (None, None), sample)
-
-
-def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Number, Number]:
+def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Any, Any]:
+    """Places about one below the first edge and one above the last."""
     edges = [cell.lower for cell in cells if cell.is_edge]
-    edges = edges or [axis.between(cells[0].lower, cells[0].upper)]
+    edges = edges or [axis.between(cells[0].lower, cells[-1].upper)]
     below, above = bounds(_number(edges[0]))[0], bounds(_number(edges[-1]))[1]
-    low, high = QQ(math.floor(below) - 1), QQ(math.ceil(above) + 1)
-    first, last = cells[0].lower, cells[-1].upper  # as far as the assumptions reach
-    if first is not None and axis.place(low) < first:
-        low = _number(axis.between(first, edges[0]))
-    if last is not None and axis.place(high) > last:
-        high = _number(axis.between(edges[-1], last))
-    return low, high
+    return axis.place(QQ(math.floor(below) - 1)), axis.place(QQ(math.ceil(above) + 1))
+
+
+def _cut_off(
+    axis: Axis,
+    cells: Sequence[Cell],
+    span: tuple[Any, Any],
+    chain: tuple[int, ...],
+    orders: Sequence[int],
+) -> list[Cell]:
+    """Cells within a span that holds all edges; the assumptions may end before it does."""
+    (low, high), kept = span, list(cells)
+    if kept[0].lower is None or kept[0].lower < low:
+        kept[:1] = [edge_cell(axis, low, chain, orders), replace(kept[0], lower=low)]
+    if kept[-1].upper is None or high < kept[-1].upper:
+        kept[-1:] = [replace(kept[-1], upper=high), edge_cell(axis, high, chain, orders)]
+    return kept
 
 
 def _number(place: Any) -> Any:
@@ -124,7 +124,9 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
     points: list[SpecialPoint] = []
     ends: dict[tuple[Run, int], str] = {}
     for meeting in sweep.meetings(runs):
-        kind, note = classify(meeting, at_span_end=meeting.place in sweep.span)
+        kind, note = classify(meeting, at_span_end=meeting.place in sweep.stops)
+        if meeting.place in sweep.stops and meeting.place not in sweep.span:
+            note = "end of what is assumed"
         counts[kind] += 1
         point = _point(sweep, meeting, f"{kind}{counts[kind]}", kind, note, branch_ids)
         points.append(point)

@@ -14,12 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise
 from typing import Any, TypeVar
 
 import sympy
-from sympy import QQ
 
+from pwmap.admitted import Span, samples, shown_sample, stretches
 from pwmap.axis import Axis, ResampleError, axis_of, identical
 from pwmap.cylinders import (
     WHOLE_LINE,
@@ -78,6 +77,11 @@ class Cell:
         """Whether it is a single value of the parameter."""
         return self.lower is not None and self.lower is self.upper
 
+    @property
+    def is_excluded(self) -> bool:
+        """Whether the assumptions exclude it, so that nothing was studied there."""
+        return not self.study.iterates
+
 
 def studied(judge: Judge, chain: tuple[int, ...], orders: Iterable[int]) -> Study:
     """Iterates of the given orders, with every sign that their fixed points depend on."""
@@ -132,14 +136,15 @@ def decomposed(
     cells: list[Cell] = []
     for cell in open_cells:
         if cells or cell.lower in ends:
-            cells.append(_edge(axis, cell.lower, chain, orders))
+            cells.append(edge_cell(axis, cell.lower, chain, orders))
         cells.append(cell)
     if cells[-1].upper in ends:
-        cells.append(_edge(axis, cells[-1].upper, chain, orders))
+        cells.append(edge_cell(axis, cells[-1].upper, chain, orders))
     return cells
 
 
-def _edge(axis: Axis, place: Any, chain: tuple[int, ...], orders: Sequence[int]) -> Cell:
+def edge_cell(axis: Axis, place: Any, chain: tuple[int, ...], orders: Sequence[int]) -> Cell:
+    """A single value of the parameter as a cell."""
     study = studied(axis.judge(place), chain, orders)
     found = _edge_at(axis, study.judge, place)
     if found is not None and not identical(found, place):
@@ -205,6 +210,8 @@ class ParameterCell:
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCells:
     """All cells of an interval of one parameter, from left to right, open cells and edges in turn.
+
+    What the assumptions exclude, inside the interval too, is left out.
 
     Attributes
     ----------
@@ -281,6 +288,8 @@ def shown_cells(
     """Cells as a user sees them, without edges at which nothing changes."""
     shown = []
     for cell in merged(cells):
+        if cell.is_excluded:
+            continue
         lower = -sympy.oo if cell.lower is None else axis.to_sympy(cell.lower)
         upper = sympy.oo if cell.upper is None else axis.to_sympy(cell.upper)
         decided = PiecewiseLinearMap.decided(map_, cell.study.judge, axis.orbits)
@@ -294,14 +303,15 @@ def with_cells(
     map_: PiecewiseLinearMap,
     parameter: object,
     orders: Sequence[int],
-    span: tuple[Number | None, Number | None],
+    span: Span,
     sample: Mapping[Any, object] | None,
     *,
     with_ends: bool = False,
 ) -> Result:
     """Build something from the cells of a parameter, at the first sample that is generic.
 
-    With ``with_ends`` the ends of the span are edges too, if the assumptions admit them.
+    With ``with_ends`` the ends of the span, and of what the assumptions admit of it, are edges too
+    if they are admitted.
     """
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
@@ -309,80 +319,52 @@ def with_cells(
     names = [str(s) for s in map_.parameters]
     if name not in names:
         raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
-    for values in _samples(map_, name, sample):
-        start = values.pop(name)
+    values: Mapping[str, Number] = {}
+    for values in samples(map_, name, span, sample):
         axis = axis_of(map_.model, name, values)
         try:
-            ends = _limited(axis, *span, start)
-            studied_ends = [end for end in ends if with_ends and _admitted(axis, end)]
-            cells = decomposed(axis, map_.chain, orders, *ends, studied_ends)
-            places = [ends[0], *(c.lower for c in cells if c.is_edge), ends[1]]
-            axis.closing([place for place in places if place is not None])
+            cells = admitted_cells(axis, map_.chain, orders, span, with_ends=with_ends)
+            close(axis, cells)
             return build(axis, cells)
         except ResampleError:
             continue
-    others = ", ".join(f"{key} = {QQ.to_sympy(value)}" for key, value in axis.sample.items())
-    raise ResampleError(f"at {others} edges meet by chance: choose another sample")
+    raise ResampleError(f"at {shown_sample(values)} edges meet by chance: choose another sample")
 
 
-def _admitted(axis: Axis, place: Any) -> bool:
-    """Whether the assumptions hold at an end of a span."""
-    return place is not None and all(
-        constraint.holds(axis.sign(constraint.polynomial, place))
-        for constraint in axis.model.region.constraints
-    )
+def admitted_cells(
+    axis: Axis,
+    chain: tuple[int, ...],
+    orders: Sequence[int],
+    span: Span,
+    *,
+    with_ends: bool = False,
+) -> list[Cell]:
+    """The cells of all parts of a span that the assumptions admit, and the gaps between them."""
+    cells: list[Cell] = []
+    for stretch in stretches(axis, span):
+        ends = stretch.closed_ends if with_ends else ()
+        found = decomposed(axis, chain, orders, stretch.low, stretch.high, ends)
+        if cells:
+            cells += _gap(cells[-1], found[0])
+        cells += found
+    return cells
 
 
-def _limited(axis: Axis, low: Number | None, high: Number | None, start: Number) -> tuple[Any, Any]:
-    """The ends of a span as places; where there is none, as far as the assumptions reach.
-
-    Raises
-    ------
-    ValueError
-        If a part of the span contradicts an assumption.
-    """
-    ends = [None if end is None else axis.place(end) for end in (low, high)]
-    inner = axis.place(start)
-    for constraint in axis.model.region.constraints:
-        if not axis.degree(constraint.polynomial):
-            continue
-        zeros = sorted(axis.zeros(constraint.polynomial) or ())
-        if ends[0] is None or ends[1] is None:
-            below = [x for x in (*zeros, ends[0]) if x is not None and x < inner]
-            above = [x for x in (*zeros, ends[1]) if x is not None and x > inner]
-            ends = [max(below, default=None), min(above, default=None)]
-            continue
-        stops = [ends[0], *(x for x in zeros if ends[0] < x < ends[1]), ends[1]]
-        for left, right in pairwise(stops):
-            witness = axis.between(left, right)
-            if not constraint.holds(axis.sign(constraint.polynomial, witness)):
-                shown = f"{axis.name} = {axis.to_sympy(witness)}"
-                raise ValueError(f"{shown} in the span contradicts the assumption {constraint}")
-    return ends[0], ends[1]
+def _gap(before: Cell, after: Cell) -> list[Cell]:
+    """Cells without a study, edges and an open cell in turn, between two cells."""
+    nothing = Study(before.study.judge, {})
+    left, right = before.upper, after.lower
+    if left == right:
+        return [Cell(left, left, nothing)]
+    gap = [Cell(left, right, nothing)]
+    first = [] if before.is_edge else [Cell(left, left, nothing)]
+    return first + gap + ([] if after.is_edge else [Cell(right, right, nothing)])
 
 
-def _samples(
-    map_: PiecewiseLinearMap, name: str, sample: Mapping[Any, object] | None
-) -> Iterator[dict[str, Number]]:
-    """Values for the parameters besides one, a few, to be tried in turn."""
-    others = {str(s) for s in map_.parameters} - {name}
-    if sample is not None:
-        values = {str(key): rational(value) for key, value in sample.items()}
-        if set(values) != others:
-            raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
-        broken = map_.model.region.contains(values)
-        if broken is not None:
-            raise ValueError(f"the sample {dict(sample)} contradicts the assumption {broken}")
-        yield from (
-            {**found, **values} for found in islice(map_.at(values).model.region.samples(), 1)
-        )
-        return
-    seen: list[dict[str, Number]] = []
-    for values in islice(map_.model.region.samples(), 200):
-        rest = {key: value for key, value in values.items() if key != name}
-        if rest not in seen:
-            seen.append(rest)
-            yield values
+def close(axis: Axis, cells: Sequence[Cell]) -> None:
+    """Have the axis record the order of all ends of cells."""
+    places = [cells[0].lower, *(c.lower for c in cells if c.is_edge), cells[-1].upper]
+    axis.closing([place for place in places if place is not None])
 
 
 def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
