@@ -390,11 +390,11 @@ class SymbolicAxis(Axis):
             symbol, (below, above) = self._others.symbols[0], self.bounds()
             lower = [] if below is None else [symbol > real_to_sympy(below)]
             return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
-        kept = self._own()
+        kept, point = self._own(), [self.sample[str(symbol)] for symbol in self._others.symbols]
         for polynomial in sorted(self._conditions, key=len):
             for factor, _ in polynomial.factor_list()[1]:
                 side = sign(evaluate(factor, self.sample, None))
-                if possible_signs(factor, tuple(kept)) != frozenset((side,)):
+                if possible_signs(factor, tuple(kept), lambda: [point]) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
         return tuple(constraint.relation() for constraint in kept)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
-from itertools import combinations, combinations_with_replacement, product
+from itertools import chain, combinations, combinations_with_replacement, islice, product
 
 from sympy.polys.rings import PolyElement
 
@@ -37,7 +37,7 @@ from pwmap.roots import gaps_and_roots, inside, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
 Point = Sequence[Number]  # a value for each parameter
-LIMIT = 600  # of the products of one refutation: beyond, linear programs take seconds
+LIMIT = 200  # of the products of one refutation: beyond, linear programs take seconds
 
 
 def possible_signs(
@@ -81,7 +81,7 @@ def _fully(
     if len(signs) == 1 or not _is_left_open(factor, constraints):
         return signs
     seen = {sign(value_at(factor, point)) for point in points()}
-    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints)
+    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints, seen)
 
 
 def _is_left_open(factor: PolyElement, constraints: Constraints) -> bool:
@@ -117,12 +117,14 @@ def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
 def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: int) -> Signs:
     """Complete: try each gap between the real roots of all polynomials in this parameter."""
     limits = [c for c in constraints if variables(c.polynomial) == {variable}]
-    polynomials = [dense_in(p, variable) for p in (factor, *(c.polynomial for c in limits))]
+    admitted = [(dense_in(c.polynomial, variable), c) for c in limits]
+    polynomial = dense_in(factor, variable)
+    roots = {x for p in (polynomial, *(p for p, _ in admitted)) for x in real_roots(p)}
     found = set()
-    for piece in gaps_and_roots(sorted({x for p in polynomials for x in real_roots(p)})):
-        signs = [sign_at(p, inside(piece)) for p in polynomials]
-        if all(c.holds(s) for c, s in zip(limits, signs[1:], strict=True)):
-            found.add(signs[0])
+    for piece in gaps_and_roots(sorted(roots)):
+        place = inside(piece)
+        if all(c.holds(sign_at(p, place)) for p, c in admitted):
+            found.add(sign_at(polynomial, place))
     return frozenset(found)
 
 
@@ -173,7 +175,9 @@ def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variabl
     """Bound a polynomial that is affine in one parameter by its values at that one's bounds."""
     others = tuple(c for c in constraints if variable not in variables(c.polynomial))
     bounds = list(_bounds(constraints, others, variable))
-    others = tuple(dict.fromkeys((*others, *_without(bounds))))
+    top = max(total_degree(p) for p in (factor, *(c.polynomial for c in constraints)))
+    kept = (c for c in _without(bounds) if total_degree(c.polynomial) <= top)  # no explosion
+    others = tuple(dict.fromkeys((*others, *kept)))
     slope, rest = affine(factor, variable)
     ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # the lower ones, the upper ones
     for sense, gain, shift, strict in bounds:
@@ -223,17 +227,17 @@ def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
                     yield Constraint(left, strict or other_strict)
 
 
-def _refuted_signs(factor: PolyElement, constraints: Constraints) -> Signs:
+def _refuted_signs(factor: PolyElement, constraints: Constraints, seen: set[int]) -> Signs:
     """Signs that remain when products of inequalities have refuted what they can."""
-    if _is_refuted(Constraint(-factor, False), constraints):
-        return frozenset((1,))
-    if _is_refuted(Constraint(factor, False), constraints):
-        return frozenset((-1,))
-    signs = ANY
-    for side in (1, -1):
-        if _is_refuted(Constraint(side * factor, True), constraints):
-            signs -= {side}
-    return signs
+    sides = [side for side in (1, -1) if not seen or side in seen]
+    for side in sides:
+        if _is_refuted(Constraint(-side * factor, False), constraints):
+            return frozenset((side,))
+    found = ANY
+    for side in sides:
+        if _is_refuted(Constraint(-side * factor, True), constraints):
+            found -= {-side}
+    return found
 
 
 @cache
@@ -244,22 +248,24 @@ def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
     of their sums and differences, which are never negative.
     """
     known = (claim, *constraints)
-    if all(total_degree(c.polynomial) <= 1 for c in known):
-        return contradictory(known)
     top = max(2, *(total_degree(c.polynomial) for c in known))
     used = sorted(frozenset().union(*(variables(c.polynomial) for c in known)))
-    listed = [*_products(known, top), *_squares(claim.polynomial.ring, used, top // 2)]
-    return len(listed) <= LIMIT and contradictory(list(dict.fromkeys(listed)))
+    ring = claim.polynomial.ring
+    listed = chain(_products(known, top), _squares(ring, used, top // 2))
+    tried = list(dict.fromkeys(islice(listed, LIMIT + 1)))
+    return len(tried) <= LIMIT and contradictory(tried)
 
 
 def _products(known: Constraints, top: int) -> Iterator[Constraint]:
-    for count in range(1, top + 1):
-        for chosen in combinations_with_replacement(known, count):
-            if sum(total_degree(c.polynomial) for c in chosen) <= top:
-                polynomial = chosen[0].polynomial
-                for constraint in chosen[1:]:
-                    polynomial = polynomial * constraint.polynomial
-                yield Constraint(polynomial, all(c.strict for c in chosen))
+    """Products of inequalities up to a total degree."""
+    for i, first in enumerate(known):
+        yield first
+        left = top - total_degree(first.polynomial)
+        if left > 0:
+            for other in _products(known[i:], left):
+                if total_degree(other.polynomial) <= left:
+                    polynomial = first.polynomial * other.polynomial
+                    yield Constraint(polynomial, first.strict and other.strict)
 
 
 def _squares(ring: Ring, used: Sequence[int], half: int) -> Iterator[Constraint]:
