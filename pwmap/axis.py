@@ -31,7 +31,7 @@ from pwmap.inequalities import Constraint
 from pwmap.itineraries import Judge, Orbits, Question
 from pwmap.reading import Model
 from pwmap.roots import RealRoot, real_roots, sign_at, simplest_between
-from pwmap.signs import possible_signs
+from pwmap.signs import possible_signs, without_implied
 
 INFINITE = "infinite"
 
@@ -396,7 +396,9 @@ class SymbolicAxis(Axis):
                 side = sign(evaluate(factor, self.sample, None))
                 if possible_signs(factor, tuple(kept), lambda: [point]) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
-        return tuple(constraint.relation() for constraint in kept)
+        return tuple(
+            constraint.relation() for constraint in without_implied(kept, len(self._own()))
+        )
 
     def bounds(self) -> tuple[Any, Any]:
         """The interval of the one other parameter in which all recorded signs persist."""

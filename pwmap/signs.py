@@ -145,6 +145,18 @@ def _linear_signs(factor: PolyElement, constraints: Constraints) -> Signs:
     return frozenset(s for s, way in ways.items() if not contradictory([*linear, *way]))
 
 
+def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constraint]:
+    """Leave out linear inequalities that follow from other linear ones, but for the first few."""
+    left = list(constraints)
+    for constraint in constraints[kept:]:
+        linear = [c for c in left if total_degree(c.polynomial) == 1]
+        if constraint in linear and constraint.strict:
+            linear.remove(constraint)
+            if contradictory([*linear, Constraint(-constraint.polynomial, False)]):
+                left.remove(constraint)
+    return left
+
+
 def contradictory(constraints: Sequence[Constraint]) -> bool:
     """Whether inequalities, times nonnegative numbers, add up to a false one.
 

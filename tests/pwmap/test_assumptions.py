@@ -31,7 +31,7 @@ from pwmap.linear import Combination, Separation, combination
 from pwmap.signs import possible_signs
 
 TWO = polynomial_ring(sympy.symbols("a b"))
-A, B, R, MU = sympy.symbols("a b r mu")
+A, B, MU, X = sympy.symbols("a b mu x")
 
 
 def region(assumed: Sequence[str], names: str) -> Region:
@@ -211,7 +211,7 @@ def polynomials(rng: random.Random, count: int) -> Iterator[object]:
         yield sum((rng.choice([-3, -2, -1, 1, 2, 3]) * term for term in terms), TWO.zero)
 
 
-GRID = [[QQ(x, 3), QQ(y, 3)] for x, y in product(range(-9, 10), repeat=2)]
+GRID = [[QQ(x, 2), QQ(y, 2)] for x, y in product(range(-6, 7), repeat=2)]
 
 
 @pytest.mark.slow
@@ -219,7 +219,7 @@ def test_regions_and_signs_against_a_grid() -> None:
     """A point of the grid that is admitted shows that none may refuse, and which signs occur."""
     rng = random.Random(8)
     proved = undecided = empty = 0
-    for _ in range(120):
+    for _ in range(50):
         limits = [p for p in polynomials(rng, rng.randint(1, 3)) if not p.is_ground]
         constraints = tuple(Constraint(p, rng.random() < 0.7) for p in limits)
         within = Region(TWO, constraints)
@@ -245,9 +245,9 @@ def test_regions_and_signs_against_a_grid() -> None:
                 proved += 1
             except UndecidedError:
                 undecided += 1
-    assert proved > 15
-    assert undecided > 50
-    assert empty > 5
+    assert proved > 8
+    assert undecided > 20
+    assert empty > 2
 
 
 def _sign(number: object) -> int:
@@ -287,12 +287,11 @@ def test_signs_that_do_not_follow(assumed: list[str], polynomial: str) -> None:
 
 
 def stairs(breaks: Sequence[str], assumed: Sequence[str]) -> PiecewiseLinearMap:
-    """k x + b_k from the k-th break on."""
-    conditions = [f"x < {breaks[0]}"]
-    conditions += [f"(x >= {low}) & (x < {high})" for low, high in pairwise(breaks)]
-    conditions.append(f"x >= {breaks[-1]}")
-    formulas = [f"{k}*x + {name}" for k, name in enumerate([*breaks, breaks[0]])]
-    return PiecewiseLinearMap(list(zip(formulas, conditions, strict=True)), given=assumed)
+    """k x + b_k left of the k-th break, and 0 right of the last."""
+    symbols = map(sympy.Symbol, breaks)
+    pairs = [(k * X + symbol, sympy.Lt(X, symbol)) for k, symbol in enumerate(symbols)]
+    formula = sympy.Piecewise(*pairs, (0, True), evaluate=False)
+    return PiecewiseLinearMap.from_sympy(formula, X, given=assumed)
 
 
 @pytest.mark.slow
@@ -330,7 +329,8 @@ def test_cells_do_not_depend_on_names() -> None:
         cells = parameter_cells(PiecewiseLinearMap(pieces, given=assumed), "mu", (1, 2))
         own = dict(zip(sympy.symbols([slope, other, offset]), sympy.symbols("s t u"), strict=True))
         edges = tuple(sympy.factor(edge.subs(own)) for edge in cells.edges)
-        found.add((edges, frozenset(relation.subs(own) for relation in cells.given)))
+        limits = [sympy.expand(relation.gts - relation.lts) for relation in cells.given]
+        found.add((edges, frozenset(limit.subs(own) for limit in limits)))
     assert len(found) == 1
 
 
@@ -376,7 +376,7 @@ def test_closed_assumptions_admit_their_ends() -> None:
 
 @pytest.mark.parametrize("span", [None, (-2, 2)])
 def test_a_single_value_that_is_excluded_parts_branches(span: tuple[int, int] | None) -> None:
-    """1/2 x + r and r - x/3 - 2: both branches pass r = 1 if nothing is assumed."""
+    """2 (r - 3) is fixed for r <= 3: it passes r = 1 if nothing is assumed."""
     pieces = [("x/2 + r - 3", "x <= 0"), ("r - x/3", "x > 0")]
     whole = bifurcation_diagram(PiecewiseLinearMap(pieces), "r", (-2, 2), orders=(1,))
     parted = PiecewiseLinearMap(pieces, given=["(r - 1)**2 > 0"])
