@@ -18,7 +18,7 @@ from sympy import QQ
 from sympy.polys.densearith import dup_sub
 from sympy.polys.rings import PolyElement
 
-from pwmap.assumptions import Constraint, Region, possible_signs
+from pwmap.assumptions import Region
 from pwmap.exact import (
     Fraction_,
     Number,
@@ -32,6 +32,7 @@ from pwmap.exact import (
     to_ring,
     to_sympy,
 )
+from pwmap.inequalities import Constraint
 from pwmap.itineraries import IntegerOrbits, Judge, Orbits, Question
 from pwmap.reading import Model
 from pwmap.roots import (
@@ -45,6 +46,7 @@ from pwmap.roots import (
     trimmed,
 )
 from pwmap.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
+from pwmap.signs import possible_signs, without_implied
 
 INFINITE = "infinite"
 
@@ -79,6 +81,10 @@ class ResampleError(ValueError):
     """The sample of the symbolic parameters is not generic: there edges meet."""
 
 
+class DegreeError(ValueError):
+    """A polynomial is of a higher degree in the parameter of the axis than one."""
+
+
 class Axis(ABC):
     """One parameter of a map, along which the signs of polynomials are followed."""
 
@@ -103,13 +109,32 @@ class Axis(ABC):
         self.model = model
         self.orbits = Orbits(model.table)
         self.sample = {}
-        self._roots: dict[Question, tuple[Any, ...] | None] = {}
+        self._roots: dict[Question | PolyElement, tuple[Any, ...] | None] = {}
 
     def roots(self, question: Question) -> tuple[Any, ...] | None:
         """Places where the answer to a question is zero; None if it is zero everywhere."""
         if question not in self._roots:
             self._roots[question] = self.zeros(self.orbits.polynomial(question))
         return self._roots[question]
+
+    def limits(self, constraint: Constraint) -> tuple[Any, ...]:
+        """Places where an assumption begins or ceases to hold.
+
+        Raises
+        ------
+        ValueError
+            If its degree is too high for that.
+        """
+        polynomial = constraint.polynomial
+        if polynomial not in self._roots:
+            try:
+                self._roots[polynomial] = self.zeros(polynomial)
+            except DegreeError:
+                raise DegreeError(
+                    f"the assumption {constraint} is not of degree one in {self.name}: "
+                    "give the other parameters values (.at)"
+                ) from None
+        return self._roots[polynomial] or ()
 
     @abstractmethod
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
@@ -312,7 +337,7 @@ class SymbolicAxis(Axis):
         factors = [factor for factor, _ in polynomial.factor_list()[1]]
         worst = max(factors, key=self.degree)
         if self.degree(worst) > 1:
-            raise ValueError(
+            raise DegreeError(
                 f"a decision has degree {self.degree(worst)} in {self.name}: "
                 f"{sympy.factor(to_sympy(worst))}; give the other parameters values (.at)"
             )
@@ -433,13 +458,13 @@ class SymbolicAxis(Axis):
 
     def _kept(self) -> list[Constraint]:
         """All recorded signs, but for those that follow from others."""
-        kept = self._own()
+        kept, point = self._own(), [self.sample[str(symbol)] for symbol in self._others.symbols]
         for polynomial in sorted(self._conditions, key=len):
             for factor, _ in polynomial.factor_list()[1]:
                 side = sign(evaluate(factor, self.sample, None))
-                if possible_signs(factor, tuple(kept)) != frozenset((side,)):
+                if possible_signs(factor, tuple(kept), lambda: [point]) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
-        return kept
+        return without_implied(kept, len(self._own()))
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ring, symbol = self.model.ring, self.model.ring.symbols[self._index]

@@ -15,15 +15,16 @@ from typing import Any
 import sympy
 from sympy import QQ
 
+from pwmap.admitted import Span
 from pwmap.axis import Axis
 from pwmap.budget import BUDGET, Budget, BudgetError, Progress, Report
-from pwmap.cells import Cell, Stage, admitted, checked_orders, checked_span, studied_at, with_cells
+from pwmap.cells import Cell, Stage, checked_orders, checked_span, close, studied_at, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from pwmap.exact import Number, fraction_to_sympy, to_sympy
+from pwmap.drawn import is_isolated, samples
+from pwmap.exact import fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import ceiling, whole_part
 from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
-from pwmap.drawn import is_isolated, samples
 
 
 def bifurcation_diagram(
@@ -71,24 +72,27 @@ def bifurcation_diagram(
         As :func:`pwmap.parameter_cells`. A ``BudgetError`` if no order was completed.
     """
     orders = checked_orders(orders)
+    limits: Span = (None, None) if span is None else checked_span(span)
     watch = _Watch(orders, progress, on_interrupt)
-    unit = len(map_.chain)
 
     def build(axis: Axis, cells: list[Cell]) -> Diagram:
         if span is None:
-            cells = _with_ends(axis, map_.chain, cells)
-        found = _assembled(map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper)))
+            ends = _outermost(axis, cells)
+            cells = _cut_off(axis, map_.chain, cells, ends)
+            close(axis, cells)
+        else:
+            ends = axis.place(limits[0]), axis.place(limits[1])
+        found = _assembled(map_, Sweep(axis, cells, len(map_.chain), ends))
         return replace(found, given=(*found.given, *watch.left_out))
 
-    ends = (None, None) if span is None else checked_span(span)
     return with_cells(
         build,
         map_,
         parameter,
         orders,
-        ends,
+        limits,
         sample,
-        with_ends=span is not None,
+        with_ends=True,
         budget=budget,
         follow=watch,
     )
@@ -147,31 +151,24 @@ def _listed(orders: Sequence[int]) -> str:
     return ", ".join(map(str, orders))
 
 
-def _with_ends(axis: Axis, chain: tuple[int, ...], cells: Sequence[Cell]) -> list[Cell]:
-    """Cells of the whole axis, cut off beyond the first and the last edge, with the ends."""
-    low, high = map(axis.place, _outermost(axis, cells))
-    axis.closing([low, *(cell.lower for cell in cells if cell.is_edge), high])
-    kept = list(cells)
-    kept[0] = replace(kept[0], lower=low)
-    kept[-1] = replace(kept[-1], upper=high)
-    first, last = (
-        [studied_at(end, axis, chain, cell)] if admitted(axis, end) else []
-        for end, cell in ((low, kept[0]), (high, kept[-1]))
-    )
-    return [*first, *kept, *last]
-
-
-def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Number, Number]:
+def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Any, Any]:
+    """Places about one below the first edge and one above the last."""
     edges = [cell.lower for cell in cells if cell.is_edge]
-    edges = edges or [axis.between(cells[0].lower, cells[0].upper)]
-    low = QQ(whole_part(_number(edges[0])) - 1)
-    high = QQ(ceiling(_number(edges[-1])) + 1)
-    first, last = cells[0].lower, cells[-1].upper  # as far as the assumptions reach
-    if first is not None and axis.place(low) < first:
-        low = _number(axis.between(first, edges[0]))
-    if last is not None and axis.place(high) > last:
-        high = _number(axis.between(edges[-1], last))
-    return low, high
+    edges = edges or [axis.between(cells[0].lower, cells[-1].upper)]
+    low, high = whole_part(_number(edges[0])) - 1, ceiling(_number(edges[-1])) + 1
+    return axis.place(QQ(low)), axis.place(QQ(high))
+
+
+def _cut_off(
+    axis: Axis, chain: tuple[int, ...], cells: Sequence[Cell], span: tuple[Any, Any]
+) -> list[Cell]:
+    """Cells within a span that holds all edges; the assumptions may end before it does."""
+    (low, high), kept = span, list(cells)
+    if kept[0].lower is None or kept[0].lower < low:
+        kept[:1] = [studied_at(low, axis, chain, kept[0]), replace(kept[0], lower=low)]
+    if kept[-1].upper is None or high < kept[-1].upper:
+        kept[-1:] = [replace(kept[-1], upper=high), studied_at(high, axis, chain, kept[-1])]
+    return kept
 
 
 def _number(place: Any) -> Any:
@@ -191,7 +188,9 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
     points: list[SpecialPoint] = []
     ends: dict[tuple[Run, int], SpecialPoint] = {}
     for meeting in sweep.meetings(runs):
-        kind, note = classify(meeting, at_span_end=meeting.place in sweep.span)
+        kind, note = classify(meeting, at_span_end=meeting.place in sweep.stops)
+        if meeting.place in sweep.stops and meeting.place not in sweep.span:
+            note = "end of what is assumed"
         counts[kind] += 1
         point = _point(sweep, meeting, f"{kind}{counts[kind]}", kind, note, branch_ids)
         points.append(point)

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise
+from itertools import islice
 from typing import Any, NamedTuple, TypeVar
 
 import sympy
-from sympy import QQ
 
+from pwmap.admitted import Span, Stretch, samples, shown_sample, stretches
 from pwmap.axis import Axis, ResampleError, axis_of, identical
 from pwmap.budget import BUDGET, Budget, BudgetError, checked_size
 from pwmap.cylinders import (
@@ -87,6 +87,11 @@ class Cell:
         """Whether it is a single value of the parameter."""
         return self.lower is not None and self.lower is self.upper
 
+    @property
+    def is_excluded(self) -> bool:
+        """Whether the assumptions exclude it, so that nothing was studied there."""
+        return not self.study.cylinders
+
 
 def grown(
     study: Study, chain: tuple[int, ...], order: int, *, shown: bool, budget: Budget = BUDGET
@@ -115,22 +120,18 @@ def stages(
     axis: Axis,
     chain: tuple[int, ...],
     orders: Sequence[int],
-    low: Any,
-    high: Any,
-    ends: Sequence[Any] = (),
+    cells: list[Cell],
     budget: Budget = BUDGET,
 ) -> Iterator[Stage]:
-    """Cut an open interval of the axis into cells and edges, order by order.
+    """Cut cells of which nothing is known into cells and edges, order by order.
 
     What a cell knows of lower orders holds in all its parts and on the edges between them, so that
     only the questions of the new order are asked there.
 
     Parameters
     ----------
-    low, high
-        Places on the axis, or None for an infinite end.
-    ends
-        The ends to study as edges too, of ``low`` and ``high``.
+    cells
+        As :func:`uncut` gives them.
 
     Raises
     ------
@@ -147,11 +148,6 @@ def stages(
             raise BudgetError(f"order {order} takes more than {budget.pieces} pieces in all cells")
         return more
 
-    sample = axis.between(low, high)
-    cells = [Cell(low, high, Study(axis.judge(sample), {}), sample)]
-    for end, i in ((low, 0), (high, 2)):
-        if end in ends:
-            cells.insert(i, Cell(end, end, Study(axis.judge(end), {}), end))
     for order in range(1, max(orders) + 1):
         cells = [part for cell in cells for part in _parts(axis, cell, grow)]
         yield Stage(order, cells, pieces)
@@ -165,6 +161,8 @@ def last(found: Iterable[Stage]) -> list[Cell]:
 
 def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
     """A cell, or what an order more cuts it into: cells and the edges between them."""
+    if cell.is_excluded:
+        return [cell]
     mark = cell.study.judge.mark()
     if cell.is_edge:
         return [_edge(axis, cell.sample, grow(cell.study), mark)]
@@ -278,6 +276,8 @@ class ParameterCell:
 class ParameterCells:
     """All cells of an interval of one parameter, from left to right, open cells and edges in turn.
 
+    What the assumptions exclude, inside the interval too, is left out.
+
     Attributes
     ----------
     given
@@ -353,6 +353,8 @@ def shown_cells(
     """Cells as a user sees them, without edges at which nothing changes."""
     shown = []
     for cell in merged(cells):
+        if cell.is_excluded:
+            continue
         lower = -sympy.oo if cell.lower is None else axis.to_sympy(cell.lower)
         upper = sympy.oo if cell.upper is None else axis.to_sympy(cell.upper)
         scope = axis.scope(cell.lower, cell.upper, orders)
@@ -373,7 +375,7 @@ def with_cells(
     map_: PiecewiseLinearMap,
     parameter: object,
     orders: Sequence[int],
-    span: tuple[Number | None, Number | None],
+    span: Span,
     sample: Mapping[Any, object] | None,
     *,
     with_ends: bool = False,
@@ -382,8 +384,8 @@ def with_cells(
 ) -> Result:
     """Build something from the cells of a parameter, at the first sample that is generic.
 
-    With ``with_ends`` the ends of the span are edges too, if the assumptions admit them. Who
-    follows the stages says which cells are built from.
+    With ``with_ends`` the ends of the span, and of what the assumptions admit of it, are edges too
+    if they are admitted. Who follows the stages says which cells are built from.
     """
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
@@ -392,80 +394,53 @@ def with_cells(
     if name not in names:
         raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
     checked_size(max(orders), len(map_.chain), budget)
-    for values in _samples(map_, name, sample):
-        start = values.pop(name)
+    values: Mapping[str, Number] = {}
+    for values in samples(map_, name, span, sample):
         axis = axis_of(map_.model, name, values)
         try:
-            ends = _limited(axis, *span, start)
-            studied_ends = [end for end in ends if with_ends and admitted(axis, end)]
-            cells = follow(stages(axis, map_.chain, orders, *ends, studied_ends, budget))
-            places = [ends[0], *(c.lower for c in cells if c.is_edge), ends[1]]
-            axis.closing([place for place in places if place is not None])
+            found = stretches(axis, span)
+            cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), budget))
+            close(axis, cells)
             return build(axis, cells)
         except ResampleError:
             continue
-    others = ", ".join(f"{key} = {QQ.to_sympy(value)}" for key, value in axis.sample.items())
-    raise ResampleError(f"at {others} edges meet by chance: choose another sample")
+    raise ResampleError(f"at {shown_sample(values)} edges meet by chance: choose another sample")
 
 
-def admitted(axis: Axis, place: Any) -> bool:
-    """Whether the assumptions hold at an end of a span."""
-    return place is not None and all(
-        constraint.holds(axis.sign(constraint.polynomial, place))
-        for constraint in axis.model.region.constraints
-    )
+def uncut(axis: Axis, admitted: Sequence[Stretch], with_ends: bool) -> list[Cell]:
+    """One cell for each part of a span that the assumptions admit, and the gaps between them."""
+    cells: list[Cell] = []
+    for stretch in admitted:
+        ends = stretch.closed_ends if with_ends else ()
+        sample = axis.between(stretch.low, stretch.high)
+        found = [_unstudied(axis, stretch.low, stretch.high, sample)]
+        if stretch.low in ends:
+            found.insert(0, _unstudied(axis, stretch.low, stretch.low, stretch.low))
+        if stretch.high in ends:
+            found.append(_unstudied(axis, stretch.high, stretch.high, stretch.high))
+        cells += [*(_gap(cells[-1], found[0]) if cells else ()), *found]
+    return cells
 
 
-def _limited(axis: Axis, low: Number | None, high: Number | None, start: Number) -> tuple[Any, Any]:
-    """The ends of a span as places; where there is none, as far as the assumptions reach.
-
-    Raises
-    ------
-    ValueError
-        If a part of the span contradicts an assumption.
-    """
-    ends = [None if end is None else axis.place(end) for end in (low, high)]
-    inner = axis.place(start)
-    for constraint in axis.model.region.constraints:
-        if not axis.degree(constraint.polynomial):
-            continue
-        zeros = sorted(axis.zeros(constraint.polynomial) or ())
-        if ends[0] is None or ends[1] is None:
-            below = [x for x in (*zeros, ends[0]) if x is not None and x < inner]
-            above = [x for x in (*zeros, ends[1]) if x is not None and x > inner]
-            ends = [max(below, default=None), min(above, default=None)]
-            continue
-        stops = [ends[0], *(x for x in zeros if ends[0] < x < ends[1]), ends[1]]
-        for left, right in pairwise(stops):
-            witness = axis.between(left, right)
-            if not constraint.holds(axis.sign(constraint.polynomial, witness)):
-                shown = f"{axis.name} = {axis.to_sympy(witness)}"
-                raise ValueError(f"{shown} in the span contradicts the assumption {constraint}")
-    return ends[0], ends[1]
+def _unstudied(axis: Axis, low: Any, high: Any, sample: Any) -> Cell:
+    return Cell(low, high, Study(axis.judge(sample), {}), sample)
 
 
-def _samples(
-    map_: PiecewiseLinearMap, name: str, sample: Mapping[Any, object] | None
-) -> Iterator[dict[str, Number]]:
-    """Values for the parameters besides one, a few, to be tried in turn."""
-    others = {str(s) for s in map_.parameters} - {name}
-    if sample is not None:
-        values = {str(key): rational(value) for key, value in sample.items()}
-        if set(values) != others:
-            raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
-        broken = map_.model.region.contains(values)
-        if broken is not None:
-            raise ValueError(f"the sample {dict(sample)} contradicts the assumption {broken}")
-        yield from (
-            {**found, **values} for found in islice(map_.at(values).model.region.samples(), 1)
-        )
-        return
-    seen: list[dict[str, Number]] = []
-    for values in islice(map_.model.region.samples(), 200):
-        rest = {key: value for key, value in values.items() if key != name}
-        if rest not in seen:
-            seen.append(rest)
-            yield values
+def _gap(before: Cell, after: Cell) -> list[Cell]:
+    """Cells without a study, edges and an open cell in turn, between two cells."""
+    nothing = Study(before.study.judge, {}, ())
+    left, right = before.upper, after.lower
+    if left == right:
+        return [Cell(left, left, nothing, left)]
+    first = [] if before.is_edge else [Cell(left, left, nothing, left)]
+    last = [] if after.is_edge else [Cell(right, right, nothing, right)]
+    return [*first, Cell(left, right, nothing, left), *last]
+
+
+def close(axis: Axis, cells: Sequence[Cell]) -> None:
+    """Have the axis record the order of all ends of cells."""
+    places = [cells[0].lower, *(c.lower for c in cells if c.is_edge), cells[-1].upper]
+    axis.closing([place for place in places if place is not None])
 
 
 def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:

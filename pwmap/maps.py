@@ -14,7 +14,7 @@ import sympy
 from sympy import QQ
 
 from pwmap import cylinders as cyl
-from pwmap.assumptions import Constraint, Region
+from pwmap.assumptions import Region
 from pwmap.budget import checked_size
 from pwmap.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
 from pwmap.exact import (
@@ -32,6 +32,7 @@ from pwmap.exact import (
     to_ring,
     to_sympy,
 )
+from pwmap.inequalities import Constraint
 from pwmap.itineraries import Judge, Layout, Offset, Orbits, Table, Word
 from pwmap.reading import Model, read
 from pwmap.scopes import Edge, Scope, SymbolicEdge

@@ -171,7 +171,7 @@ class Sweep:
     unit
         How many maps make one step of order 1.
     span
-        Places of the first and the last value of the parameter.
+        Places of the first and the last value of the parameter, as far as the assumptions reach.
     """
 
     axis: Axis
@@ -225,6 +225,12 @@ class Sweep:
         if place is Place.BAND and order == 2 * period:
             return judge.slope(cylinder.word[: len(cylinder.word) // 2]) < 0
         return period == order
+
+    @cached_property
+    def stops(self) -> tuple[Any, ...]:
+        """Places where cells begin and stop: ends of the span, and of what is assumed."""
+        excluded = [end for c in self.cells if c.is_excluded for end in (c.lower, c.upper)]
+        return (self.cells[0].lower, self.cells[-1].upper, *excluded)
 
     # --- Runs -----------------------------------------------------------------------------------
 
@@ -317,8 +323,8 @@ class Sweep:
         )
 
     def _at_end(self, i: int) -> bool:
-        """Whether a cell is an end of the span: what exists there only is left out."""
-        return self.cells[i].is_edge and self.cells[i].lower in self.span
+        """Whether the cells end at a cell: what exists there only is left out."""
+        return self.cells[i].is_edge and self.cells[i].lower in self.stops
 
     def _is_edge_of_band(self, name: Name, i: int) -> bool:
         """Whether a name at an edge only is an end of a band along that edge."""

@@ -15,7 +15,7 @@ from typing import Protocol
 import sympy
 from sympy import QQ
 
-from pwmap.assumptions import Constraint, Region, UndecidedError
+from pwmap.assumptions import Region, UndecidedError
 from pwmap.exact import (
     Fraction_,
     Number,
@@ -29,6 +29,7 @@ from pwmap.exact import (
     to_sympy,
     unpacked,
 )
+from pwmap.inequalities import Constraint
 from pwmap.roots import Real, RealRoot, real_roots, sign_at, simplest_between
 
 Orders = tuple[int, ...]

@@ -1,0 +1,169 @@
+"""Which values of a parameter the assumptions admit, and samples of the others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice, pairwise
+from typing import Any
+
+from sympy import QQ
+
+from pwmap.assumptions import Region
+from pwmap.axis import Axis, ResampleError, identical
+from pwmap.exact import Number, is_constant, rational
+from pwmap.inequalities import Constraint, degree
+from pwmap.maps import PiecewiseLinearMap
+from pwmap.samples import EmptyRegionError
+
+Span = tuple[Number | None, Number | None]  # None is an infinite end
+TRIES = 40  # samples: all but the first few are generic but for an accident
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """An open interval of an axis in which all assumptions hold.
+
+    Attributes
+    ----------
+    low, high
+        Places, or None for an infinite end.
+    closed
+        Whether they hold at these ends too.
+    """
+
+    low: Any
+    high: Any
+    closed: tuple[bool, bool]
+
+    @property
+    def closed_ends(self) -> tuple[Any, ...]:
+        """The ends that belong to it."""
+        return tuple(
+            end for end, belongs in zip((self.low, self.high), self.closed, strict=True) if belongs
+        )
+
+
+def stretches(axis: Axis, span: Span) -> list[Stretch]:
+    """The parts of a span that the assumptions admit, from left to right.
+
+    Raises
+    ------
+    ValueError
+        If an interval inside a span with two ends is not admitted, or a value is admitted that has
+        none beside it, or an assumption is of a degree that the axis does not take.
+    """
+    low, high = (None if end is None else axis.place(end) for end in span)
+    limits = _limits(axis)
+    inner = [x for x in limits if (low is None or low < x) and (high is None or x < high)]
+    found: list[Stretch] = []
+    for left, right in pairwise([low, *inner, high]):
+        broken = _broken(axis, axis.between(left, right))
+        if broken is None:
+            closed = (_belongs(axis, left), _belongs(axis, right))
+            if found and found[-1].high is left and closed[0]:  # an assumption only touches zero
+                found[-1] = Stretch(found[-1].low, right, (found[-1].closed[0], closed[1]))
+            else:
+                found.append(Stretch(left, right, closed))
+        elif None not in (low, high):
+            shown = f"{axis.name} = {axis.to_sympy(axis.between(left, right))}"
+            raise ValueError(f"{shown} in the span contradicts the assumption {broken}")
+    ends = [end for stretch in found for end in (stretch.low, stretch.high)]
+    for place in inner:
+        if not any(place is end for end in ends) and _is_alone(axis, place, found):
+            raise ValueError(
+                f"{axis.name} = {axis.to_sympy(place)} is admitted, but no value beside it: "
+                "give it that value (.at), or exclude it by another assumption"
+            )
+    return found
+
+
+def _limits(axis: Axis) -> list[Any]:
+    """Places at which assumptions begin or cease to hold, from left to right."""
+    found: dict[Any, Any] = {}
+    for constraint in axis.model.region.constraints:
+        for place in axis.limits(constraint) if axis.degree(constraint.polynomial) else ():
+            if not identical(found.setdefault(place, place), place):
+                raise ResampleError
+    return sorted(found.values())
+
+
+def _broken(axis: Axis, place: Any) -> Constraint | None:
+    """The first assumption that does not hold at a place."""
+    constraints = axis.model.region.constraints
+    return next((c for c in constraints if not c.holds(axis.sign(c.polynomial, place))), None)
+
+
+def _belongs(axis: Axis, place: Any) -> bool:
+    return place is not None and _broken(axis, place) is None
+
+
+def _is_alone(axis: Axis, place: Any, found: Sequence[Stretch]) -> bool:
+    """Whether a place is admitted, and is not inside a stretch."""
+    inside = any(
+        (s.low is None or s.low < place) and (s.high is None or place < s.high) for s in found
+    )
+    return not inside and _belongs(axis, place)
+
+
+# --- Samples of the other parameters --------------------------------------------------------------
+
+
+def samples(
+    map_: PiecewiseLinearMap, name: str, span: Span, chosen: Mapping[Any, object] | None
+) -> Iterator[dict[str, Number]]:
+    """Values for the parameters besides one, to be tried in turn; only one if it was chosen.
+
+    Raises
+    ------
+    ValueError
+        If the chosen one lacks a parameter or contradicts the assumptions.
+    """
+    others = {str(s) for s in map_.parameters} - {name}
+    if chosen is not None:
+        values = {str(key): rational(value) for key, value in chosen.items()}
+        if set(values) != others:
+            raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
+        broken = map_.model.region.contains(values)
+        if broken is not None:
+            raise ValueError(f"the sample {dict(chosen)} contradicts the assumption {broken}")
+        _ = map_.at(values)  # complains if nothing is left to the parameter of the axis
+        yield values
+        return
+    table = map_.model.table
+    coefficients = (*table.breaks, *table.slopes, *table.intercepts)
+    seen: list[dict[str, Number]] = []
+    for values in islice(_over(map_.model.region, name, span).samples(coefficients), TRIES):
+        del values[name]
+        if values not in seen:
+            seen.append(values)
+            yield values
+
+
+def _over(region: Region, name: str, span: Span) -> Region:
+    """What assumptions leave to the other parameters if they hold all over a span.
+
+    One that is of degree one in the parameter of the axis holds inside a span just if it does at
+    its ends, or is zero at one of them.
+    """
+    if None in span:
+        return region
+    index = [str(symbol) for symbol in region.ring.symbols].index(name)
+    constraints: list[Constraint] = []
+    for constraint in region.constraints:
+        if not degree(constraint.polynomial, index):
+            constraints.append(constraint)
+            continue
+        values = [constraint.polynomial.subs(index, end) for end in span]
+        constraints += [Constraint(v, False) for v in values if not is_constant(v)]
+    narrowed = Region(region.ring, tuple(constraints))
+    try:
+        _ = narrowed.sample
+    except EmptyRegionError:
+        return region  # what is wrong with the span shows at any sample
+    return narrowed
+
+
+def shown_sample(values: Mapping[str, Number]) -> str:
+    """Values as text."""
+    return ", ".join(f"{name} = {QQ.to_sympy(value)}" for name, value in values.items())

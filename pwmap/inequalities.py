@@ -1,0 +1,152 @@
+"""Polynomial inequalities between parameters, and what is asked of a polynomial in them.
+
+Parameters are counted as generators of the ring; nothing here looks at their names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cache
+from math import lcm
+from typing import NamedTuple
+
+import sympy
+from sympy import QQ
+from sympy.core.relational import Relational
+from sympy.polys.rings import PolyElement
+
+from pwmap.exact import Number, constant, dense, sign, to_sympy
+from pwmap.roots import Dense
+
+Signs = frozenset[int]
+ANY: Signs = frozenset((-1, 0, 1))
+
+
+class Constraint(NamedTuple):
+    """A polynomial that is positive (strict) or not negative."""
+
+    polynomial: PolyElement
+    strict: bool
+
+    def holds(self, number_sign: int) -> bool:
+        """Whether a sign of the polynomial is admitted."""
+        return number_sign > 0 or (number_sign == 0 and not self.strict)
+
+    @property
+    def signs(self) -> Signs:
+        """The admitted signs of the polynomial."""
+        return frozenset((1,)) if self.strict else frozenset((0, 1))
+
+    def __str__(self) -> str:
+        """As an inequality."""
+        return str(self.relation())
+
+    def relation(self) -> Relational:
+        """As a sympy relation."""
+        constant_, rest = sympy.factor(to_sympy(self.polynomial)).as_coeff_Add()
+        if rest.could_extract_minus_sign():
+            return (sympy.Lt if self.strict else sympy.Le)(-rest, constant_, evaluate=False)
+        return (sympy.Gt if self.strict else sympy.Ge)(rest, -constant_, evaluate=False)
+
+
+def shown(constraints: Iterable[Constraint]) -> str:
+    """Inequalities as text, or "no assumption"."""
+    return ", ".join(str(c.relation()) for c in constraints) or "no assumption"
+
+
+@cache
+def connected(constraints: tuple[Constraint, ...], start: frozenset[int]) -> tuple[Constraint, ...]:
+    """The inequalities that are tied to some parameters, directly or through one another."""
+    reached, kept, waiting = set(start), set[int](), True
+    while waiting:
+        waiting = False
+        for i, constraint in enumerate(constraints):
+            own = variables(constraint.polynomial)
+            if i not in kept and own & reached:
+                kept.add(i)
+                waiting = waiting or not own <= reached
+                reached |= own
+    return tuple(constraints[i] for i in sorted(kept))
+
+
+# --- Polynomials ----------------------------------------------------------------------------------
+
+
+@cache
+def variables(polynomial: PolyElement) -> frozenset[int]:
+    """Which generators occur."""
+    degrees = [max(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
+    return frozenset(i for i, degree in enumerate(degrees) if degree)
+
+
+@cache
+def total_degree(polynomial: PolyElement) -> int:
+    """Largest sum of exponents; 0 for constants."""
+    return max((sum(exponents) for exponents in polynomial.monoms()), default=0)
+
+
+def degree(polynomial: PolyElement, variable: int) -> int:
+    """Degree in one generator; 0 for zero."""
+    return max(0, int(polynomial.degree(variable))) if polynomial else 0
+
+
+def affine(polynomial: PolyElement, variable: int) -> tuple[PolyElement, PolyElement]:
+    """Coefficients of a polynomial that is affine in one generator: slope and rest."""
+    return polynomial.diff(variable), polynomial.subs(variable, 0)
+
+
+def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> Dense:
+    """Coefficients in one generator, highest power first, where the others have values."""
+    powers: dict[tuple[int, ...], Number] = {}
+    for exponents, coefficient in polynomial.terms():
+        for i, exponent in enumerate(exponents):
+            if exponent and i != variable:
+                coefficient = coefficient * values[i] ** exponent
+        power = (exponents[variable],)
+        powers[power] = powers.get(power, QQ.zero) + coefficient
+    top = max((power for (power,), number in powers.items() if number), default=-1)
+    return tuple(powers.get((i,), QQ.zero) for i in range(top, -1, -1))
+
+
+def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:
+    """Value of a polynomial at rational values of all generators."""
+    total = QQ.zero
+    for exponents, coefficient in polynomial.terms():
+        for value, exponent in zip(values, exponents, strict=True):
+            if exponent:
+                coefficient = coefficient * value**exponent
+        total += coefficient
+    return total
+
+
+def dense_in(polynomial: PolyElement, variable: int) -> Dense:
+    """Coefficients of a polynomial in this one generator only."""
+    return dense(polynomial, variable)
+
+
+def integers(numbers: Sequence[Number]) -> list[int]:
+    """Rationals times their common denominator."""
+    scale = lcm(*(int(QQ.denom(number)) for number in numbers))
+    return [int(QQ.numer(number)) * (scale // int(QQ.denom(number))) for number in numbers]
+
+
+@cache
+def factors(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, int], ...]]:
+    """A constant, and irreducible factors with their exponents."""
+    shared = [min(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
+    rest = polynomial.quo(polynomial.ring.term_new(tuple(shared), QQ.one))
+    powers = [(g, e) for g, e in zip(polynomial.ring.gens, shared, strict=True) if e]
+    if rest.is_ground:
+        return constant(rest), tuple(powers)
+    if total_degree(rest) <= 1:  # it has no factors
+        return QQ.one, (*powers, (rest, 1))
+    unit, others = rest.factor_list()
+    return unit, (*powers, *others)
+
+
+def proportion(polynomial: PolyElement, factor: PolyElement) -> int:
+    """Sign of the constant c with polynomial = c factor, or 0 if there is none."""
+    if len(polynomial) != len(factor):
+        return 0
+    scale = polynomial.LC / factor.LC
+    return sign(scale) if polynomial == scale * factor else 0

@@ -1,0 +1,125 @@
+"""Exact linear programming over the integers: Farkas' lemma as a function.
+
+Some vectors either combine to a target with nonnegative weights, or a vector separates them from
+it. Either is found by the simplex method on integers with one common denominator, so that no
+rational number is ever reduced and no float decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+Vector = Sequence[int]
+
+
+@dataclass(frozen=True, slots=True)
+class Combination:
+    """Nonnegative weights, one for each column, with which the columns add up to the target."""
+
+    weights: tuple[Fraction, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Separation:
+    """A vector whose product with each column is at most 0, and with the target positive."""
+
+    vector: tuple[Fraction, ...]
+
+
+def combination(columns: Sequence[Vector], target: Vector) -> Combination | Separation:
+    """Nonnegative weights that combine columns to a target, or why there are none.
+
+    Parameters
+    ----------
+    columns
+        Vectors of integers, all as long as the target.
+    """
+    tableau = _Tableau(columns, target)
+    while (column := tableau.entering()) is not None:
+        tableau.pivot(tableau.leaving(column), column)
+    return tableau.separation() if tableau.total() else tableau.combination()
+
+
+class _Tableau:
+    """Rows (columns | units | target) of the first phase, over one common denominator.
+
+    An artificial variable for each row makes up what the columns miss of the target; their sum is
+    made smaller until no column helps. The last row holds the reduced costs, and minus that sum.
+    """
+
+    def __init__(self, columns: Sequence[Vector], target: Vector) -> None:
+        self._columns, size = len(columns), len(target)
+        self._senses = [-1 if number < 0 else 1 for number in target]
+        self._rows = [
+            [sense * column[i] for column in columns]
+            + [int(i == j) for j in range(size)]
+            + [sense * target[i]]
+            for i, sense in enumerate(self._senses)
+        ]
+        costs = [-sum(column) for column in zip(*self._rows, strict=True)]
+        costs[self._columns : -1] = [0] * size
+        self._rows.append(costs)
+        self._basis = list(range(self._columns, self._columns + size))
+        self._denominator = 1
+        self._stuck = False  # whether the last step left the sum as it was
+
+    def total(self) -> int:
+        """The sum of the artificial variables, times the denominator."""
+        return -self._rows[-1][-1]
+
+    def entering(self) -> int | None:
+        """The column of the steepest descent; while steps are idle the first one [Bland1977]."""
+        costs = self._rows[-1][: self._columns]
+        if self._stuck:
+            return next((j for j, cost in enumerate(costs) if cost < 0), None)
+        best = min(range(self._columns), key=costs.__getitem__, default=None)
+        return None if best is None or costs[best] >= 0 else best
+
+    def leaving(self, column: int) -> int:
+        """The row that first reaches zero; of several the one whose variable comes first."""
+        best: int | None = None
+        for i, row in enumerate(self._rows[:-1]):
+            if row[column] <= 0:
+                continue
+            if best is not None:
+                other = self._rows[best]
+                order = row[-1] * other[column] - other[-1] * row[column]
+                if order > 0 or (order == 0 and self._basis[i] > self._basis[best]):
+                    continue
+            best = i
+        assert best is not None  # the sum is bounded below
+        return best
+
+    def pivot(self, row: int, column: int) -> None:
+        """Exchange the variable of a row for that of a column."""
+        chosen, before = self._rows[row], self._denominator
+        pivot = chosen[column]
+        self._stuck = not chosen[-1]
+        for i, other in enumerate(self._rows):
+            factor = other[column]
+            if i != row and (factor or pivot != before):
+                self._rows[i] = [
+                    (pivot * a - factor * b) // before for a, b in zip(other, chosen, strict=True)
+                ]  # exact: all are minors of the first tableau
+        self._denominator = pivot
+        self._basis[row] = column
+
+    def combination(self) -> Combination:
+        """The weights, if the sum is zero."""
+        weights = [Fraction(0)] * self._columns
+        for i, variable in enumerate(self._basis):
+            if variable < self._columns:
+                weights[variable] = Fraction(self._rows[i][-1], self._denominator)
+        return Combination(tuple(weights))
+
+    def separation(self) -> Separation:
+        """The dual values: the reduced cost of an artificial variable is 1 minus that."""
+        costs = self._rows[-1][self._columns : -1]
+        return Separation(
+            tuple(
+                sense * (1 - Fraction(cost, self._denominator))
+                for sense, cost in zip(self._senses, costs, strict=True)
+            )
+        )

@@ -1,0 +1,415 @@
+"""Rational points of the region that some inequalities admit, and whether there is one.
+
+First an *interior* is sought: linear inequalities by linear programming, others by an open
+cylindrical decomposition. Both are complete. Where all inequalities cannot be strict at once, those
+that must be equations are solved for a parameter. Inside an interior points are moved along one
+parameter after the other, as far as the inequalities allow, which is exact too.
+
+Points depend on the order in which the parameters are listed (see :func:`ranked`), but not on
+their names, nor on the order of the inequalities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from random import Random
+from typing import Any
+
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.exact import Number, Ring, constant, is_constant, polynomial_ring, sign
+from pwmap.inequalities import (
+    Constraint,
+    affine,
+    along,
+    connected,
+    degree,
+    factors,
+    integers,
+    shown,
+    total_degree,
+    value_at,
+    variables,
+)
+from pwmap.linear import Combination, combination
+from pwmap.roots import Real, bounds, gaps_and_roots, real_roots, simplest_between
+
+SEED = 1
+DENOMINATORS = (7, 17, 97, 1009, 1000003)  # of the steps in a gap: plain numbers first, then large
+WIDTH = 4  # of the part of an infinite gap in which steps are taken
+
+
+class EmptyRegionError(ValueError):
+    """No values satisfy some inequalities, or no rational ones were found."""
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """A parameter that an equation gives as a quotient of polynomials in others."""
+
+    variable: int
+    top: PolyElement
+    bottom: PolyElement
+
+
+@dataclass(frozen=True, slots=True)
+class Interior:
+    """A point at which inequalities hold strictly, and parameters that follow from others.
+
+    Attributes
+    ----------
+    constraints
+        Those that are left to the free parameters.
+    point
+        Values of the free parameters, by generator.
+    solved
+        The others; each is solved for those that are free or come later.
+    """
+
+    constraints: tuple[Constraint, ...]
+    point: Mapping[int, Number]
+    solved: tuple[Solved, ...] = ()
+
+
+def points(
+    ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
+) -> Iterator[list[Number]]:
+    """Values of all parameters that satisfy the constraints: first plain ones, then generic ones.
+
+    Raises
+    ------
+    EmptyRegionError
+        If there are none.
+    """
+    parts = _interiors(ring, constraints, order)
+    free = [variable for variable in order if any(variable in part.point for part in parts)]
+    limits = [c for part in parts for c in part.constraints]
+    values = [QQ.zero] * len(order)
+    for part in parts:
+        for variable, value in part.point.items():
+            values[variable] = value
+    for variable in free:
+        values[variable] = simplest_between(*_gap(limits, values, variable))
+    yield _completed(values, parts)
+    plain = list(values)
+    rng = Random(SEED)  # always the same: a sample is part of a result
+    for attempt in range(10**9):
+        step = DENOMINATORS[min(attempt // 4, len(DENOMINATORS) - 1)]
+        values[:] = plain
+        for variable in free:
+            values[variable] = _within(_gap(limits, values, variable), step, rng)
+        yield _completed(values, parts)
+
+
+def _gap(
+    limits: Sequence[Constraint], values: Sequence[Number], variable: int
+) -> tuple[Real | None, Real | None]:
+    """How far one parameter can move from a point inside."""
+    lines = [along(c.polynomial, values, variable) for c in limits]
+    roots = sorted({root for line in lines for root in real_roots(line)})
+    below = [root for root in roots if root < values[variable]]
+    above = [root for root in roots if root > values[variable]]
+    return (below[-1] if below else None), (above[0] if above else None)
+
+
+def _within(gap: tuple[Real | None, Real | None], step: int, rng: Random) -> Number:
+    """A rational inside a gap, near a random one of equal steps through it."""
+    low, high = gap
+    middle = simplest_between(low, high)
+    first = middle - WIDTH if low is None else bounds(low)[1]
+    last = middle + WIDTH if high is None else bounds(high)[0]
+    k = rng.randrange(1, step)
+    near = [first + (last - first) * QQ(n, 4 * step) for n in (4 * k - 1, 4 * k + 1)]
+    return simplest_between(*near)  # other parameters have denominators too: these do not add up
+
+
+def _completed(values: Sequence[Number], parts: Sequence[Interior]) -> list[Number]:
+    """A point with the values that follow from equations."""
+    completed = list(values)
+    for part in parts:
+        for solved in reversed(part.solved):
+            quotient = value_at(solved.top, completed) / value_at(solved.bottom, completed)
+            completed[solved.variable] = quotient
+    return completed
+
+
+# --- Interiors ------------------------------------------------------------------------------------
+
+
+def _interiors(
+    ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
+) -> list[Interior]:
+    """An interior for each group of parameters that inequalities tie to one another."""
+    for constraint in constraints:
+        if is_constant(constraint.polynomial) and not _holds(constraint):
+            raise EmptyRegionError(f"{NONE} {constraint}")
+    ordered = tuple(sorted(dict.fromkeys(constraints), key=lambda c: _sorting_key(c, order)))
+    left, found = list(order), []
+    while left:
+        first = frozenset(left[:1])
+        own = connected(ordered, first)
+        tied = first.union(*(variables(c.polynomial) for c in own))
+        try:
+            found.append(_interior(own, [v for v in order if v in tied]))
+        except EmptyRegionError as error:
+            raise EmptyRegionError(f"{error} {shown(c for c in constraints if c in own)}") from None
+        left = [v for v in left if v not in tied]
+    return found
+
+
+def _holds(constraint: Constraint) -> bool:
+    """Whether an inequality between numbers is true."""
+    return constraint.holds(sign(constant(constraint.polynomial)))
+
+
+def _sorting_key(constraint: Constraint, order: Sequence[int]) -> tuple[Any, ...]:
+    """Inequalities in an order that does not depend on names."""
+    terms = [(tuple(m[v] for v in order), n) for m, n in constraint.polynomial.terms()]
+    return constraint.strict, sorted(terms)
+
+
+NONE = "there are no values of the parameters with"
+NOT_FOUND = "no rational values of the parameters were found with"
+
+
+def _interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interior:
+    """An interior, where need be with some inequalities as equations."""
+    open_ones = []
+    for constraint in constraints:
+        if not is_constant(constraint.polynomial):
+            open_ones.append(constraint)
+        elif not _holds(constraint):
+            raise EmptyRegionError(NONE)
+    used = frozenset().union(*(variables(c.polynomial) for c in open_ones))
+    point = {variable: QQ.zero for variable in order if variable not in used}
+    used_order = [variable for variable in order if variable in used]
+    if all(total_degree(c.polynomial) == 1 for c in open_ones):
+        found = _linear_point(open_ones, used_order)
+    else:
+        found = _cylindrical_point(open_ones, used_order)
+    if isinstance(found, dict):
+        return Interior(tuple(open_ones), point | found)
+    return _with_equation(open_ones, order, found)
+
+
+def _with_equation(
+    constraints: Sequence[Constraint], order: Sequence[int], candidates: Sequence[Constraint]
+) -> Interior:
+    """An interior of the points at which one of some inequalities is an equation."""
+    complete = True
+    for candidate in candidates:
+        if candidate.strict:
+            continue
+        others = [c for c in constraints if c is not candidate]
+        for factor, _ in factors(candidate.polynomial)[1]:
+            solutions, is_all = _solutions(factor, order)
+            complete = complete and is_all
+            peaks = [] if is_all else list(_peaks(factor, order))
+            tried = [(others, s) for s in solutions] + [(list(constraints), s) for s in peaks]
+            for given, solved in tried:
+                rest = [v for v in order if v != solved.variable]
+                kept = [_substituted(c, solved) for c in given]
+                kept += [] if is_constant(solved.bottom) else [Constraint(solved.bottom**2, True)]
+                try:
+                    found = _interior(kept, rest)
+                except EmptyRegionError as error:
+                    complete = complete and str(error) == NONE
+                    continue
+                return replace(found, solved=(solved, *found.solved))
+    raise EmptyRegionError(NONE if complete else NOT_FOUND)
+
+
+def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved], bool]:
+    """Ways to solve an equation for one parameter, and whether they hold all its points."""
+    found = []
+    for variable in order:
+        if degree(factor, variable) == 1:
+            slope, rest = affine(factor, variable)
+            if is_constant(slope):
+                return [Solved(variable, -rest, slope)], True
+            found.append(Solved(variable, -rest, slope))
+    (*others, only) = sorted(variables(factor))
+    return found, not others and not real_roots(along(factor, [], only))
+
+
+def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
+    """Equations for a point at which a polynomial is zero that is nowhere positive beside it."""
+    for variable in order:
+        slope = factor.diff(variable)
+        if not is_constant(slope):
+            for part, _ in factors(slope)[1]:
+                yield from _solutions(part, order)[0]
+
+
+def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
+    """An inequality with a solution put for its parameter, times an even power of the bottom."""
+    polynomial, variable = constraint.polynomial, solved.variable
+    power = degree(polynomial, variable)
+    power += power % 2
+    total, rest, numerator = polynomial.ring.zero, polynomial, polynomial.ring.one
+    for _ in range(power + 1):
+        coefficient = rest.subs(variable, 0)
+        total += coefficient * numerator * solved.bottom**power
+        rest = (rest - coefficient).quo(polynomial.ring.gens[variable])
+        numerator, power = numerator * solved.top, power - 1
+    return Constraint(total, constraint.strict)
+
+
+def _linear_point(
+    constraints: Sequence[Constraint], order: Sequence[int]
+) -> dict[int, Number] | list[Constraint]:
+    """A point at which linear inequalities hold strictly, or some that then contradict each other.
+
+    With the rows of coefficients, constants and ones as columns, weights that add up to (0, 0, 1)
+    are a contradiction [Motzkin1936]; what separates them from it is a point.
+    """
+    columns = []
+    for constraint in constraints:
+        terms = dict(constraint.polynomial.terms())
+        ground = (0,) * len(constraint.polynomial.ring.gens)
+        unit = [tuple(int(i == v) for i in range(len(ground))) for v in order]
+        columns.append([*integers([terms.get(m, QQ.zero) for m in (*unit, ground)]), 1])
+    columns.append([0] * len(order) + [1, 1])
+    found = combination(columns, [0] * (len(order) + 1) + [1])
+    if isinstance(found, Combination):
+        if found.weights[-1]:
+            return []
+        used = [c for c, w in zip(constraints, found.weights[:-1], strict=True) if w]
+        return [] if any(c.strict for c in used) else used[:1]
+    *coordinates, scale, _ = found.vector
+    ratios = [x / scale for x in coordinates]
+    return {v: QQ(x.numerator, x.denominator) for v, x in zip(order, ratios, strict=True)}
+
+
+# --- Open cylindrical decomposition ---------------------------------------------------------------
+
+
+def _cylindrical_point(
+    constraints: Sequence[Constraint], order: Sequence[int]
+) -> dict[int, Number] | list[Constraint]:
+    """A point at which inequalities hold strictly, or the weak ones of which one is an equation.
+
+    Every open cell of the decomposition gets a point [Strzebonski2000].
+    """
+    ring = constraints[0].polynomial.ring
+    polynomials = {f for c in constraints for f, _ in factors(c.polynomial)[1]}
+    levels: list[tuple[int, set[PolyElement]]] = []
+    left = list(order)
+    while left:
+        variable = min(left, key=lambda v: _cost(polynomials, v))
+        left.remove(variable)
+        levels.append((variable, {p for p in polynomials if variable in variables(p)}))
+        polynomials -= levels[-1][1]
+        if left:
+            polynomials |= set(_projected(levels[-1][1], variable))
+    values = [QQ.zero] * len(ring.gens)
+    if _is_lifted(values, constraints, levels, frozenset()):
+        return {variable: values[variable] for variable in order}
+    return [c for c in constraints if not c.strict]
+
+
+def _cost(polynomials: Iterable[PolyElement], variable: int) -> tuple[int, int, int]:
+    """How much work it is to eliminate a parameter: its degree, and how often it occurs."""
+    own = [p for p in polynomials if variable in variables(p)]
+    return (
+        max((degree(p, variable) for p in own), default=0),
+        max((total_degree(p) for p in own), default=0),
+        len(own),
+    )
+
+
+def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[PolyElement]:
+    """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
+    own = list(polynomials)
+    for i, p in enumerate(own):
+        found = [_leading(p, variable), *(_resultant(p, q, variable) for q in own[:i])]
+        if degree(p, variable) > 1:
+            found.append(_resultant(p, p.diff(variable), variable))
+        for polynomial in found:
+            if not is_constant(polynomial):
+                yield from (factor for factor, _ in factors(polynomial)[1])
+
+
+def _leading(polynomial: PolyElement, variable: int) -> PolyElement:
+    top = degree(polynomial, variable)
+    terms = polynomial.terms()
+    chosen = {(*m[:variable], 0, *m[variable + 1 :]): n for m, n in terms if m[variable] == top}
+    return polynomial.ring.from_dict(chosen)
+
+
+def _resultant(first: PolyElement, second: PolyElement, variable: int) -> PolyElement:
+    ring = first.ring
+    symbols = [ring.symbols[variable], *(s for s in ring.symbols if s != ring.symbols[variable])]
+    turned = polynomial_ring(symbols)  # sympy eliminates the first generator
+    result = first.set_ring(turned).resultant(second.set_ring(turned))
+    return result.set_ring(ring) if isinstance(result, PolyElement) else ring.ground_new(result)
+
+
+def _is_lifted(
+    values: list[Number],
+    constraints: Sequence[Constraint],
+    levels: Sequence[tuple[int, set[PolyElement]]],
+    known: frozenset[int],
+) -> bool:
+    """Put values, gap by gap, until all inequalities hold."""
+    if not levels:
+        return True
+    variable, polynomials = levels[-1]
+    known = known | {variable}
+    lines = [along(p, values, variable) for p in polynomials]
+    roots = sorted({root for line in lines for root in real_roots(line)})
+    ready = [
+        c for c in constraints
+        if variable in variables(c.polynomial) and variables(c.polynomial) <= known
+    ]  # fmt: skip
+    gaps = [
+        piece for piece in gaps_and_roots(roots) if piece[0] is None or piece[0] is not piece[1]
+    ]
+    for value in sorted((simplest_between(*gap) for gap in gaps), key=lambda x: (abs(x), -x)):
+        values[variable] = value
+        if all(value_at(c.polynomial, values) > 0 for c in ready) and _is_lifted(
+            values, constraints, levels[:-1], known
+        ):
+            return True
+    values[variable] = QQ.zero
+    return False
+
+
+# --- An order of the parameters -------------------------------------------------------------------
+
+
+def ranked(
+    ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
+) -> list[int]:
+    """The parameters in an order that depends on what they do, and on names only as a last resort.
+
+    Each gets a rank by the terms in which it occurs, then by those of the parameters it occurs
+    with, and so on.
+    """
+    ranks = [0] * len(ring.gens)
+
+    def signature(terms: Iterable[tuple[tuple[int, ...], Number]]) -> list[tuple[Any, ...]]:
+        return sorted(
+            (number, sorted((ranks[i], e) for i, e in enumerate(exponents) if e))
+            for exponents, number in terms
+        )
+
+    numbers = [(i, n.terms()) for i, n in enumerate(coefficients) if isinstance(n, PolyElement)]
+    for _ in ranks:
+        roles: list[list[Any]] = [[] for _ in ranks]
+        terms_by_role: list[tuple[Any, Any]] = [((0, i, []), terms) for i, terms in numbers]
+        terms_by_role += [
+            ((1, int(c.strict), signature(c.polynomial.terms())), c.polynomial.terms())
+            for c in constraints
+        ]
+        for role, terms in terms_by_role:
+            for exponents, number in terms:
+                for i, exponent in enumerate(exponents):
+                    if exponent:
+                        roles[i].append((role, exponent, signature([(exponents, number)])))
+        own = [(rank, sorted(role)) for rank, role in zip(ranks, roles, strict=True)]
+        ordered = sorted(own)
+        ranks = [ordered.index(item) for item in own]
+    return sorted(range(len(ranks)), key=lambda i: (ranks[i], str(ring.symbols[i])))

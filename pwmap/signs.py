@@ -1,0 +1,293 @@
+"""Which signs a polynomial can take where some inequalities hold: proofs, no samples.
+
+In one parameter the proof is complete: real roots cut the line. So it is for linear polynomials
+over linear inequalities, by linear programming. For others a polynomial of degree one in a
+parameter is bounded by its values at the bounds of that parameter, one parameter after the other;
+and where that leaves a sign open, its opposite is refuted by products of inequalities that add up
+to less than zero. A proof never claims too much, but may miss a sign that needs more than that.
+Nothing depends on the names of the parameters, or on the order of the inequalities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
+from itertools import chain, combinations, combinations_with_replacement, islice, product
+
+from sympy.polys.rings import PolyElement
+
+from pwmap.exact import Number, Ring, constant, is_constant, sign
+from pwmap.inequalities import (
+    ANY,
+    Constraint,
+    Signs,
+    affine,
+    connected,
+    degree,
+    dense_in,
+    factors,
+    integers,
+    proportion,
+    total_degree,
+    value_at,
+    variables,
+)
+from pwmap.linear import Combination, combination
+from pwmap.roots import gaps_and_roots, inside, real_roots, sign_at
+
+Constraints = tuple[Constraint, ...]
+Point = Sequence[Number]  # a value for each parameter
+LIMIT = 200  # of the products of one refutation: beyond, linear programs take seconds
+
+
+def possible_signs(
+    polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
+) -> Signs:
+    """A set that holds every sign the polynomial takes where the constraints hold.
+
+    Parameters
+    ----------
+    points
+        Gives some that satisfy the constraints: what they show need not be refuted.
+    """
+    return _product_signs(
+        polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
+    )
+
+
+def _product_signs(polynomial: PolyElement, of_factor: Callable[[PolyElement], Signs]) -> Signs:
+    if is_constant(polynomial):
+        return frozenset((sign(constant(polynomial)),))
+    unit, parts = factors(polynomial)
+    signs: Signs = frozenset((sign(unit),))
+    for factor, exponent in parts:
+        possible = of_factor(factor)
+        if exponent % 2 == 0:
+            possible = frozenset(abs(s) for s in possible)
+        signs = frozenset(a * b for a in signs for b in possible)
+    return signs
+
+
+def _bounded_signs(polynomial: PolyElement, constraints: Constraints) -> Signs:
+    return _product_signs(
+        polynomial, lambda factor: _bounded(factor, connected(constraints, variables(factor)))
+    )
+
+
+def _fully(
+    factor: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]]
+) -> Signs:
+    signs = _bounded(factor, constraints)
+    if len(signs) == 1 or not _is_left_open(factor, constraints):
+        return signs
+    seen = {sign(value_at(factor, point)) for point in points()}
+    return signs if len(seen) > 1 else signs & _refuted_signs(factor, constraints, seen)
+
+
+def _is_left_open(factor: PolyElement, constraints: Constraints) -> bool:
+    """Whether there are signs that :func:`_bounded` may miss."""
+    polynomials = [factor, *(c.polynomial for c in constraints)]
+    used = frozenset().union(*map(variables, polynomials))
+    return len(used) > 1 and any(total_degree(p) > 1 for p in polynomials)
+
+
+@cache
+def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
+    """All proofs but the refutation by products."""
+    signs = ANY
+    for constraint in constraints:
+        scale = proportion(constraint.polynomial, factor)
+        if scale:
+            signs &= frozenset(scale * s for s in constraint.signs)
+    own = variables(factor)
+    linear = all(total_degree(p) == 1 for p in (factor, *(c.polynomial for c in constraints)))
+    if len(signs) > 1 and len(own) == 1:
+        signs &= _univariate_signs(factor, constraints, next(iter(own)))
+    if len(signs) > 1 and total_degree(factor) == 1:
+        signs &= _linear_signs(factor, constraints)
+    for variable in own:
+        if len(signs) > 1 and not linear and degree(factor, variable) == 1:
+            signs &= _signs_by_elimination(factor, constraints, variable)
+    return signs
+
+
+# --- One parameter, and linear ones ---------------------------------------------------------------
+
+
+def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: int) -> Signs:
+    """Complete: try each gap between the real roots of all polynomials in this parameter."""
+    limits = [c for c in constraints if variables(c.polynomial) == {variable}]
+    admitted = [(dense_in(c.polynomial, variable), c) for c in limits]
+    polynomial = dense_in(factor, variable)
+    roots = {x for p in (polynomial, *(p for p, _ in admitted)) for x in real_roots(p)}
+    found = set()
+    for piece in gaps_and_roots(sorted(roots)):
+        place = inside(piece)
+        if all(c.holds(sign_at(p, place)) for p, c in admitted):
+            found.add(sign_at(polynomial, place))
+    return frozenset(found)
+
+
+def _linear_signs(factor: PolyElement, constraints: Constraints) -> Signs:
+    """Complete for linear constraints: a sign is possible just if they can hold with it."""
+    linear = [c for c in constraints if total_degree(c.polynomial) == 1]
+    if not linear:
+        return ANY
+    below, above = Constraint(-factor, False), Constraint(factor, False)
+    for impossible, proved in ((below, 1), (above, -1)):
+        if contradictory([*linear, impossible]):
+            return frozenset((proved,))
+    ways = {
+        1: [Constraint(factor, True)],
+        -1: [Constraint(-factor, True)],
+        0: [below, above],
+    }
+    return frozenset(s for s, way in ways.items() if not contradictory([*linear, *way]))
+
+
+def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constraint]:
+    """Leave out linear inequalities that follow from other linear ones, but for the first few."""
+    left = list(constraints)
+    for constraint in constraints[kept:]:
+        linear = [c for c in left if total_degree(c.polynomial) == 1]
+        if constraint in linear and constraint.strict:
+            linear.remove(constraint)
+            if contradictory([*linear, Constraint(-constraint.polynomial, False)]):
+                left.remove(constraint)
+    return left
+
+
+def contradictory(constraints: Sequence[Constraint]) -> bool:
+    """Whether inequalities, times nonnegative numbers, add up to a false one.
+
+    For linear inequalities that is so just if no point satisfies all of them [Motzkin1936].
+    """
+    monomials = sorted({m for c in constraints for m in c.polynomial.monoms()})
+    place = {monomial: i for i, monomial in enumerate(monomials)}
+    ground = (0,) * len(monomials[0])
+    place.setdefault(ground, len(place))
+    columns = []
+    for constraint in (*constraints, None):
+        column = [0] * (len(place) + 1)
+        if constraint is None:  # 1 > 0
+            column[place[ground]] = column[-1] = 1
+        else:
+            terms = constraint.polynomial.terms()
+            for (monomial, _), number in zip(terms, integers([n for _, n in terms]), strict=True):
+                column[place[monomial]] = number
+            column[-1] = int(constraint.strict)
+        columns.append(column)
+    return isinstance(combination(columns, [0] * len(place) + [1]), Combination)
+
+
+# --- Several parameters ---------------------------------------------------------------------------
+
+
+def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variable: int) -> Signs:
+    """Bound a polynomial that is affine in one parameter by its values at that one's bounds."""
+    others = tuple(c for c in constraints if variable not in variables(c.polynomial))
+    bounds = list(_bounds(constraints, others, variable))
+    top = max(total_degree(p) for p in (factor, *(c.polynomial for c in constraints)))
+    kept = (c for c in _without(bounds) if total_degree(c.polynomial) <= top)  # no explosion
+    others = tuple(dict.fromkeys((*others, *kept)))
+    slope, rest = affine(factor, variable)
+    ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # the lower ones, the upper ones
+    for sense, gain, shift, strict in bounds:
+        # at the bound, the parameter is -shift/gain: the factor is (rest gain - slope shift)/gain
+        values = _bounded_signs(rest * gain - slope * shift, others)
+        ends[sense].append((frozenset(sense * s for s in values), not strict))
+    if not (ends[1] and ends[-1]):
+        slopes, rests = _bounded_signs(slope, others), _bounded_signs(rest, others)
+        for sense, found in ends.items():
+            if not found:  # an infinite end
+                infinite = {-sense * s for s in slopes if s} | (rests if 0 in slopes else set())
+                found.append((frozenset(infinite), False))
+    signs = ANY
+    for (low, low_closed), (high, high_closed) in product(ends[1], ends[-1]):
+        between = {s for a, b in product(low, high) for s in _between(a, b)}
+        signs &= between | (low if low_closed else set()) | (high if high_closed else set())
+    return signs
+
+
+def _between(low: int, high: int) -> Signs:
+    """Signs of an affine function strictly between two ends."""
+    if low * high < 0:
+        return ANY
+    return frozenset((low or high,))
+
+
+Bound = tuple[int, PolyElement, PolyElement, bool]  # sign of the slope, slope, rest, strict
+
+
+def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Iterator[Bound]:
+    """Inequalities that bound a parameter below (sign +1) or above (-1)."""
+    for constraint in constraints:
+        if degree(constraint.polynomial, variable) == 1:
+            gain, shift = affine(constraint.polynomial, variable)
+            sides = _bounded_signs(gain, others)
+            if sides in ({1}, {-1}):
+                yield next(iter(sides)), gain, shift, constraint.strict
+
+
+def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
+    """What bounds of a parameter say of the others: each lower one is below each upper one."""
+    for sense, gain, shift, strict in bounds:
+        for other_sense, other_gain, other_shift, other_strict in bounds:
+            if sense > 0 > other_sense:
+                left = gain * other_shift - other_gain * shift
+                if not is_constant(left):
+                    yield Constraint(left, strict or other_strict)
+
+
+def _refuted_signs(factor: PolyElement, constraints: Constraints, seen: set[int]) -> Signs:
+    """Signs that remain when products of inequalities have refuted what they can."""
+    sides = [side for side in (1, -1) if not seen or side in seen]
+    for side in sides:
+        if _is_refuted(Constraint(-side * factor, False), constraints):
+            return frozenset((side,))
+    found = ANY
+    for side in sides:
+        if _is_refuted(Constraint(-side * factor, True), constraints):
+            found -= {-side}
+    return found
+
+
+@cache
+def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
+    """Whether products of a claim and of what is known add up to less than zero.
+
+    Products of inequalities, as many at once as their degree allows, and squares of monomials and
+    of their sums and differences, which are never negative.
+    """
+    known = (claim, *constraints)
+    top = max(2, *(total_degree(c.polynomial) for c in known))
+    used = sorted(frozenset().union(*(variables(c.polynomial) for c in known)))
+    ring = claim.polynomial.ring
+    listed = chain(_products(known, top), _squares(ring, used, top // 2))
+    tried = list(dict.fromkeys(islice(listed, LIMIT + 1)))
+    return len(tried) <= LIMIT and contradictory(tried)
+
+
+def _products(known: Constraints, top: int) -> Iterator[Constraint]:
+    """Products of inequalities up to a total degree."""
+    for i, first in enumerate(known):
+        yield first
+        left = top - total_degree(first.polynomial)
+        if left > 0:
+            for other in _products(known[i:], left):
+                if total_degree(other.polynomial) <= left:
+                    polynomial = first.polynomial * other.polynomial
+                    yield Constraint(polynomial, first.strict and other.strict)
+
+
+def _squares(ring: Ring, used: Sequence[int], half: int) -> Iterator[Constraint]:
+    monomials = [ring.one]
+    for count in range(1, half + 1):
+        for chosen in combinations_with_replacement(used, count):
+            monomial = ring.one
+            for variable in chosen:
+                monomial = monomial * ring.gens[variable]
+            monomials.append(monomial)
+    yield from (Constraint(m**2, False) for m in monomials[1:])
+    for first, second in combinations(monomials, 2):
+        yield from (Constraint((first + s * second) ** 2, False) for s in (1, -1))
