@@ -10,7 +10,7 @@ parameter; it never claims too much, but may miss a sign that needs more than th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import product
 from typing import Any, NamedTuple
@@ -18,18 +18,17 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 from sympy.core.relational import Relational
-from sympy.logic.boolalg import BooleanTrue
 from sympy.polys.rings import PolyElement
 
+from pwmap.arithmetic import Arithmetic, Budget, worked_out
 from pwmap.exact import (
     Number,
     Packed,
     Ring,
+    cancelled,
     constant,
     dense,
-    element,
     evaluate,
-    expression,
     is_constant,
     packed,
     polynomial_ring,
@@ -38,7 +37,14 @@ from pwmap.exact import (
     unpacked,
 )
 from pwmap.roots import Dense, gaps_and_roots, inside, real_roots, sign_at
+from pwmap.terms import Operation, Term
 
+_OPPOSITES = {
+    Operation.LESS: Operation.GREATER_EQUAL,
+    Operation.LESS_EQUAL: Operation.GREATER,
+    Operation.GREATER: Operation.LESS_EQUAL,
+    Operation.GREATER_EQUAL: Operation.LESS,
+}
 Signs = frozenset[int]
 ANY: Signs = frozenset((-1, 0, 1))
 
@@ -123,7 +129,7 @@ class Region:
         ring = polynomial_ring([self.ring.symbols[_index(self.ring, name)]])
         limits: list[Constraint] = []
         for constraint in self.constraints:
-            if _names(constraint.polynomial) <= {*values, name}:
+            if names_in(constraint.polynomial) <= {*values, name}:
                 left = _with_values(constraint.polynomial, values, ring)
                 if is_constant(left):
                     if not constraint.holds(sign(constant(left))):
@@ -154,7 +160,7 @@ class Region:
     def contains(self, values: Mapping[str, Number]) -> Constraint | None:
         """The first inequality that some values, given for all its parameters, break."""
         for constraint in self.constraints:
-            if _names(constraint.polynomial) <= set(values):
+            if names_in(constraint.polynomial) <= set(values):
                 value = evaluate(constraint.polynomial, values, None)
                 if not constraint.holds(sign(value)):
                     return constraint
@@ -174,13 +180,13 @@ def _region(kept: Packed, strict: tuple[bool, ...]) -> Region:
     return Region(ring, tuple(map(Constraint, polynomials, strict)))
 
 
-def read_constraints(given: Iterable[object], ring: Ring) -> tuple[Constraint, ...]:
-    """Inequalities from sympy relations, conjunctions or text, and from what symbols assume.
+def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
+    """Inequalities from relations and conjunctions of them, and from what symbols assume.
 
     Raises
     ------
     ValueError
-        If one is no inequality between quotients of polynomials in the parameters, or is false.
+        If one is no inequality between quotients of polynomials in the parameters.
     """
     found: list[Constraint] = []
     symbols = ring.symbols if ring is not None else ()
@@ -194,23 +200,35 @@ def read_constraints(given: Iterable[object], ring: Ring) -> tuple[Constraint, .
                 generator = ring.gens[symbols.index(symbol)]
                 found.append(Constraint(sense * generator, "=" not in text))
     for condition in given:
-        for relation in sympy.And.make_args(expression(condition, symbols)):
-            if isinstance(relation, BooleanTrue):
-                continue
-            found.extend(_read(relation, ring))
+        found.extend(_read(condition, Arithmetic(ring, Budget())))
     return tuple(dict.fromkeys(found))
 
 
-def _read(relation: sympy.Basic, ring: Ring) -> Iterator[Constraint]:
-    if not isinstance(relation, sympy.Gt | sympy.Ge | sympy.Lt | sympy.Le):
-        raise ValueError(f"an assumption must be an inequality such as a > 1, got {relation}")
-    top, bottom = sympy.fraction(sympy.together(relation.gts - relation.lts))
-    strict = isinstance(relation, sympy.Gt | sympy.Lt)
-    what = f"the assumption {relation}:"
-    above, below = element(ring, top, what), element(ring, bottom, what)
-    yield Constraint(above * below, strict)
+def _read(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
+    match term.operation:
+        case Operation.AND:
+            for argument in term.arguments:
+                yield from _read(argument, arithmetic)
+        case Operation.TRUTH if term.value:
+            return
+        case Operation.NOT if term.arguments[0].operation in _OPPOSITES:
+            inner = term.arguments[0]
+            yield from _read(replace(inner, operation=_OPPOSITES[inner.operation]), arithmetic)
+        case Operation.LESS | Operation.LESS_EQUAL | Operation.GREATER | Operation.GREATER_EQUAL:
+            yield from _inequality(term, arithmetic)
+        case _:
+            raise ValueError(f"an assumption must be an inequality such as a > 1, got {term}")
+
+
+def _inequality(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
+    (a, b), (c, d) = (worked_out(argument, arithmetic) for argument in term.arguments)
+    strict = term.operation in (Operation.GREATER, Operation.LESS)
+    sense = 1 if term.operation in (Operation.GREATER, Operation.GREATER_EQUAL) else -1
+    times = arithmetic.times
+    above, below = cancelled((sense * (times(a, d) - times(c, b)), times(b, d)))
+    yield Constraint(times(above, below), strict)
     if not is_constant(below) and not strict:
-        yield Constraint(below * below, True)
+        yield Constraint(times(below, below), True)
 
 
 # --- Possible signs -------------------------------------------------------------------------------
@@ -236,7 +254,7 @@ def _signs_of_factor(factor: PolyElement, constraints: tuple[Constraint, ...]) -
         scale = _proportion(constraint.polynomial, factor)
         if scale:
             signs &= frozenset(scale * s for s in constraint.signs)
-    names = _names(factor)
+    names = names_in(factor)
     if len(names) == 1:
         return signs & _univariate_signs(factor, constraints, next(iter(names)))
     for name in sorted(names):
@@ -247,7 +265,7 @@ def _signs_of_factor(factor: PolyElement, constraints: tuple[Constraint, ...]) -
 
 def _univariate_signs(factor: PolyElement, constraints: tuple[Constraint, ...], name: str) -> Signs:
     """Complete: try each gap between the real roots of all polynomials in this parameter."""
-    limits = [c for c in constraints if _names(c.polynomial) == {name}]
+    limits = [c for c in constraints if names_in(c.polynomial) == {name}]
     polynomials = [_dense(factor, name), *(_dense(c.polynomial, name) for c in limits)]
     found = set()
     for piece in gaps_and_roots(sorted({x for p in polynomials for x in real_roots(p)})):
@@ -261,7 +279,7 @@ def _signs_by_elimination(
     factor: PolyElement, constraints: tuple[Constraint, ...], name: str
 ) -> Signs:
     """Bound a polynomial that is affine in one parameter by its values at that one's bounds."""
-    others = tuple(c for c in constraints if name not in _names(c.polynomial))
+    others = tuple(c for c in constraints if name not in names_in(c.polynomial))
     lower: list[tuple[Signs, bool]] = []
     upper: list[tuple[Signs, bool]] = []
     slope, rest = _affine(factor, name)
@@ -319,7 +337,8 @@ def _proportion(polynomial: PolyElement, factor: PolyElement) -> int:
 
 
 @cache
-def _names(polynomial: PolyElement) -> set[str]:
+def names_in(polynomial: PolyElement) -> set[str]:
+    """The parameters that occur in a polynomial."""
     symbols = polynomial.ring.symbols
     used = [max(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
     return {str(symbol) for symbol, degree in zip(symbols, used, strict=False) if degree}
@@ -370,5 +389,5 @@ def _candidates(limits: list[Constraint]) -> Iterator[Number]:
 
 
 def _only_name(polynomial: PolyElement) -> str:
-    (name,) = _names(polynomial)
+    (name,) = names_in(polynomial)
     return name

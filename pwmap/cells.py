@@ -20,6 +20,7 @@ from typing import Any, TypeVar
 import sympy
 from sympy import QQ
 
+from pwmap.arithmetic import rational
 from pwmap.axis import Axis, ResampleError, axis_of, identical
 from pwmap.cylinders import (
     WHOLE_LINE,
@@ -31,9 +32,10 @@ from pwmap.cylinders import (
     place_of_fixed_point,
     refined,
 )
-from pwmap.exact import Number, rational
+from pwmap.exact import Number
 from pwmap.itineraries import Judge
 from pwmap.maps import PiecewiseLinearMap, checked_order
+from pwmap.terms import own_name
 
 Result = TypeVar("Result")
 
@@ -305,7 +307,7 @@ def with_cells(
     """
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
-    name = str(parameter)
+    name = own_name(parameter, map_.parameters)
     names = [str(s) for s in map_.parameters]
     if name not in names:
         raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
@@ -367,7 +369,7 @@ def _samples(
     """Values for the parameters besides one, a few, to be tried in turn."""
     others = {str(s) for s in map_.parameters} - {name}
     if sample is not None:
-        values = {str(key): rational(value) for key, value in sample.items()}
+        values = {own_name(key, map_.parameters): rational(value) for key, value in sample.items()}
         if set(values) != others:
             raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
         broken = map_.model.region.contains(values)

@@ -14,25 +14,23 @@ import sympy
 from sympy import QQ
 
 from pwmap import cylinders as cyl
+from pwmap.arithmetic import fraction_of, rational
 from pwmap.assumptions import Constraint, Region
 from pwmap.cylinders import Crossing, Cut, Cylinder, Place, minimal_period
 from pwmap.exact import (
     Fraction_,
     Number,
-    cancelled,
-    element,
     evaluate,
-    expression,
     fraction_to_sympy,
     is_constant,
     polynomial_ring,
-    rational,
     sign,
     to_ring,
     to_sympy,
 )
 from pwmap.itineraries import Judge, Layout, Offset, Orbits, Table, Word
-from pwmap.reading import Model, read
+from pwmap.reading import Model, read, read_formula
+from pwmap.terms import own_name
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 
@@ -271,10 +269,8 @@ class PiecewiseLinearMap:
 
         The first condition that holds counts. Parameters and errors are those of the class.
         """
-        formula = expression(piecewise, [x] if isinstance(x, sympy.Symbol) else [])
-        pairs = formula.args if isinstance(formula, sympy.Piecewise) else [(formula, True)]
         self = cls.__new__(cls)
-        self._set(read([tuple(p) for p in pairs], x, given, letters, first_wins=True), (0,))
+        self._set(read_formula(piecewise, x, given, letters), (0,))
         return self
 
     def _set(
@@ -387,7 +383,9 @@ class PiecewiseLinearMap:
             If a value is a float.
         """
         model = self._model
-        numbers = {str(name): rational(value) for name, value in values.items()}
+        numbers = {
+            own_name(name, self.parameters): rational(value) for name, value in values.items()
+        }
         names = [str(symbol) for symbol in self.parameters]
         for name in numbers:
             if name not in names:
@@ -484,9 +482,7 @@ class PiecewiseLinearMap:
         return 2 * len(layout.breaks)
 
     def _fraction(self, x: object) -> Fraction_:
-        top, bottom = sympy.fraction(sympy.together(expression(x, self.parameters)))
-        ring, what = self._model.ring, "a point"
-        return cancelled((element(ring, top, what), element(ring, bottom, what)))
+        return fraction_of(x, self._model.ring, "a point")
 
     def jumps(self) -> tuple[Jump, ...]:
         """All discontinuities, from left to right."""
