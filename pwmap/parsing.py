@@ -327,7 +327,7 @@ class _Parser:
             call = self._term(Operation.NAME, arguments, name.start)
             raise self._refusal(
                 "a formula must be polynomial in the parameters over the rationals, "
-                f"got {call}; its functions are {', '.join(FUNCTIONS)}"
+                f"got {shortened(str(call), 50)}; its functions are {', '.join(FUNCTIONS)}"
             )
         least, most = function.least, function.most
         if len(arguments) < least or (most is not None and len(arguments) > most):
