@@ -19,7 +19,7 @@ from sympy import QQ
 from pwmap.axis import Axis
 from pwmap.cells import Cell, checked_orders, checked_span, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from pwmap.exact import Number, fraction_to_sympy, to_sympy
+from pwmap.exact import Number, fraction_to_sympy, quotient_to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import bounds
 from pwmap.runs import ALONG, LEFT, RIGHT, End, Meeting, Run, Sweep
@@ -178,9 +178,9 @@ def _branch(
         exact["interval"] = sympy.FiniteSet(low)
     if name.kind is BranchKind.JUMP and name.cut is not None:
         for side, word in zip(("left", "right"), name.words, strict=True):
-            exact[side] = to_sympy(orbits.orbit(name.cut.k, word[name.cut.steps :]))
+            exact[side] = quotient_to_sympy(orbits.value(name.cut.k, word[name.cut.steps :]))
     else:
-        slope = to_sympy(orbits.affine(name.word)[0])
+        slope = quotient_to_sympy(orbits.slope(name.word))
         exact["multiplier"] = sympy.nan if _isolated(run) else slope
     parameter, x, multiplier = zip(*_samples(sweep, run), strict=True)
     return Branch(
@@ -203,12 +203,11 @@ def _isolated(run: Run) -> bool:
 
 def _samples(sweep: Sweep, run: Run) -> list[tuple[float, float, float]]:
     """Parameter, x and multiplier along a run; few samples where that is enough."""
-    axis, one = sweep.axis, sweep.orbits.table.one
-    slope = sweep.orbits.affine(run.name.word)[0]
+    axis, slope = sweep.axis, sweep.orbits.slope(run.name.word)
     smooth = run.name.kind is BranchKind.FIXED_POINT and not _isolated(run)
 
     def sample(place: Any, x: float) -> tuple[float, float, float]:
-        multiplier = axis.number((slope, one), place) if smooth else nan
+        multiplier = axis.number(slope, place) if smooth and sweep.is_finite(slope, place) else nan
         return axis.number(axis.identity, place), x, multiplier
 
     first, last = (sample(end.place, sweep.x(end)) for end in sweep.ends(run))
@@ -217,8 +216,8 @@ def _samples(sweep: Sweep, run: Run) -> list[tuple[float, float, float]]:
     if run.places[0] == run.places[1]:
         return [first]
     position = run.name.x(sweep.orbits)
-    degrees = [axis.degree(number) for number in (*position, slope)]
-    if degrees[0] <= 1 and degrees[1:] == [0, 0]:
+    degrees = [axis.degree(number) for number in (*position, *slope)]
+    if degrees[0] <= 1 and not any(degrees[1:]):
         return [first, last]
     inner = axis.spread(*run.places, SAMPLES - 2)
     return [first, *(sample(place, axis.number(position, place)) for place in inner), last]

@@ -122,6 +122,12 @@ def to_sympy(number: Number) -> sympy.Expr:
     return number.as_expr() if isinstance(number, PolyElement) else QQ.to_sympy(QQ.convert(number))
 
 
+def quotient_to_sympy(fraction: Fraction_) -> sympy.Expr:
+    """A coefficient as a sympy expression: a polynomial as it is, a quotient in lowest terms."""
+    top, bottom = fraction
+    return to_sympy(top) if bottom == 1 else fraction_to_sympy(fraction)
+
+
 @lru_cache(maxsize=4096)
 def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
     """A quotient as a sympy expression in lowest terms, factored where it has parameters."""

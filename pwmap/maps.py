@@ -24,11 +24,19 @@ from pwmap.exact import (
     fraction_to_sympy,
     is_constant,
     polynomial_ring,
+    quotient_to_sympy,
     sign,
     to_ring,
-    to_sympy,
 )
-from pwmap.itineraries import Judge, Layout, Offset, Orbits, Table, Word
+from pwmap.itineraries import (
+    Judge,
+    Layout,
+    Offset,
+    Orbits,
+    Table,
+    Word,
+    over_one_denominator,
+)
 from pwmap.reading import Model, read, read_formula
 from pwmap.terms import own_name
 
@@ -53,12 +61,12 @@ class Piece:
     @property
     def slope(self) -> sympy.Expr:
         """Slope of the piece."""
-        return to_sympy(self.owner.orbits.affine(self.cylinder.word)[0])
+        return quotient_to_sympy(self.owner.orbits.slope(self.cylinder.word))
 
     @property
     def intercept(self) -> sympy.Expr:
         """Value of the piece's formula at x = 0."""
-        return to_sympy(self.owner.orbits.affine(self.cylinder.word)[1])
+        return quotient_to_sympy(self.owner.orbits.intercept(self.cylinder.word))
 
     @property
     def expression(self) -> sympy.Expr:
@@ -226,7 +234,8 @@ class Cycle:
 class PiecewiseLinearMap:
     """A piecewise-linear map of the line with finitely many pieces.
 
-    Coefficients are polynomials in parameters over the rationals. Each break belongs to the piece
+    Coefficients are quotients of polynomials in parameters over the rationals, whose denominators
+    have a sign under what is assumed of the parameters. Each break belongs to the piece
     that says so; a single point can be a piece of its own. Nothing is ever decided by a float.
 
     Parameters
@@ -468,6 +477,7 @@ class PiecewiseLinearMap:
             word.append(letter)
             slope = table.slopes[letter]
             top = slope * top + table.intercepts[letter] * bottom
+            bottom = table.denominator * bottom
             slopes.append(slope)
         return tuple(word), (top, bottom)
 
@@ -476,7 +486,8 @@ class PiecewiseLinearMap:
         decide = self._model.region.sign
         side = decide(bottom)
         for i, k in enumerate(layout.breaks):
-            order = side * decide(top - self._model.table.breaks[k] * bottom)
+            table = self._model.table
+            order = side * decide(table.denominator * top - table.breaks[k] * bottom)
             if order <= 0:
                 return 2 * i + (order == 0)
         return 2 * len(layout.breaks)
@@ -489,14 +500,14 @@ class PiecewiseLinearMap:
         return tuple(self._jumps())
 
     def _jumps(self) -> Iterator[Jump]:
-        orbit = self.orbits.orbit
+        value = self.orbits.value
         for before, left, right, after in _neighbours(self.cylinders):
             cut = right.lower
             assert cut is not None
             owner = left if left.upper_closed else right
-            limits = [orbit(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
+            limits = [value(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
             if limits[0] != limits[1] or limits[1] != limits[2]:
-                values = [to_sympy(limit) for limit in limits]
+                values = [quotient_to_sympy(limit) for limit in limits]
                 x = self.cut_to_sympy(right.word, cut)
                 yield Jump(x=x, left=values[0], value=values[1], right=values[2])
 
@@ -531,7 +542,7 @@ class PiecewiseLinearMap:
             x = self.cut_to_sympy(word, cylinder.lower)
         else:
             x = fraction_to_sympy(self.orbits.fixed_point(word))
-        multiplier = to_sympy(self.orbits.affine(word)[0])
+        multiplier = quotient_to_sympy(self.orbits.slope(word))
         return FixedPoint(
             x=x,
             multiplier=sympy.nan if place is Place.POINT else multiplier,
@@ -571,11 +582,11 @@ class PiecewiseLinearMap:
 
     def _jump_crossing(self, crossing: Crossing) -> JumpCrossing:
         cut = crossing.cut
-        orbit = self.orbits.orbit
+        value = self.orbits.value
         return JumpCrossing(
             x=self.cut_to_sympy(crossing.left, cut),
-            left=to_sympy(orbit(cut.k, crossing.left[cut.steps :])),
-            right=to_sympy(orbit(cut.k, crossing.right[cut.steps :])),
+            left=quotient_to_sympy(value(cut.k, crossing.left[cut.steps :])),
+            right=quotient_to_sympy(value(cut.k, crossing.right[cut.steps :])),
             left_word=self.spelled(crossing.left),
             right_word=self.spelled(crossing.right),
             order=self.order,
@@ -625,14 +636,16 @@ class PiecewiseLinearMap:
             points, self._layouts(len(word)), indices, strict=True
         ):
             for k, side, closed in _bounds(layout, index):
-                value = self._model.table.breaks[k]
-                over = side * (top - value * bottom)
+                value = self.orbits.preimage(k, ())
+                over = side * (value[1] * top - value[0] * bottom)
                 if closed and not over:  # the point is this break
                     continue
                 signs.append(((over, bottom), closed))
                 relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
                 relation = relations[0 if closed else 1]
-                conditions.append(relation(fraction_to_sympy((top, bottom)), to_sympy(value)))
+                conditions.append(
+                    relation(fraction_to_sympy((top, bottom)), quotient_to_sympy(value))
+                )
         return Cycle(
             word=word,
             points=tuple(fraction_to_sympy(point) for point in points),
@@ -649,15 +662,14 @@ class PiecewiseLinearMap:
     def _cycle_points(self, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
         """Points and multiplier of a cycle."""
         at = self._point_piece(word)
-        slope = sympy.nan if at is not None else to_sympy(self.orbits.affine(word)[0])
+        slope = sympy.nan if at is not None else quotient_to_sympy(self.orbits.slope(word))
         if at is None and slope == 1:
             at = self._only_point(word)
         if at is None:
             rotations = [word[i:] + word[:i] for i in range(len(word))]
             return [self.orbits.fixed_point(rotation) for rotation in rotations], slope
         turned = word[at.steps :] + word[: at.steps]
-        orbit = [self.orbits.orbit(at.k, turned[:n]) for n in range(len(word))]
-        values = [(value, self._model.table.one) for value in orbit]
+        values = [self.orbits.value(at.k, turned[:n]) for n in range(len(word))]
         return values[len(word) - at.steps :] + values[: len(word) - at.steps], slope
 
     def _point_piece(self, word: Word) -> Cut | None:
@@ -771,7 +783,9 @@ def _joined(first: Model, second: Model) -> tuple[Model, int]:
         str(s): s for ring in (first.ring, second.ring) if ring is not None for s in ring.symbols
     }
     ring = polynomial_ring([symbols[name] for name in sorted(symbols)])
-    tables = [m.table.mapped(lambda number: to_ring(number, ring)) for m in (first, second)]
+    tables = over_one_denominator(
+        [m.table.mapped(lambda number: to_ring(number, ring)) for m in (first, second)]
+    )
     letters, breaks = len(first.letters), len(first.table.breaks)
     shifted = [
         Layout(tuple(k + breaks for k in lay.breaks), tuple(s + letters for s in lay.slots))
@@ -790,6 +804,7 @@ def _joined(first: Model, second: Model) -> tuple[Model, int]:
         tables[0].breaks + tables[1].breaks,
         (*first.table.layouts, *shifted),
         tables[0].one,
+        tables[0].denominator,
     )
     model = Model(first.x, ring, region, table, first.letters + second.letters)
     return model, len(first.table.layouts)

@@ -11,7 +11,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.arithmetic import MAX_PARAMETERS, Arithmetic, Budget, NotPolynomialError, Quotient
-from pwmap.assumptions import Constraint, Region, names_in, read_constraints
+from pwmap.assumptions import Constraint, Region, UndecidedError, names_in, read_constraints
 from pwmap.exact import (
     Fraction_,
     Number,
@@ -19,16 +19,16 @@ from pwmap.exact import (
     cancelled,
     constant,
     evaluate,
-    fraction_to_sympy,
     is_constant,
     polynomial_ring,
+    to_sympy,
 )
 from pwmap.itineraries import Layout, Table
 from pwmap.parsing import checked_name, shown, term_of
 from pwmap.piecewise import Line, Profile, slot_name
 from pwmap.terms import Operation, Term, plain_name
 
-Affine = tuple[Number, Number]  # slope and intercept
+Affine = tuple[Fraction_, Fraction_]  # slope and intercept
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,15 +172,7 @@ def _affine(value: Quotient | None, formula: Term, slot: str, x: sympy.Symbol) -
         raise ValueError(f"the piece {formula} is not affine in {x}")
     zero = value.bottom - value.bottom
     intercept, slope = (*value.top, zero, zero)[:2]
-    coefficients = tuple(cancelled((top, value.bottom)) for top in (slope, intercept))
-    for top, bottom in coefficients:
-        if not is_constant(bottom):
-            raise ValueError(
-                f"the coefficients of the piece {formula}: must be a polynomial in the parameters "
-                f"over the rationals, got {fraction_to_sympy((top, bottom))}"
-            )
-    (m, _), (c, _) = ((top / constant(bottom), bottom) for top, bottom in coefficients)
-    return m, c
+    return cancelled((slope, value.bottom)), cancelled((intercept, value.bottom))
 
 
 def _join_points(breaks: Sequence[Fraction_], owners: Sequence[int], affine: list[Affine]) -> None:
@@ -188,13 +180,12 @@ def _join_points(breaks: Sequence[Fraction_], owners: Sequence[int], affine: lis
     for i, b in enumerate(breaks):
         slot = 2 * i + 1
         for beside in (slot + 1, slot - 1):
-            if owners[beside] == owners[slot] and affine[slot] not in (
-                affine[slot - 1],
-                affine[slot + 1],
+            if (
+                owners[beside] == owners[slot]
+                and affine[slot] not in (affine[slot - 1], affine[slot + 1])
+                and _value(affine[slot], b) == _value(affine[beside], b)
             ):
-                (m, c), (n, d) = affine[slot], affine[beside]
-                if not (m - n) * b[0] + (c - d) * b[1]:
-                    affine[slot] = affine[beside]
+                affine[slot] = affine[beside]
 
 
 def _assembled(
@@ -213,24 +204,53 @@ def _assembled(
         (letter_of_slot[0], *(letter_of_slot[2 * k + i] for k in kept for i in (1, 2))),
     )
     one = region.ring.one if region.ring is not None else QQ.one
+    slopes, intercepts = zip(*(affine for affine, _ in runs), strict=True)
+    kept_breaks = [breaks[k] for k in kept]
+    denominator = _denominator((*slopes, *intercepts, *kept_breaks), region, one)
+
+    def numerators(fractions: Iterable[Fraction_]) -> tuple[Number, ...]:
+        return tuple(
+            top * one / constant(bottom) * denominator
+            if is_constant(bottom)
+            else top * denominator.quo(bottom)
+            for top, bottom in fractions
+        )
+
     table = Table(
-        tuple(slope for (slope, _), _ in runs),
-        tuple(intercept for (_, intercept), _ in runs),
-        tuple(_polynomial(breaks[k]) for k in kept),
+        numerators(slopes),
+        numerators(intercepts),
+        numerators(kept_breaks),
         (layout,),
         one,
+        denominator,
     )
     return Model(x, region.ring, region, table, _letters(letters, len(runs)))
 
 
-def _polynomial(fraction: Fraction_) -> Number:
-    top, bottom = cancelled(fraction)
-    if not is_constant(bottom):
-        raise ValueError(
-            "a break must be a polynomial in the parameters over the rationals, "
-            f"got {fraction_to_sympy(fraction)}"
-        )
-    return top / constant(bottom)
+def _value(affine: Affine, x: Fraction_) -> Fraction_:
+    (m, n), (c, d) = affine
+    return cancelled((m * x[0] * d + c * n * x[1], n * d * x[1]))
+
+
+def _denominator(fractions: Iterable[Fraction_], region: Region, one: Number) -> Number:
+    """A positive common multiple of denominators.
+
+    Raises
+    ------
+    UndecidedError
+        If the sign of one does not follow from the assumptions.
+    """
+    common = one
+    for _, bottom in fractions:
+        if not is_constant(bottom) and bottom != common:
+            common = bottom if is_constant(common) else common.lcm(bottom)
+    try:
+        sense = region.sign(common)
+    except UndecidedError as error:
+        raise UndecidedError(f"a denominator must have a sign, but {error}") from None
+    if sense == 0:
+        raise ValueError(f"the denominator {to_sympy(common)} is zero under {region}")
+    return sense * common
 
 
 def _symbol(x: object) -> sympy.Symbol:

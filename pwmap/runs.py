@@ -350,19 +350,25 @@ class Sweep:
 
     def unit_multiplier(self, name: Name, place: Any) -> int:
         """+1 or -1 where the multiplier of a fixed point passes through that value, else 0."""
-        slope, one = self.orbits.affine(name.word)[0], self.orbits.table.one
-        if name.kind is BranchKind.JUMP or name.cut is not None or is_constant(slope):
+        slope, one = self.orbits.slope(name.word), self.orbits.table.one
+        if name.kind is BranchKind.JUMP or name.cut is not None or all(map(is_constant, slope)):
             return 0
-        units = (u for u in (1, -1) if self.axis.order((slope, one), (u * one, one), place) == 0)
+        if not self.is_finite(slope, place):
+            return 0
+        units = (u for u in (1, -1) if self.axis.order(slope, (u * one, one), place) == 0)
         return next(units, 0)
+
+    def is_finite(self, fraction: Fraction_, place: Any) -> bool:
+        """Whether a quotient has a value; a denominator may vanish at an open end of the span."""
+        return is_constant(fraction[1]) or self.axis.value(fraction, place) != INFINITE
 
     def _is_steep(self, run: Run, place: Any) -> bool:
         if run.name.kind is BranchKind.JUMP or (run.shows is not None and run.shows.isolated):
             return False
         if run.places[0] != run.places[1]:  # at its end the multiplier may be 1 in size
             place = self.axis.between(*run.places)
-        slope, one = self.orbits.affine(run.name.word)[0], self.orbits.table.one
-        return self.axis.order((slope * slope, one), (one, one), place) > 0
+        (top, bottom), one = self.orbits.slope(run.name.word), self.orbits.table.one
+        return self.axis.order((top * top, bottom * bottom), (one, one), place) > 0
 
     def x(self, end: End) -> float:
         """The x of an end as a float, which may be infinite."""
