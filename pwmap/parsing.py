@@ -113,7 +113,7 @@ def checked_name(text: str) -> str:
 def shown(value: object) -> str:
     """What was given, for a message, in one line; text in quotes."""
     if isinstance(value, str):
-        return repr(shortened(value))
+        return shortened(repr(value))
     kind = type(value).__name__
     try:
         return shortened(" ".join(repr(value).split()))
