@@ -9,12 +9,14 @@ from typing import Any
 
 from sympy import QQ
 
+from pwmap.arithmetic import rational
 from pwmap.assumptions import Region
 from pwmap.axis import Axis, ResampleError, identical
-from pwmap.exact import Number, is_constant, rational
+from pwmap.exact import Number, is_constant
 from pwmap.inequalities import Constraint, degree
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.samples import EmptyRegionError
+from pwmap.terms import own_name
 
 Span = tuple[Number | None, Number | None]  # None is an infinite end
 TRIES = 40  # samples: all but the first few are generic but for an accident
@@ -121,7 +123,7 @@ def samples(
     """
     others = {str(s) for s in map_.parameters} - {name}
     if chosen is not None:
-        values = {str(key): rational(value) for key, value in chosen.items()}
+        values = {own_name(key, map_.parameters): rational(value) for key, value in chosen.items()}
         if set(values) != others:
             raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
         broken = map_.model.region.contains(values)

@@ -7,22 +7,21 @@ admit, or reported as undecided: a sample decides nothing by itself.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
 import sympy
 from sympy.core.relational import Relational
-from sympy.logic.boolalg import BooleanTrue
 
+from pwmap.arithmetic import Arithmetic, Budget, worked_out
 from pwmap.exact import (
     Number,
     Packed,
     Ring,
+    cancelled,
     constant,
-    element,
     evaluate,
-    expression,
     is_constant,
     packed,
     sign,
@@ -32,7 +31,14 @@ from pwmap.exact import (
 from pwmap.inequalities import Constraint, shown, variables
 from pwmap.samples import points, ranked
 from pwmap.signs import possible_signs
+from pwmap.terms import Operation, Term
 
+_OPPOSITES = {
+    Operation.LESS: Operation.GREATER_EQUAL,
+    Operation.LESS_EQUAL: Operation.GREATER,
+    Operation.GREATER: Operation.LESS_EQUAL,
+    Operation.GREATER_EQUAL: Operation.LESS,
+}
 WITNESSES = 4  # points that are looked at before a sign is refuted the long way
 
 
@@ -137,13 +143,13 @@ def _region(kept: Packed, strict: tuple[bool, ...]) -> Region:
     return Region(ring, tuple(map(Constraint, polynomials, strict)))
 
 
-def read_constraints(given: Iterable[object], ring: Ring) -> tuple[Constraint, ...]:
-    """Inequalities from sympy relations, conjunctions or text, and from what symbols assume.
+def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
+    """Inequalities from relations and conjunctions of them, and from what symbols assume.
 
     Raises
     ------
     ValueError
-        If one is no inequality between quotients of polynomials in the parameters, or is false.
+        If one is no inequality between quotients of polynomials in the parameters.
     """
     found: list[Constraint] = []
     symbols = ring.symbols if ring is not None else ()
@@ -157,23 +163,32 @@ def read_constraints(given: Iterable[object], ring: Ring) -> tuple[Constraint, .
                 generator = ring.gens[symbols.index(symbol)]
                 found.append(Constraint(sense * generator, "=" not in text))
     for condition in given:
-        for relation in sympy.And.make_args(expression(condition, symbols)):
-            if isinstance(relation, BooleanTrue):
-                continue
-            found.extend(_read(relation, ring))
+        found.extend(_read(condition, Arithmetic(ring, Budget())))
     return tuple(dict.fromkeys(found))
 
 
-def _read(relation: sympy.Basic, ring: Ring) -> Iterator[Constraint]:
-    if not isinstance(relation, sympy.Gt | sympy.Ge | sympy.Lt | sympy.Le):
-        raise ValueError(f"an assumption must be an inequality such as a > 1, got {relation}")
-    top, bottom = sympy.fraction(sympy.together(relation.gts - relation.lts))
-    strict = isinstance(relation, sympy.Gt | sympy.Lt)
-    what = f"the assumption {relation}:"
-    above, below = element(ring, top, what), element(ring, bottom, what)
-    if is_constant(below):
-        yield Constraint(sign(constant(below)) * above, strict)
-        return
-    yield Constraint(above * below, strict)
-    if not strict:
-        yield Constraint(below * below, True)
+def _read(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
+    match term.operation:
+        case Operation.AND:
+            for argument in term.arguments:
+                yield from _read(argument, arithmetic)
+        case Operation.TRUTH if term.value:
+            return
+        case Operation.NOT if term.arguments[0].operation in _OPPOSITES:
+            inner = term.arguments[0]
+            yield from _read(replace(inner, operation=_OPPOSITES[inner.operation]), arithmetic)
+        case Operation.LESS | Operation.LESS_EQUAL | Operation.GREATER | Operation.GREATER_EQUAL:
+            yield from _inequality(term, arithmetic)
+        case _:
+            raise ValueError(f"an assumption must be an inequality such as a > 1, got {term}")
+
+
+def _inequality(term: Term, arithmetic: Arithmetic) -> Iterator[Constraint]:
+    (a, b), (c, d) = (worked_out(argument, arithmetic) for argument in term.arguments)
+    strict = term.operation in (Operation.GREATER, Operation.LESS)
+    sense = 1 if term.operation in (Operation.GREATER, Operation.GREATER_EQUAL) else -1
+    times = arithmetic.times
+    above, below = cancelled((sense * (times(a, d) - times(c, b)), times(b, d)))
+    yield Constraint(times(above, below), strict)
+    if not is_constant(below) and not strict:
+        yield Constraint(times(below, below), True)

@@ -21,7 +21,7 @@ from pwmap.budget import BUDGET, Budget, BudgetError, Progress, Report
 from pwmap.cells import Cell, Stage, checked_orders, checked_span, close, studied_at, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.drawn import is_isolated, samples
-from pwmap.exact import fraction_to_sympy, to_sympy
+from pwmap.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import ceiling, whole_part
 from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
@@ -250,9 +250,9 @@ def _branch(
         exact["upper"] = sympy.oo if upper is None else fraction_to_sympy(upper)
     if name.kind is BranchKind.JUMP and name.cut is not None:
         for side, word in zip(("left", "right"), name.words, strict=True):
-            exact[side] = to_sympy(orbits.orbit(name.cut.k, word[name.cut.steps :]))
+            exact[side] = quotient_to_sympy(orbits.value(name.cut.k, word[name.cut.steps :]))
     else:
-        slope = to_sympy(orbits.slope(name.word))
+        slope = quotient_to_sympy(orbits.slope(name.word))
         exact["multiplier"] = sympy.nan if is_isolated(run) else slope
     drawn = samples(sweep, run, ends)
     return Branch(

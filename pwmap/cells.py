@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, TypeVar
 import sympy
 
 from pwmap.admitted import Span, Stretch, samples, shown_sample, stretches
+from pwmap.arithmetic import rational
 from pwmap.axis import Axis, ResampleError, axis_of, identical
 from pwmap.budget import BUDGET, Budget, BudgetError, checked_size
 from pwmap.cylinders import (
@@ -32,9 +33,10 @@ from pwmap.cylinders import (
     place_of_fixed_point,
     refined,
 )
-from pwmap.exact import Number, rational
+from pwmap.exact import Number
 from pwmap.itineraries import Judge, Mark
 from pwmap.maps import PiecewiseLinearMap, checked_order
+from pwmap.terms import own_name
 
 Result = TypeVar("Result")
 
@@ -389,7 +391,7 @@ def with_cells(
     """
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
-    name = str(parameter)
+    name = own_name(parameter, map_.parameters)
     names = [str(s) for s in map_.parameters]
     if name not in names:
         raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")

@@ -33,11 +33,14 @@ class Samples(NamedTuple):
 
 def samples(sweep: Sweep, run: Run, ends: tuple[SpecialPoint, SpecialPoint]) -> Samples:
     """Parameter, x and multiplier along a run, few samples where that is enough."""
-    axis, one = sweep.axis, sweep.orbits.table.one
-    slope = sweep.orbits.slope(run.name.word)
+    axis, slope = sweep.axis, sweep.orbits.slope(run.name.word)
     smooth = run.name.kind is BranchKind.FIXED_POINT and not is_isolated(run)
     outer = [
-        (end.parameter, end.x, axis.number((slope, one), place) if smooth else nan)
+        (
+            end.parameter,
+            end.x,
+            axis.number(slope, place) if smooth and sweep.is_finite(slope, place) else nan,
+        )
         for end, place in zip(ends, run.places, strict=True)
     ]
     if run.band is not None:
@@ -45,11 +48,11 @@ def samples(sweep: Sweep, run: Run, ends: tuple[SpecialPoint, SpecialPoint]) -> 
     if run.places[0] == run.places[1]:
         return Samples(*np.array(outer[:1]).T)
     position = sweep.position(run.name)
-    degrees = [axis.degree(number) for number in (*position, slope)]
-    if degrees[0] <= 1 and degrees[1:] == [0, 0]:
+    degrees = [axis.degree(number) for number in (*position, *slope)]
+    if degrees[0] <= 1 and not any(degrees[1:]):
         return Samples(*np.array(outer).T)
     places, parameter = _spread(axis, run, ends)
-    multiplier = values(axis, (slope, one), places, parameter)
+    multiplier = values(axis, slope, places, parameter)
     inner = np.array(
         [
             parameter,

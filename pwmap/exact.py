@@ -1,4 +1,4 @@
-"""Exact numbers and polynomials: what is accepted, what is refused, how it is written.
+"""Exact numbers and polynomials, and how they are written.
 
 Inside the package a coefficient is an element of the rationals ``QQ`` (no parameters) or of a
 polynomial ring over them. sympy expressions are taken and given at the edge only.
@@ -7,106 +7,18 @@ polynomial ring over them. sympy expressions are taken and given at the edge onl
 from __future__ import annotations
 
 import math
-import numbers
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
 from sympy.polys.orderings import lex
-from sympy.polys.polyerrors import CoercionFailed, GeneratorsError
 from sympy.polys.rings import PolyElement, PolyRing
 
 Number = Any  # an element of QQ or of a PolyRing over QQ: both have + - * and ==
 Ring = Any  # a sympy PolyRing over QQ, or None where there is no parameter
 Fraction_ = tuple[Number, Number]  # numerator and denominator
-
-
-_WORDS = {
-    *("Piecewise", "And", "Or", "Not", "Eq", "Ne", "Gt", "Ge", "Lt", "Le"),
-    *("Rational", "Integer", "sqrt", "True", "False"),
-}  # names in text that keep their meaning; all others are symbols
-
-
-_LAMBDA = "lambda_of_python"  # stands for the name lambda, which Python keeps for itself
-
-
-def expression(value: object, symbols: Iterable[sympy.Symbol] = ()) -> sympy.Basic:
-    """Turn text or a number into a sympy expression; floats are refused.
-
-    Names in the text that are among ``symbols`` stand for these.
-
-    Raises
-    ------
-    TypeError
-        If a float occurs; the message names the rational it probably means.
-    ValueError
-        If the text is no expression.
-    """
-    if isinstance(value, bool):
-        return sympy.true if value else sympy.false
-    if isinstance(value, numbers.Rational) and not isinstance(value, sympy.Basic):
-        return sympy.Rational(int(value.numerator), int(value.denominator))
-    if isinstance(value, numbers.Real) and not isinstance(value, sympy.Basic):
-        raise TypeError(_refusal(value))
-    known = {symbol.name: symbol for symbol in symbols}
-    if isinstance(value, str):
-        value = _readable(value)
-        known[_LAMBDA] = known.get("lambda", sympy.Symbol("lambda"))
-        names = set(re.findall(r"[^\W\d]\w*", value)) - _WORDS
-        known = {name: sympy.Symbol(name) for name in names} | known
-    try:
-        result = sympy.sympify(value, locals=known)
-    except (sympy.SympifyError, SyntaxError, TypeError, AttributeError):
-        raise ValueError(f"cannot read {value!r} as an expression") from None
-    if isinstance(result, bool):
-        return sympy.true if result else sympy.false
-    if not isinstance(result, sympy.Basic):
-        raise ValueError(f"cannot read {value!r} as an expression")
-    for number in result.atoms(sympy.Float):
-        raise TypeError(_refusal(number))
-    return result
-
-
-def _readable(text: str) -> str:
-    """Text as sympy reads it: a chain of two comparisons becomes a conjunction."""
-    if re.search(r"[=!]=", text) or re.search(r"(?<![<>])=", text):
-        raise ValueError(f"write Eq(x, 0) or Ne(x, 0) for equality and its opposite, got {text!r}")
-    text = re.sub(r"\blambda\b", _LAMBDA, text)
-    part, sign_ = r"([^<>&|]+)", r"(<=?|>=?)"
-    chain = re.fullmatch(part + sign_ + part + sign_ + part, text)
-    if chain:
-        first, left, middle, right, last = chain.groups()
-        return f"({first}{left}{middle}) & ({middle}{right}{last})"
-    return text
-
-
-def rational(value: object) -> Number:
-    """An element of ``QQ`` from an int, a Fraction, a sympy Rational or text such as ``"5/4"``.
-
-    Raises
-    ------
-    TypeError
-        If it is a float.
-    ValueError
-        If it is no rational number.
-    """
-    number = expression(value)
-    if not isinstance(number, sympy.Rational):
-        raise ValueError(f"expected a rational number, got {value}")
-    return QQ(int(number.p), int(number.q))
-
-
-def _refusal(value: object) -> str:
-    try:
-        meant = Fraction(str(value))
-    except ValueError:
-        return f"{value} is not a rational number"
-    text = f"{meant.numerator}" + (f"/{meant.denominator}" if meant.denominator != 1 else "")
-    return f"{value} is a float, but the analysis is exact: write the rational {text} instead"
 
 
 def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
@@ -145,28 +57,6 @@ def unpacked(kept: Packed) -> tuple[Ring, tuple[Number, ...]]:
 def ring_of(number: Number) -> Ring:
     """The ring of an element, or None for an element of ``QQ``."""
     return number.ring if isinstance(number, PolyElement) else None
-
-
-def element(ring: Ring, expr: sympy.Expr, what: str) -> Number:
-    """Convert an expression to a polynomial of the ring.
-
-    Raises
-    ------
-    ValueError
-        If it holds other symbols or is no polynomial over the rationals; ``what`` names it.
-    """
-    names = [str(symbol) for symbol in ring.symbols] if ring is not None else []
-    unknown = sorted(str(s) for s in expr.free_symbols if str(s) not in names)
-    if unknown:
-        raise ValueError(f"{what} {expr} holds the unknown symbol {unknown[0]}")
-    try:
-        if ring is None:
-            return QQ.from_sympy(expr)
-        return ring.from_expr(sympy.expand(expr))
-    except (CoercionFailed, GeneratorsError, ValueError, TypeError):
-        raise ValueError(
-            f"{what} must be a polynomial in the parameters over the rationals, got {expr}"
-        ) from None
 
 
 def sign(number: Number) -> int:
@@ -260,6 +150,12 @@ def cancelled(fraction: Fraction_) -> Fraction_:
 def to_sympy(number: Number) -> sympy.Expr:
     """The number as a sympy expression."""
     return number.as_expr() if isinstance(number, PolyElement) else QQ.to_sympy(QQ.convert(number))
+
+
+def quotient_to_sympy(fraction: Fraction_) -> sympy.Expr:
+    """A coefficient as a sympy expression: a polynomial as it is, a quotient in lowest terms."""
+    top, bottom = fraction
+    return to_sympy(top) if bottom == 1 else fraction_to_sympy(fraction)
 
 
 @lru_cache(maxsize=4096)

@@ -2,7 +2,7 @@ r"""Graphs to and from files without loss: GraphML, GEXF, JSON node-link and DOT
 
 Every format holds the same graph, the one :func:`sanitised` returns: an undirected multigraph
 whose ids and edge keys are text and whose attributes are floats or text. networkx writes and
-reads the first three formats, pydot reads DOT. What a format cannot say is said like this:
+reads the first three formats. What a format cannot say is said like this:
 
 - An attribute whose name the format uses for itself (``id``) is stored with its type added,
   ``id:float`` or ``id:str``; no other name holds a colon. GEXF gives each name one type, so an
@@ -18,7 +18,6 @@ reads the first three formats, pydot reads DOT. What a format cannot say is said
 
 from __future__ import annotations
 
-import contextlib
 import inspect
 import io
 import json
@@ -26,10 +25,9 @@ import math
 import numbers
 import re
 import reprlib
-import warnings
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
@@ -38,15 +36,19 @@ from typing import Any
 
 import networkx as nx
 import numpy as np
-import pydot
 
 from pwmap.files import write_whole
+from pwmap.terms import shortened
 
 Attributes = dict[str, Any]
+
+MAX_DEPTH = 50  # of an XML file
+MAX_DIGITS = 400  # of an integer in JSON
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0, Char
 _DOT_WORDS = {"nan": "nan", "inf": "inf", "-inf": "minus_inf"}  # -inf is no word of DOT
 _DOT_ESCAPES = str.maketrans({'"': r"\"", "\\": r"\\", "\n": r"\n", "\r": r"\r"})
+_DOT_TOKEN = re.compile(r'\s+|"(?:[^"\\]|\\["\\nr])*"|--|[][{}=,;]|-?[A-Za-z0-9_.]+')
 _DOT_UNESCAPES = {'"': '"', "\\": "\\", "n": "\n", "r": "\r"}
 # networkx < 3.4 calls the edges of node-link data "link" and lacks the keyword "edges"
 _EDGES = "edges" if "edges" in inspect.signature(nx.node_link_data).parameters else "link"
@@ -140,8 +142,14 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     content = path.read_bytes()
     try:
         return sanitised(_rebuilt(decode(content), _plain_names))
-    except (AttributeError, LookupError, SyntaxError, TypeError, ValueError, nx.NetworkXError) as e:
-        raise ValueError(f"{path} does not hold a graph written by write_graph: {e}") from e
+    except RecursionError:
+        reason = "it is nested too deep"
+    except (
+        *(ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError),
+        nx.NetworkXError,
+    ) as error:
+        reason = shortened(" ".join(str(error).split()), 200)
+    raise ValueError(f"{path} does not hold a graph written by write_graph: {reason}")
 
 
 def _check_kind(graph: object) -> None:
@@ -220,8 +228,62 @@ def _to_graphml(graph: nx.MultiGraph) -> bytes:
     return file.getvalue().replace(b"\r", b"&#13;")  # XML reads a bare one as \n
 
 
+class _Bounded:
+    """What builds the tree of an XML file, and refuses types of documents, and depth.
+
+    Entities, of which a few lines may stand for gigabytes, can only be declared in such a type.
+    """
+
+    def __init__(self) -> None:
+        self._builder = ET.TreeBuilder()
+        self._depth = 0
+        self.data, self.close = self._builder.data, self._builder.close
+
+    def doctype(self, name: str, *_: object) -> None:
+        raise ValueError(f"it declares a type of document, {name}")
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise ValueError(f"it is nested more than {MAX_DEPTH} deep")
+        self._builder.start(tag, attributes)
+
+    def end(self, tag: str) -> None:
+        self._depth -= 1
+        self._builder.end(tag)
+
+
+def _xml(content: bytes, attribute: tuple[str, str], edge_key: str) -> ET.Element:
+    """The root of an XML file in which no node, edge or attribute comes twice."""
+    root = ET.fromstring(content, ET.XMLParser(target=_Bounded()))
+    _once((node.get("id") for node in root.iterfind(".//{*}node")), "the node")
+    edges = root.iterfind(".//{*}edge")
+    _once(((*_ends(edge), edge.get(edge_key)) for edge in edges), "the edge")
+    _once((key.get("id") for key in root.iterfind(".//{*}key")), "the key")
+    for table in root.iterfind(".//{*}attributes"):
+        _once((entry.get("id") for entry in table), "the attribute")
+    tag, name = attribute
+    for parent in root.iter():
+        _once((entry.get(name) for entry in parent.iterfind(f"{{*}}{tag}")), "the attribute")
+    return root
+
+
+def _ends(edge: ET.Element) -> list[str]:
+    return sorted([edge.get("source", ""), edge.get("target", "")])
+
+
+def _once(names: Iterable[Any], what: str) -> None:
+    """Refuse a name that comes twice: the second would replace the first in silence."""
+    seen = set()
+    for name in names:
+        if name in seen:
+            shown = name if isinstance(name, str) else " ".join(map(str, name))
+            raise ValueError(f"{what} {shown!r} comes twice")
+        seen.add(name)
+
+
 def _from_graphml(content: bytes) -> nx.MultiGraph:
-    root = ET.fromstring(content)
+    root = _xml(content, ("data", "key"), "id")
     for data in root.iterfind(".//{*}data"):
         data.text = data.text or ""  # networkx < 3.3 passes over attributes without text
     reader = nx.GraphMLReader(edge_key_type=str, force_multigraph=True)
@@ -242,9 +304,10 @@ def _to_gexf(graph: nx.MultiGraph) -> bytes:
 
 
 def _from_gexf(content: bytes) -> nx.MultiGraph:
+    _xml(content, ("attvalue", "for"), "label")
     read = nx.read_gexf(io.BytesIO(content))  # a graph without keys if no edges are parallel
     graph = nx.MultiGraph()
-    graph.graph.update(json.loads(read.graph["name"], object_hook=_untagged))
+    graph.graph.update(_from_text(read.graph["name"]))
     for node, data in read.nodes(data=True):
         del data["label"]
         graph.add_nodes_from([(node, data)])
@@ -263,7 +326,9 @@ def _tagged(data: Attributes) -> Attributes:
     }
 
 
-def _untagged(data: Attributes) -> Attributes | float:
+def _untagged(pairs: Sequence[tuple[str, Any]]) -> Attributes | float:
+    _once((name for name, _ in pairs), "the name")
+    data = dict(pairs)
     return float(data["$numberDouble"]) if "$numberDouble" in data else data
 
 
@@ -272,14 +337,38 @@ def _to_json(graph: nx.MultiGraph) -> bytes:
     return json.dumps(data, allow_nan=False, ensure_ascii=False, indent=1).encode()
 
 
+def _from_text(text: str) -> Any:
+    """JSON without names that come twice, or numbers that a float cannot hold."""
+    return json.loads(
+        text,
+        object_pairs_hook=_untagged,
+        parse_int=_finite,
+        parse_float=_finite,
+        parse_constant=_no_number,
+    )
+
+
+def _finite(text: str) -> float:
+    if len(text) > MAX_DIGITS or not math.isfinite(float(text)):
+        raise ValueError(f"the number {shortened(text)} is too large for a float")
+    return float(text)
+
+
+def _no_number(text: str) -> float:
+    raise ValueError(f"{text} is no number of JSON")
+
+
 def _from_json(content: bytes) -> nx.MultiGraph:
-    data = json.loads(content, object_hook=_untagged)
+    data = _from_text(content.decode())
+    _once((node["id"] for node in data["nodes"]), "the node")
+    edges = data["edges"]
+    _once(((*sorted((e["source"], e["target"])), e["key"]) for e in edges), "the edge")
     return nx.node_link_graph(data, **{_EDGES: "edges"})
 
 
 def _to_dot(graph: nx.MultiGraph) -> bytes:
-    # pydot guesses from a text whether to quote it ("<b>" would become markup) and does not
-    # escape backslashes, so the few statements are written here.
+    # pydot guesses from a text whether to quote it ("<b>" would become markup), does not escape
+    # backslashes and reads by recursion, so the few statements are written and read here.
     lines = [f"{_dot(name)}={_dot(value)};" for name, value in graph.graph.items()]
     lines += [f"{_dot(node)} {_dot_list(data)};" for node, data in graph.nodes(data=True)]
     lines += [
@@ -306,25 +395,69 @@ def _undot(token: str) -> Any:
 
 
 def _from_dot(content: bytes) -> nx.MultiGraph:
-    complaint = io.StringIO()
-    with warnings.catch_warnings(), contextlib.redirect_stdout(complaint):
-        warnings.simplefilter("ignore")  # pydot calls pyparsing by names that are deprecated
-        parsed = pydot.graph_from_dot_data(content.decode())
-    if parsed is None:
-        raise ValueError(f"pydot cannot read it: {complaint.getvalue()}")
-
-    def attributes(element: pydot.Common) -> Attributes:
-        return {_undot(name): _undot(value) for name, value in element.get_attributes().items()}
-
+    """Only the statements that are written are read, in whatever lines."""
+    tokens = _dot_tokens(content.decode())
+    if [next(tokens), next(tokens)] != ["graph", "{"]:
+        raise ValueError("it must begin with graph {")
     graph = nx.MultiGraph()
-    graph.graph.update(attributes(parsed[0]))
-    graph.add_nodes_from(
-        (_undot(node.get_name()), attributes(node)) for node in parsed[0].get_nodes()
-    )
-    for edge in parsed[0].get_edges():
-        ends, data = (edge.get_source(), edge.get_destination()), attributes(edge)
-        graph.add_edges_from([(*map(_undot, map(str, ends)), data.pop("key"), data)])
-    return graph
+    for token in tokens:
+        if token == "}":
+            if next(tokens) != "":
+                raise ValueError("it goes on after its last }")
+            return graph
+        name, sign = _undot(token), next(tokens)
+        if sign == "=":
+            _once([name] * (1 + (name in graph.graph)), "the attribute")
+            graph.graph[name] = _undot(next(tokens))
+        elif sign == "[":
+            _once([name] * (1 + (name in graph)), "the node")
+            graph.add_nodes_from([(name, _dot_attributes(tokens))])
+        elif sign == "--":
+            other = _undot(next(tokens))
+            _expect(tokens, "[")
+            data = _dot_attributes(tokens)
+            key = data.pop("key")
+            _once([key] * (1 + graph.has_edge(name, other, key)), "the edge")
+            graph.add_edges_from([(name, other, key, data)])
+        else:
+            raise ValueError(f"unexpected {shortened(sign)!r} after {shortened(token)}")
+        _expect(tokens, ";")
+    raise ValueError("it ends too early")
+
+
+def _dot_tokens(text: str) -> Iterator[str]:
+    """Signs, words and quoted texts; "" at the end."""
+    at = 0
+    while at < len(text):
+        found = _DOT_TOKEN.match(text, at)
+        if found is None:
+            raise ValueError(f"unexpected {shortened(text[at : at + 40])!r}")
+        at = found.end()
+        if not found[0].isspace():
+            yield found[0]
+    while True:
+        yield ""
+
+
+def _dot_attributes(tokens: Iterator[str]) -> Attributes:
+    """A list of attributes; its opening bracket was passed."""
+    data: Attributes = {}
+    while (token := next(tokens)) != "]":
+        if data:
+            if token != ",":
+                raise ValueError(f"unexpected {shortened(token)!r} in a list of attributes")
+            token = next(tokens)
+        name = _undot(token)
+        _once([name] * (1 + (name in data)), "the attribute")
+        _expect(tokens, "=")
+        data[name] = _undot(next(tokens))
+    return data
+
+
+def _expect(tokens: Iterator[str], sign: str) -> None:
+    token = next(tokens)
+    if token != sign:
+        raise ValueError(f"expected {sign}, got {shortened(token)!r}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,13 +15,23 @@ keep their signs.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from math import lcm, prod
 from typing import NamedTuple
 
-from pwmap.exact import Fraction_, Number, Packed, packed, pair, ring_of, unpacked
+from pwmap.exact import (
+    Fraction_,
+    Number,
+    Packed,
+    constant,
+    is_constant,
+    packed,
+    pair,
+    ring_of,
+    unpacked,
+)
 
 Word = tuple[int, ...]
 
@@ -39,33 +49,63 @@ class Layout(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Coefficients of one or more maps: slope and intercept by letter, breaks by index."""
+    """Coefficients of one or more maps: slope and intercept by letter, breaks by index.
+
+    All of them are numerators over one ``denominator``, which is positive under the assumptions.
+    """
 
     slopes: tuple[Number, ...]
     intercepts: tuple[Number, ...]
     breaks: tuple[Number, ...]
     layouts: tuple[Layout, ...]
     one: Number  # of the ring the coefficients live in
+    denominator: Number
 
     def mapped(self, change: Callable[[Number], Number]) -> Table:
-        """The same maps with every coefficient changed, for instance evaluated."""
+        """The same maps with every coefficient changed, for instance evaluated.
+
+        A denominator that becomes a constant is divided out.
+        """
+        one, denominator = change(self.one), change(self.denominator)
+        if denominator != one and is_constant(denominator):
+            scale, numerator, denominator = constant(denominator), change, one
+
+            def change(number: Number) -> Number:
+                return numerator(number) / scale
+
         return Table(
             tuple(map(change, self.slopes)),
             tuple(map(change, self.intercepts)),
             tuple(map(change, self.breaks)),
             self.layouts,
-            change(self.one),
+            one,
+            denominator,
         )
 
     def __reduce__(self) -> tuple[Callable[..., Table], tuple[object, ...]]:
-        numbers = (*self.slopes, *self.intercepts, *self.breaks, self.one)
+        numbers = (*self.slopes, *self.intercepts, *self.breaks, self.one, self.denominator)
         return _table, (packed(ring_of(self.one), numbers), len(self.slopes), self.layouts)
+
+
+def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
+    """The same tables, of one ring, with a common denominator."""
+    common = tables[0].denominator
+    for table in tables:
+        if table.denominator != common:
+            common = common.lcm(table.denominator)
+    scaled = []
+    for table in tables:
+        scale = table.one if table.denominator == common else common.quo(table.denominator)
+        numbers = (table.slopes, table.intercepts, table.breaks)
+        slopes, intercepts, breaks = (tuple(scale * n for n in group) for group in numbers)
+        scaled.append(Table(slopes, intercepts, breaks, table.layouts, table.one, common))
+    return scaled
 
 
 def _table(kept: Packed, letters: int, layouts: tuple[Layout, ...]) -> Table:
     numbers = unpacked(kept)[1]
     slopes, intercepts = numbers[:letters], numbers[letters : 2 * letters]
-    return Table(slopes, intercepts, numbers[2 * letters : -1], layouts, numbers[-1])
+    return Table(slopes, intercepts, numbers[2 * letters : -2], layouts, *numbers[-2:])
 
 
 class Order(NamedTuple):
@@ -109,6 +149,9 @@ class Mark(NamedTuple):
 class Orbits:
     """Affine forms of words and orbits of breaks, each computed once.
 
+    With D the denominator of the table, the affine form of a word of n letters is kept over D**n,
+    and the orbit of a break along it over D**(n + 1): all signs are those of numerators.
+
     Parameters
     ----------
     table
@@ -118,6 +161,8 @@ class Orbits:
     def __init__(self, table: Table) -> None:
         self.table = table
         zero = table.one - table.one
+        self._plain = table.denominator == table.one
+        self._powers: list[Number] = [table.one]
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
         self._slopes: dict[tuple[tuple[int, int], ...], Number] = {}
@@ -126,39 +171,39 @@ class Orbits:
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
         return Orbits, (self.table,)
 
+    def power(self, n: int) -> Number:
+        """D**n."""
+        if self._plain:
+            return self.table.one
+        while len(self._powers) <= n:
+            self._powers.append(self._powers[-1] * self.table.denominator)
+        return self._powers[n]
+
     def affine(self, word: Word) -> tuple[Number, Number]:
-        """Slope and intercept of A_word."""
+        """Slope and intercept of A_word, over D**n."""
         found = self._affine.get(word)
         if found is None:
             known = self._longest(word, lambda start: start in self._affine)
             slope, intercept = self._affine[word[:known]]
-            for letter in word[known:]:
+            for n, letter in enumerate(word[known:], start=known):
                 m, c = self.table.slopes[letter], self.table.intercepts[letter]
+                c = c if self._plain else c * self.power(n)
                 slope, intercept = m * slope, m * intercept + c
             found = self._affine[word] = slope, intercept
         return found
 
-    def slope(self, word: Word) -> Number:
-        """Slope of A_word alone."""
-        counts = tuple(sorted(Counter(word).items()))
-        found = self._slopes.get(counts)
-        if found is None:
-            found = self.table.one
-            for letter, count in counts:
-                found = found * self.table.slopes[letter] ** count
-            self._slopes[counts] = found
-        return found
-
     def orbit(self, k: int, word: Word) -> Number:
-        """A_word(b_k)."""
+        """A_word(b_k), over D**(n + 1)."""
         if not word:
             return self.table.breaks[k]
         found = self._orbits.get((k, word))
         if found is None:
             known = self._longest(word, lambda start: (k, start) in self._orbits)
             found = self._orbits[k, word[:known]] if known else self.table.breaks[k]
-            for letter in word[known:]:
-                found = self.table.slopes[letter] * found + self.table.intercepts[letter]
+            for n, letter in enumerate(word[known:], start=known + 1):
+                c = self.table.intercepts[letter]
+                c = c if self._plain else c * self.power(n)
+                found = self.table.slopes[letter] * found + c
             self._orbits[k, word] = found
         return found
 
@@ -167,15 +212,37 @@ class Orbits:
         """Length of the longest proper start of a word that was met before, or 0."""
         return next((n for n in range(len(word) - 1, 0, -1) if is_known(word[:n])), 0)
 
+    def slope(self, word: Word) -> Fraction_:
+        """The slope of A_word, as numerator and denominator; the order of letters is no matter."""
+        counts = tuple(sorted(Counter(word).items()))
+        found = self._slopes.get(counts)
+        if found is None:
+            found = self.table.one
+            for letter, count in counts:
+                found = found * self.table.slopes[letter] ** count
+            self._slopes[counts] = found
+        return found, self.power(len(word))
+
+    def intercept(self, word: Word) -> Fraction_:
+        """The intercept of A_word, as numerator and denominator."""
+        return self.affine(word)[1], self.power(len(word))
+
+    def value(self, k: int, word: Word) -> Fraction_:
+        """A_word(b_k), as numerator and denominator."""
+        return self.orbit(k, word), self.power(len(word) + 1)
+
     def preimage(self, k: int, word: Word) -> Fraction_:
         """The x with A_word(x) = b_k, as numerator and denominator."""
+        if not word:
+            return self.table.breaks[k], self.table.denominator
         slope, intercept = self.affine(word)
-        return self.table.breaks[k] - intercept, slope
+        b = self.table.breaks[k]
+        return (b if self._plain else b * self.power(len(word) - 1)) - intercept, slope
 
     def fixed_point(self, word: Word) -> Fraction_:
         """The x with A_word(x) = x, as numerator and denominator."""
         slope, intercept = self.affine(word)
-        return intercept, self.table.one - slope
+        return intercept, self.power(len(word)) - slope
 
     def polynomial(self, question: Question) -> Number:
         """The number whose sign answers a question."""
@@ -185,13 +252,24 @@ class Orbits:
         return found
 
     def _polynomial(self, question: Question) -> Number:
+        found = self._numerator(question)
+        while found and not self._plain:  # a factor that is positive answers nothing
+            quotient, rest = found.div(self.table.denominator)
+            if rest:
+                break
+            found = quotient
+        return found
+
+    def _numerator(self, question: Question) -> Number:
         match question:
             case Order(k, word, l):
-                return self.orbit(k, word) - self.table.breaks[l]
+                b = self.table.breaks[l]
+                return self.orbit(k, word) - (b if self._plain else b * self.power(len(word)))
             case Slope(letter):
                 return self.table.slopes[letter]
             case Multiplier(word, unit):
-                return self.slope(word) - unit * self.table.one
+                slope, power = self.slope(word)
+                return slope - unit * power
             case Offset(word):
                 return self.affine(word)[1]
 

@@ -14,28 +14,34 @@ import sympy
 from sympy import QQ
 
 from pwmap import cylinders as cyl
+from pwmap.arithmetic import fraction_of, rational
 from pwmap.assumptions import Region
 from pwmap.budget import checked_size
 from pwmap.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
 from pwmap.exact import (
     Fraction_,
     Number,
-    cancelled,
-    element,
     evaluate,
-    expression,
     fraction_to_sympy,
     is_constant,
     polynomial_ring,
-    rational,
+    quotient_to_sympy,
     sign,
     to_ring,
-    to_sympy,
 )
 from pwmap.inequalities import Constraint
-from pwmap.itineraries import Judge, Layout, Offset, Orbits, Table, Word
-from pwmap.reading import Model, read
+from pwmap.itineraries import (
+    Judge,
+    Layout,
+    Offset,
+    Orbits,
+    Table,
+    Word,
+    over_one_denominator,
+)
+from pwmap.reading import Model, read, read_formula
 from pwmap.scopes import Edge, Scope, SymbolicEdge
+from pwmap.terms import own_name
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 
@@ -58,12 +64,12 @@ class Piece:
     @property
     def slope(self) -> sympy.Expr:
         """Slope of the piece."""
-        return to_sympy(self.owner.orbits.affine(self.cylinder.word)[0])
+        return quotient_to_sympy(self.owner.orbits.slope(self.cylinder.word))
 
     @property
     def intercept(self) -> sympy.Expr:
         """Value of the piece's formula at x = 0."""
-        return to_sympy(self.owner.orbits.affine(self.cylinder.word)[1])
+        return quotient_to_sympy(self.owner.orbits.intercept(self.cylinder.word))
 
     @property
     def expression(self) -> sympy.Expr:
@@ -240,7 +246,8 @@ class Decided(NamedTuple):
 class PiecewiseLinearMap:
     """A piecewise-linear map of the line with finitely many pieces.
 
-    Coefficients are polynomials in parameters over the rationals. Each break belongs to the piece
+    Coefficients are quotients of polynomials in parameters over the rationals, whose denominators
+    have a sign under what is assumed of the parameters. Each break belongs to the piece
     that says so; a single point can be a piece of its own. Nothing is ever decided by a float.
 
     Parameters
@@ -283,10 +290,8 @@ class PiecewiseLinearMap:
 
         The first condition that holds counts. Parameters and errors are those of the class.
         """
-        formula = expression(piecewise, [x] if isinstance(x, sympy.Symbol) else [])
-        pairs = formula.args if isinstance(formula, sympy.Piecewise) else [(formula, True)]
         self = cls.__new__(cls)
-        self._set(read([tuple(p) for p in pairs], x, given, letters, first_wins=True), (0,))
+        self._set(read_formula(piecewise, x, given, letters), (0,))
         return self
 
     def _set(
@@ -434,7 +439,9 @@ class PiecewiseLinearMap:
             If a value is a float.
         """
         model = self._model
-        numbers = {str(name): rational(value) for name, value in values.items()}
+        numbers = {
+            own_name(name, self.parameters): rational(value) for name, value in values.items()
+        }
         names = [str(symbol) for symbol in self.parameters]
         for name in numbers:
             if name not in names:
@@ -545,6 +552,7 @@ class PiecewiseLinearMap:
             word.append(letter)
             slope = table.slopes[letter]
             top = slope * top + table.intercepts[letter] * bottom
+            bottom = table.denominator * bottom
             slopes.append(slope)
         return tuple(word), (top, bottom)
 
@@ -553,15 +561,14 @@ class PiecewiseLinearMap:
         decide = self.scope.sign
         side = decide(bottom)
         for i, k in enumerate(layout.breaks):
-            order = side * decide(top - self._model.table.breaks[k] * bottom)
+            table = self._model.table
+            order = side * decide(table.denominator * top - table.breaks[k] * bottom)
             if order <= 0:
                 return 2 * i + (order == 0)
         return 2 * len(layout.breaks)
 
     def _fraction(self, x: object) -> Fraction_:
-        top, bottom = sympy.fraction(sympy.together(expression(x, self.parameters)))
-        ring, what = self._model.ring, "a point"
-        return cancelled((element(ring, top, what), element(ring, bottom, what)))
+        return fraction_of(x, self._model.ring, "a point")
 
     def jumps(self) -> tuple[Jump, ...]:
         """All discontinuities, from left to right: where the limits differ as formulas.
@@ -571,14 +578,14 @@ class PiecewiseLinearMap:
         return tuple(self._jumps())
 
     def _jumps(self) -> Iterator[Jump]:
-        orbit = self.orbits.orbit
+        value = self.orbits.value
         for before, left, right, after in _neighbours(self.cylinders):
             cut = right.lower
             assert cut is not None
             owner = left if left.upper_closed else right
-            limits = [orbit(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
+            limits = [value(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
             if self._differ(limits):
-                values = [to_sympy(limit) for limit in limits]
+                values = [quotient_to_sympy(limit) for limit in limits]
                 x = self.cut_to_sympy(right.word, cut)
                 yield Jump(x=x, left=values[0], value=values[1], right=values[2])
 
@@ -631,7 +638,7 @@ class PiecewiseLinearMap:
             x = self.cut_to_sympy(word, cylinder.lower)
         else:
             x = fraction_to_sympy(self.orbits.fixed_point(word))
-        multiplier = to_sympy(self.orbits.affine(word)[0])
+        multiplier = quotient_to_sympy(self.orbits.slope(word))
         return FixedPoint(
             x=x,
             multiplier=sympy.nan if place is Place.POINT else multiplier,
@@ -680,11 +687,11 @@ class PiecewiseLinearMap:
 
     def _jump_crossing(self, crossing: Crossing) -> JumpCrossing:
         cut = crossing.cut
-        orbit = self.orbits.orbit
+        value = self.orbits.value
         return JumpCrossing(
             x=self.cut_to_sympy(crossing.left, cut),
-            left=to_sympy(orbit(cut.k, crossing.left[cut.steps :])),
-            right=to_sympy(orbit(cut.k, crossing.right[cut.steps :])),
+            left=quotient_to_sympy(value(cut.k, crossing.left[cut.steps :])),
+            right=quotient_to_sympy(value(cut.k, crossing.right[cut.steps :])),
             left_word=self.spelled(crossing.left),
             right_word=self.spelled(crossing.right),
             order=self.order,
@@ -728,14 +735,16 @@ class PiecewiseLinearMap:
             points, self._layouts(len(word)), indices, strict=True
         ):
             for k, side, closed in _bounds(layout, index):
-                value = self._model.table.breaks[k]
-                over = side * (top - value * bottom)
+                value = self.orbits.preimage(k, ())
+                over = side * (value[1] * top - value[0] * bottom)
                 if closed and not over:  # the point is this break
                     continue
                 signs.append(((over, bottom), closed))
                 relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
                 relation = relations[0 if closed else 1]
-                conditions.append(relation(fraction_to_sympy((top, bottom)), to_sympy(value)))
+                conditions.append(
+                    relation(fraction_to_sympy((top, bottom)), quotient_to_sympy(value))
+                )
         return Cycle(
             word=word,
             points=tuple(fraction_to_sympy(point) for point in points),
@@ -768,20 +777,16 @@ class PiecewiseLinearMap:
         root = word[: self._period(word)]  # what is repeated has the same points
         slope = self.orbits.slope(word)
         at = self._point_piece(root)
-        multiplier = to_sympy(slope) if at is None else sympy.nan
-        if at is None and self._is_zero(slope - self._one):
+        multiplier = quotient_to_sympy(slope) if at is None else sympy.nan
+        if at is None and self._is_zero(slope[0] - slope[1]):
             root, at = word, self._only_point(word)
         if at is None:
             points = self._orbit(self.orbits.fixed_point(root), root)
         else:
             turned = root[at.steps :] + root[: at.steps]
-            points = self._orbit((self.orbits.table.breaks[at.k], self._one), turned)
+            points = self._orbit(self.orbits.preimage(at.k, ()), turned)
             points = points[len(root) - at.steps :] + points[: len(root) - at.steps]
         return points * (len(word) // len(root)), multiplier
-
-    @property
-    def _one(self) -> Number:
-        return self.orbits.table.one
 
     def _orbit(self, start: Fraction_, word: Word) -> list[Fraction_]:
         """A point and its images along a word, but for the last one."""
@@ -790,6 +795,7 @@ class PiecewiseLinearMap:
         for letter in word:
             points.append((top, bottom))
             top = table.slopes[letter] * top + table.intercepts[letter] * bottom
+            bottom = table.denominator * bottom
         return points
 
     def _point_piece(self, word: Word) -> Cut | None:
@@ -903,7 +909,9 @@ def _joined(first: Model, second: Model) -> tuple[Model, int]:
         str(s): s for ring in (first.ring, second.ring) if ring is not None for s in ring.symbols
     }
     ring = polynomial_ring([symbols[name] for name in sorted(symbols)])
-    tables = [m.table.mapped(lambda number: to_ring(number, ring)) for m in (first, second)]
+    tables = over_one_denominator(
+        [m.table.mapped(lambda number: to_ring(number, ring)) for m in (first, second)]
+    )
     letters, breaks = len(first.letters), len(first.table.breaks)
     shifted = [
         Layout(tuple(k + breaks for k in lay.breaks), tuple(s + letters for s in lay.slots))
@@ -922,6 +930,7 @@ def _joined(first: Model, second: Model) -> tuple[Model, int]:
         tables[0].breaks + tables[1].breaks,
         (*first.table.layouts, *shifted),
         tables[0].one,
+        tables[0].denominator,
     )
     model = Model(first.x, ring, region, table, first.letters + second.letters)
     return model, len(first.table.layouts)

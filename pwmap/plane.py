@@ -13,6 +13,7 @@ from pwmap.axis import Axis, ResampleError, SymbolicAxis, real_to_sympy
 from pwmap.cells import Cell, ParameterCells, checked_orders, checked_span, shown_cells, with_cells
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import simplest_between
+from pwmap.terms import own_name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,6 +77,7 @@ def parameter_plane(
     ValueError
         If the map has other parameters, or a decision has a higher degree in ``along``.
     """
+    across, along = (own_name(name, map_.parameters) for name in (across, along))
     names = {str(symbol): symbol for symbol in map_.parameters}
     if set(names) != {str(across), str(along)} or len(names) != 2:
         raise ValueError(f"expected a map of {across} and {along}, this one has {list(names)}")

@@ -12,7 +12,9 @@ import sympy
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from sympy import QQ
 
+from pwmap.arithmetic import rational
 from pwmap.cells import ParameterCell
 from pwmap.diagram import Branch, BranchKind, Diagram, FloatArray, PointKind
 from pwmap.maps import PiecewiseLinearMap
@@ -272,10 +274,10 @@ def plot_cobweb(
         raise ValueError(f"a cobweb needs at least one step, got {steps}")
     if map_.parameters:
         raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
-    orbit: list[object] = [start]
+    orbit = [QQ.to_sympy(rational(start))]
     for _ in range(steps):
         orbit.append(map_(orbit[-1]))
-    values = [float(sympy.sympify(x)) for x in orbit]
+    values = [float(x) for x in orbit]
     if window is None:
         low, high = _window(map_)
         window = min(low, *values), max(high, *values)

@@ -4,17 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cmp_to_key
-from itertools import groupby, pairwise
+from itertools import groupby
 from string import ascii_uppercase
 
 import sympy
 from sympy import QQ
-from sympy.core.relational import Relational
 
+from pwmap.arithmetic import MAX_PARAMETERS, Arithmetic, Budget, NotPolynomialError, Quotient
 from pwmap.assumptions import Region, UndecidedError, read_constraints
-from pwmap.exact import Number, Ring, element, expression, polynomial_ring
+from pwmap.exact import (
+    Fraction_,
+    Number,
+    Ring,
+    cancelled,
+    constant,
+    evaluate,
+    is_constant,
+    polynomial_ring,
+    to_sympy,
+)
+from pwmap.inequalities import Constraint, variables
 from pwmap.itineraries import Layout, Table
+from pwmap.parsing import checked_name, shown, term_of
+from pwmap.piecewise import Line, Profile, slot_name
+from pwmap.terms import Operation, Term, plain_name
+
+Affine = tuple[Fraction_, Fraction_]  # slope and intercept
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,49 +70,135 @@ def read(
     variable = _symbol(x)
     for piece in pieces:
         if not isinstance(piece, Sequence) or isinstance(piece, str) or len(piece) != 2:
-            raise ValueError(f"each piece must be a pair (formula, condition), got {piece!r}")
+            raise ValueError(f"each piece must be a pair (formula, condition), got {shown(piece)}")
     if not pieces:
         raise ValueError("a map needs at least one piece")
+    pairs = [(term_of(f, [variable]), term_of(c, [variable])) for f, c in pieces]
+    return _read(pairs, variable, given, letters, first_wins=first_wins)
+
+
+def read_formula(
+    formula: object, x: object, given: Iterable[object], letters: Sequence[str] | None
+) -> Model:
+    """Read one formula, of which the first condition that holds counts; see :func:`read`."""
+    variable = _symbol(x)
+    term = term_of(formula, [variable])
+    pairs = [(term, Term(Operation.TRUTH, value=True, source=True))]
+    if term.operation is Operation.PIECEWISE:
+        pairs = [(pair.arguments[0], pair.arguments[1]) for pair in term.arguments]
+    return _read(pairs, variable, given, letters, first_wins=True)
+
+
+def _read(
+    pairs: Sequence[tuple[Term, Term]],
+    x: sympy.Symbol,
+    given: Iterable[object],
+    letters: Sequence[str] | None,
+    *,
+    first_wins: bool,
+) -> Model:
     given = [given] if isinstance(given, str | sympy.Basic) else list(given)
-    read_in = [expression(part, [variable]) for part in (*sum(map(tuple, pieces), ()), *given)]
-    unified = _unified(read_in, variable)
-    formulas, conditions = unified[: 2 * len(pieces) : 2], unified[1 : 2 * len(pieces) : 2]
-    given = unified[2 * len(pieces) :]
-    used = set().union(*(e.free_symbols for e in [*formulas, *conditions])) - {variable}
-    ring = polynomial_ring(sorted(used, key=str))
-    region = Region(ring, read_constraints(given, ring))
-    _ = region.sample  # complains if the assumptions contradict each other
-    affine = [_affine(formula, variable, ring) for formula in formulas]
-    relations = sorted(set().union(*(c.atoms(Relational) for c in conditions)), key=str)
-    sides = {relation: _side(relation, variable, ring) for relation in relations}
-    breaks = _sorted_breaks({value for value, _ in sides.values()}, region, variable)
+    assumed = [term_of(condition, [x]) for condition in given]
+    region = _region([term for pair in pairs for term in pair], assumed, x)
+    line = Line(x, region, Arithmetic(region.ring, Budget()))
+    conditions = [line.condition(condition) for _, condition in pairs]
+    formulas = [_formula(formula, line) for formula, _ in pairs]
+    breaks = line.union([*conditions, *formulas])
+    holds = [line.spread(condition, breaks) for condition in conditions]
+    values = [line.spread(formula, breaks) for formula in formulas]
+    choose = _first if first_wins else _only
+    owners, affine = list[int](), list[Affine]()
+    for slot in range(2 * len(breaks) + 1):
+        name = slot_name(slot, breaks, x)
+        owner = choose([i for i in range(len(pairs)) if holds[i][slot]], name)
+        owners.append(owner)
+        affine.append(_affine(values[owner][slot], pairs[owner][0], name, x))
+    _join_points(breaks, owners, affine)
+    return _assembled(x, region, breaks, list(zip(owners, affine, strict=True)), letters)
 
-    def holding(slot: int) -> list[int]:
-        """Which conditions hold on a slot."""
-        truth = {
-            relation: _truth(relation, sense * (slot - 2 * breaks.index(value) - 1))
-            for relation, (value, sense) in sides.items()
-        }
-        return [i for i, c in enumerate(conditions) if c.xreplace(truth) == sympy.true]
 
-    owner = _first if first_wins else _only
-    slots = [
-        owner(holding(slot), _slot_name(slot, breaks, variable))
-        for slot in range(2 * len(breaks) + 1)
+def _formula(term: Term, line: Line) -> Profile:
+    try:
+        return line.formula(term)
+    except NotPolynomialError:
+        raise ValueError(f"the piece {term} is not affine in {line.x}") from None
+
+
+def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> Region:
+    """The parameters of some trees, and what is assumed of them.
+
+    What is assumed of parameters that do not occur says nothing about the map, but is read.
+    """
+    used = set().union(*(term.names() for term in terms)) - {plain_name(x)}
+    chosen = _symbols([*terms, *assumed])
+    for condition in assumed:
+        if plain_name(x) in condition.names():
+            raise ValueError(f"the assumption {condition} holds {x}, the variable of the map")
+    if len(chosen) > MAX_PARAMETERS:
+        raise ValueError(f"a map may have {MAX_PARAMETERS} parameters, this one has more")
+    named = set().union(*(condition.names() for condition in assumed))
+    every = polynomial_ring(sorted((chosen[name] for name in used | named), key=str))
+    constraints = read_constraints(assumed, every)
+    _ = Region(every, constraints).sample  # complains if the assumptions contradict each other
+    ring = polynomial_ring(sorted((chosen[name] for name in used), key=str))
+    if ring == every:
+        return Region(ring, constraints)
+    absent = {str(chosen[name]): QQ.zero for name in named - used}
+    places = {i for i, symbol in enumerate(every.symbols) if str(symbol) in absent}
+    kept = [
+        Constraint(evaluate(c.polynomial, absent, ring), c.strict)
+        for c in constraints
+        if not variables(c.polynomial) & places
     ]
-    return _assembled(variable, region, breaks, slots, affine, letters)
+    return Region(ring, tuple(kept) if ring is not None else ())
+
+
+def _symbols(terms: Iterable[Term]) -> dict[str, sympy.Symbol]:
+    """One symbol for each name: the one of which most is assumed."""
+    found: dict[str, sympy.Symbol] = {}
+    for term in terms:
+        for name, symbol in term.names().items():
+            found[name] = max(found.get(name, symbol), symbol, key=_assumed)
+    return found
+
+
+def _assumed(symbol: sympy.Symbol) -> tuple[int, str]:
+    return len(symbol.assumptions0), str(symbol)
+
+
+def _affine(value: Quotient | None, formula: Term, slot: str, x: sympy.Symbol) -> Affine:
+    """Slope and intercept of a formula on a slot."""
+    if value is None:
+        raise ValueError(f"there is a gap: no piece of {formula} covers {slot}")
+    if len(value.top) > 2:
+        raise ValueError(f"the piece {formula} is not affine in {x}")
+    zero = value.bottom - value.bottom
+    intercept, slope = (*value.top, zero, zero)[:2]
+    return cancelled((slope, value.bottom)), cancelled((intercept, value.bottom))
+
+
+def _join_points(breaks: Sequence[Fraction_], owners: Sequence[int], affine: list[Affine]) -> None:
+    """Where formulas of one piece agree at a break, the break takes one that holds beside it."""
+    for i, b in enumerate(breaks):
+        slot = 2 * i + 1
+        for beside in (slot + 1, slot - 1):
+            if (
+                owners[beside] == owners[slot]
+                and affine[slot] not in (affine[slot - 1], affine[slot + 1])
+                and _value(affine[slot], b) == _value(affine[beside], b)
+            ):
+                affine[slot] = affine[beside]
 
 
 def _assembled(
     x: sympy.Symbol,
     region: Region,
-    breaks: Sequence[Number],
-    slots: Sequence[int],
-    affine: Sequence[tuple[Number, Number]],
+    breaks: Sequence[Fraction_],
+    slots: Sequence[tuple[int, Affine]],
     letters: Sequence[str] | None,
 ) -> Model:
     """Give each maximal run of slots with one owner a letter; drop breaks inside a run."""
-    runs = [(owner, len(list(group))) for owner, group in groupby(slots)]
+    runs = [(affine, len(list(group))) for (_, affine), group in groupby(slots)]
     letter_of_slot = [i for i, (_, length) in enumerate(runs) for _ in range(length)]
     kept = [k for k in range(len(breaks)) if len(set(letter_of_slot[2 * k : 2 * k + 3])) > 1]
     layout = Layout(
@@ -105,87 +206,64 @@ def _assembled(
         (letter_of_slot[0], *(letter_of_slot[2 * k + i] for k in kept for i in (1, 2))),
     )
     one = region.ring.one if region.ring is not None else QQ.one
+    slopes, intercepts = zip(*(affine for affine, _ in runs), strict=True)
+    kept_breaks = [breaks[k] for k in kept]
+    denominator = _denominator((*slopes, *intercepts, *kept_breaks), region, one)
+
+    def numerators(fractions: Iterable[Fraction_]) -> tuple[Number, ...]:
+        return tuple(
+            top * one / constant(bottom) * denominator
+            if is_constant(bottom)
+            else top * denominator.quo(bottom)
+            for top, bottom in fractions
+        )
+
     table = Table(
-        tuple(affine[owner][0] for owner, _ in runs),
-        tuple(affine[owner][1] for owner, _ in runs),
-        tuple(breaks[k] for k in kept),
+        numerators(slopes),
+        numerators(intercepts),
+        numerators(kept_breaks),
         (layout,),
         one,
+        denominator,
     )
     return Model(x, region.ring, region, table, _letters(letters, len(runs)))
 
 
+def _value(affine: Affine, x: Fraction_) -> Fraction_:
+    (m, n), (c, d) = affine
+    return cancelled((m * x[0] * d + c * n * x[1], n * d * x[1]))
+
+
+def _denominator(fractions: Iterable[Fraction_], region: Region, one: Number) -> Number:
+    """A positive common multiple of denominators.
+
+    Raises
+    ------
+    UndecidedError
+        If the sign of one does not follow from the assumptions.
+    """
+    common = one
+    for _, bottom in fractions:
+        if not is_constant(bottom) and bottom != common:
+            common = bottom if is_constant(common) else common.lcm(bottom)
+    try:
+        sense = region.sign(common)
+    except UndecidedError as error:
+        raise UndecidedError(f"a denominator must have a sign, but {error}") from None
+    if sense == 0:
+        raise ValueError(f"the denominator {to_sympy(common)} is zero under {region}")
+    return sense * common
+
+
 def _symbol(x: object) -> sympy.Symbol:
-    symbol = sympy.Symbol(x) if isinstance(x, str) and x.isidentifier() else x
-    if not isinstance(symbol, sympy.Symbol):
-        raise ValueError(f"the variable must be a symbol such as x, got {x}")
-    return symbol
-
-
-def _unified(expressions: Sequence[sympy.Basic], x: sympy.Symbol) -> list[sympy.Basic]:
-    """One symbol for each name: the variable, or the one of which most is assumed."""
-    symbols = sorted(set().union(*(e.free_symbols for e in expressions)), key=_assumed)
-    chosen = {symbol.name: symbol for symbol in symbols} | {x.name: x}
-    return [e.xreplace({s: chosen[s.name] for s in e.free_symbols}) for e in expressions]
-
-
-def _assumed(symbol: sympy.Symbol) -> tuple[int, str]:
-    return len(symbol.assumptions0), str(symbol)
-
-
-def _affine(formula: sympy.Basic, x: sympy.Symbol, ring: Ring) -> tuple[Number, Number]:
-    """Slope and intercept of a formula."""
-    polynomial = formula.as_poly(x) if isinstance(formula, sympy.Expr) else None
-    if polynomial is None or polynomial.degree() > 1 or x in polynomial.free_symbols_in_domain:
-        raise ValueError(f"the piece {formula} is not affine in {x}")
-    what = f"the coefficients of the piece {formula}:"
-    slope, intercept = polynomial.coeff_monomial(x), polynomial.coeff_monomial(1)
-    return element(ring, slope, what), element(ring, intercept, what)
-
-
-def _side(relation: Relational, x: sympy.Symbol, ring: Ring) -> tuple[Number, int]:
-    """The break that a relation compares x with, and +1, or -1 if x is on its right side."""
-    if x not in relation.free_symbols:
-        raise ValueError(
-            f"the condition {relation} does not contain {x}: put it among the assumptions (given)"
-        )
-    difference = sympy.expand(relation.lhs - relation.rhs)
-    polynomial = difference.as_poly(x)
-    slope = polynomial.coeff_monomial(x) if polynomial is not None else sympy.nan
-    if polynomial is None or polynomial.degree() != 1 or not slope.is_Rational:
-        raise ValueError(
-            f"the condition {relation} must compare {x} with a polynomial in the parameters"
-        )
-    value = -polynomial.coeff_monomial(1) / slope
-    return element(ring, value, "a break"), 1 if slope > 0 else -1
-
-
-def _truth(relation: Relational, order: int) -> sympy.Basic:
-    """Whether a relation holds if its left side minus its right side has a sign."""
-    holds = {
-        sympy.Eq: order == 0,
-        sympy.Ne: order != 0,
-        sympy.Lt: order < 0,
-        sympy.Le: order <= 0,
-        sympy.Gt: order > 0,
-        sympy.Ge: order >= 0,
-    }[relation.func]
-    return sympy.true if holds else sympy.false
-
-
-def _sorted_breaks(values: set[Number], region: Region, x: sympy.Symbol) -> list[Number]:
-    def order(left: Number, right: Number) -> int:
-        try:
-            return region.sign(left - right)
-        except UndecidedError as error:
-            raise UndecidedError(f"the breaks of {x} have no certain order: {error}") from None
-
-    listed = sorted(values, key=str)
-    breaks = sorted(listed, key=cmp_to_key(order))
-    for left, right in pairwise(breaks):
-        if order(left, right) == 0:
-            raise ValueError(f"the breaks {left} and {right} coincide under {region}")
-    return breaks
+    if isinstance(x, sympy.Symbol):
+        return x
+    if not isinstance(x, str):
+        raise ValueError(f"the variable must be a symbol such as x, got {shown(x)}")
+    try:
+        return sympy.Symbol(checked_name(x))
+    except ValueError as error:
+        raise ValueError(f"the variable must be a symbol such as x: {error}") from None
 
 
 def _first(holding: Sequence[int], slot: str) -> int:
@@ -199,14 +277,6 @@ def _only(holding: Sequence[int], slot: str) -> int:
         first, second = (i + 1 for i in holding[:2])
         raise ValueError(f"pieces {first} and {second} overlap: both cover {slot}")
     return _first(holding, slot)
-
-
-def _slot_name(slot: int, breaks: Sequence[Number], x: sympy.Symbol) -> str:
-    if slot % 2:
-        return f"{x} = {breaks[slot // 2]}"
-    left = f"{breaks[slot // 2 - 1]} < " if slot else ""
-    right = f" < {breaks[slot // 2]}" if slot < 2 * len(breaks) else ""
-    return f"{left}{x}{right}" if left or right else "the line"
 
 
 def _letters(letters: Sequence[str] | None, n: int) -> tuple[str, ...]:

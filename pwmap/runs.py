@@ -477,13 +477,19 @@ class Sweep:
     def unit_multiplier(self, name: Name, place: Any) -> int:
         """+1 or -1 where the multiplier of a fixed point passes through that value, else 0."""
         slope, one = self.orbits.slope(name.word), self.orbits.table.one
-        if name.kind is BranchKind.JUMP or name.cut is not None or is_constant(slope):
+        if name.kind is BranchKind.JUMP or name.cut is not None or all(map(is_constant, slope)):
+            return 0
+        if not self.is_finite(slope, place):
             return 0
         if (slope, place) not in self._units:
             order = self.axis.order
-            units = (u for u in (1, -1) if order((slope, one), (u * one, one), place) == 0)
+            units = (u for u in (1, -1) if order(slope, (u * one, one), place) == 0)
             self._units[slope, place] = next(units, 0)
         return self._units[slope, place]
+
+    def is_finite(self, fraction: Fraction_, place: Any) -> bool:
+        """Whether a quotient has a value; a denominator may vanish at an open end of the span."""
+        return is_constant(fraction[1]) or self.axis.value(fraction, place) != INFINITE
 
     def _is_steep(self, run: Run) -> bool:
         if run.name.kind is BranchKind.JUMP or (run.shows is not None and run.shows.isolated):
@@ -491,8 +497,8 @@ class Sweep:
         place = run.places[0]
         if place != run.places[1]:  # at its end the multiplier may be 1 in size
             place = self.axis.between(*run.places)
-        slope, one = self.orbits.slope(run.name.word), self.orbits.table.one
-        return self.axis.order((slope * slope, one), (one, one), place) > 0
+        (top, bottom), one = self.orbits.slope(run.name.word), self.orbits.table.one
+        return self.axis.order((top * top, bottom * bottom), (one, one), place) > 0
 
     def _number(self, end: End) -> float:
         """The x of an end as a float, which may be infinite."""

@@ -16,7 +16,8 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.exact import expression, to_float
+from pwmap.arithmetic import rational
+from pwmap.exact import to_float
 from pwmap.roots import Dense, Real, RealRoot, real_roots, sign_at, trimmed
 
 _T = sympy.Symbol("t")
@@ -127,13 +128,14 @@ def exact_number(value: object) -> Real:
         return QQ(*float(value).as_integer_ratio())
     if isinstance(value, sympy.Float):
         value = sympy.Rational(value)
-    if not isinstance(value, str | numbers.Rational | sympy.Basic):
+    if isinstance(value, str | numbers.Rational) and not isinstance(value, sympy.Basic):
+        return rational(value)
+    if not isinstance(value, sympy.Basic):
         raise TypeError(f"a slice needs a number, got {value!r}")
-    found = expression(value)
-    if not (isinstance(found, sympy.Expr) and found.is_number and found.is_real):
+    if not (isinstance(value, sympy.Expr) and value.is_number and value.is_real):
         raise ValueError(f"a slice needs a real number, got {value}")
     try:
-        return real(found)
+        return real(value)
     except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
         raise ValueError(f"a slice needs a rational or algebraic number, got {value}") from None
 

@@ -546,7 +546,7 @@ def paper(**changes: Any) -> PiecewiseLinearMap:
         ([("x**2", sympy.true)], ValueError, r"x\*\*2 is not affine in x"),
         ([("1/x", sympy.true)], ValueError, "1/x is not affine in x"),
         ([("sqrt(2)*x", sympy.true)], ValueError, r"polynomial .* rationals, got sqrt\(2\)"),
-        ([("x/r", sympy.true)], ValueError, "must be a polynomial in the parameters .* got 1/r"),
+        ([("x/r", sympy.true)], UndecidedError, "denominator must have a sign, but the sign of r "),
         ([("1.25*x", sympy.true)], TypeError, "1.25.* is a float.*write the rational 5/4"),
         ([("x", "x < 0.1"), ("1", "x >= 0.1")], TypeError, "write the rational 1/10"),
         ([(0.75, sympy.true)], TypeError, "0.75 is a float.*write the rational 3/4"),
@@ -563,7 +563,8 @@ def test_faulty_pieces(pieces: list[tuple[object, object]], error: type, message
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"given": ["b > 1"]}, "unknown symbol b"),
+        ({"given": ["b > 1", "b < 1"]}, "no values of the parameters with b > 1, b < 1"),
+        ({"given": ["x > 1"]}, "the assumption x > 1 holds x, the variable of the map"),
         ({"given": ["a > 1", "a < 1"]}, "no values of the parameters with a > 1, a < 1"),
         ({"given": ["Eq(a, 1)"]}, r"inequality such as a > 1, got Eq\(a, 1\)"),
         ({"given": ["a + 1"]}, r"inequality such as a > 1, got a \+ 1"),
@@ -613,7 +614,7 @@ def test_values_of_parameters_that_are_refused() -> None:
         map_.at({"a": Fraction(1, 2), "r": 1})
     with pytest.raises(TypeError, match=r"1.25 is a float.*5/4"):
         map_.at({"a": 1.25})
-    with pytest.raises(ValueError, match="expected a rational number, got s"):
+    with pytest.raises(ValueError, match="expected a rational number, got 's'"):
         map_.at({"a": "s"})
     with pytest.raises(ValueError, match="r is no parameter of this map, it has none"):
         map_.at({"a": 2, "r": 1}).at({"r": 1})

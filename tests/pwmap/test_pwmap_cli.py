@@ -58,7 +58,7 @@ def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
         ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1;2"), "got '1;2'"),
         ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "0"), "got 0"),
         ((P1L, "--parameter", "r", "--set", "a=5/4", "--span", "2", "1"), "got (2, 1)"),
-        (("x**2 + r", "--parameter", "r"), "the piece r + x**2 is not affine in x"),
+        (("x**2 + r", "--parameter", "r"), "the piece x**2 + r is not affine in x"),
         (("x +", "--parameter", "r"), "cannot read 'x +' as an expression"),
         (("Piecewise((r, x < 0))", "--parameter", "r"), "no piece covers x = 0"),
     ],

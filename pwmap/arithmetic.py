@@ -1,0 +1,316 @@
+"""Polynomials in the variable of a map, over the parameters, within a budget.
+
+A value is a quotient: a polynomial in the variable, whose coefficients are elements of the ring of
+the parameters, over one element of that ring. Every operation first tells what it is going to cost,
+so that a short formula such as ``((a + b + c + d)**64)**64`` is refused before it is multiplied
+out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import NamedTuple
+
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.exact import Fraction_, Number, Ring, cancelled, constant, is_constant
+from pwmap.parsing import shown, term_of
+from pwmap.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_name
+
+MAX_DEGREE = 64  # of a polynomial in the parameters, and in the variable
+MAX_PARAMETERS = 64
+MAX_WORK = 100_000  # products of two short terms, each a few microseconds
+
+
+class Quotient(NamedTuple):
+    """``(top[0] + top[1] x + top[2] x**2 + ...) / bottom``, without a zero at the end of top."""
+
+    top: tuple[Number, ...]
+    bottom: Number
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the variable does not occur."""
+        return len(self.top) <= 1
+
+
+@dataclass(slots=True)
+class Budget:
+    """How much work a formula may still cause."""
+
+    left: int = MAX_WORK
+
+    def spend(self, work: int) -> None:
+        """Take note of some work that is about to be done; ValueError if that is too much."""
+        self.left -= work
+        if self.left < 0:
+            raise ValueError("the formulas are too large to be multiplied out")
+
+
+class Arithmetic:
+    """Sums, products and powers of quotients over one ring.
+
+    Parameters
+    ----------
+    ring
+        The ring of the parameters, or None for no parameters.
+    budget
+        What all of it may cost.
+    """
+
+    def __init__(self, ring: Ring, budget: Budget) -> None:
+        self.ring = ring
+        self.budget = budget
+        self.one: Number = ring.one if ring is not None else QQ.one
+        self.zero: Number = self.one - self.one
+        generators = zip(ring.symbols, ring.gens, strict=True) if ring is not None else ()
+        self._generators = {plain_name(symbol): generator for symbol, generator in generators}
+
+    # --- Numbers of the ring --------------------------------------------------------------------
+
+    def times(self, a: Number, b: Number) -> Number:
+        """A product of two coefficients."""
+        if a == self.one or b == self.one:
+            return b if a == self.one else a
+        (n, bits, degree), (m, more_bits, more) = _size(a), _size(b)
+        self._check(bits + more_bits, degree + more)
+        self.budget.spend(n * m * _words(bits, more_bits))
+        return a * b
+
+    def plus(self, a: Number, b: Number) -> Number:
+        """A sum of two coefficients."""
+        (n, bits, _), (m, more_bits, _) = _size(a), _size(b)
+        self._check(max(bits, more_bits), 0)
+        self.budget.spend((n + m) * _words(bits, more_bits))
+        return a + b
+
+    def _check(self, bits: int, degree: int) -> None:
+        if bits > MAX_BITS:
+            raise ValueError(f"an integer may have {MAX_BITS} bits, here it would have {bits}")
+        if degree > MAX_DEGREE:
+            raise ValueError(f"a degree may be at most {MAX_DEGREE}, here it would be {degree}")
+
+    # --- Quotients ------------------------------------------------------------------------------
+
+    def constant(self, number: Number) -> Quotient:
+        """An element of ``QQ``, or of the ring."""
+        value = self.one * number
+        return Quotient((value,) if value else (), self.one)
+
+    @property
+    def variable(self) -> Quotient:
+        """The variable itself."""
+        return Quotient((self.zero, self.one), self.one)
+
+    def generator(self, name: str) -> Quotient:
+        """A parameter of the ring."""
+        return Quotient((self._generators[name],), self.one)
+
+    def sum(self, values: Sequence[Quotient]) -> Quotient:
+        """The sum of some quotients; those with one denominator are added first."""
+        groups: dict[Number, list[Number]] = {}
+        for value in values:
+            total = groups.setdefault(value.bottom, [])
+            total += [self.zero] * (len(value.top) - len(total))
+            for i, coefficient in enumerate(value.top):
+                total[i] = self.plus(total[i], coefficient) if total[i] else coefficient
+        (bottom, top), *others = groups.items() or [(self.one, [])]
+        for other_bottom, other_top in others:
+            top = self._crossed(top, other_bottom, other_top, bottom)
+            bottom = self.times(bottom, other_bottom)
+        return _trimmed(top, bottom)
+
+    def _crossed(
+        self, a: Sequence[Number], b: Number, c: Sequence[Number], d: Number
+    ) -> list[Number]:
+        """Coefficients of a b + c d."""
+        left, right = [self.times(x, b) for x in a], [self.times(x, d) for x in c]
+        longer, shorter = (left, right) if len(left) >= len(right) else (right, left)
+        added = [self.plus(x, y) for x, y in zip(longer, shorter, strict=False)]
+        return added + longer[len(shorter) :]
+
+    def negative(self, value: Quotient) -> Quotient:
+        """Minus a quotient."""
+        return Quotient(tuple(-coefficient for coefficient in value.top), value.bottom)
+
+    def product(self, a: Quotient, b: Quotient) -> Quotient:
+        """The product of two quotients."""
+        if len(a.top) + len(b.top) > MAX_DEGREE + 2:
+            self._check(0, len(a.top) + len(b.top) - 2)
+        top = [self.zero] * max(0, len(a.top) + len(b.top) - 1)
+        for i, x in enumerate(a.top):
+            for j, y in enumerate(b.top):
+                top[i + j] = self.plus(top[i + j], self.times(x, y))
+        return _trimmed(top, self.times(a.bottom, b.bottom))
+
+    def inverse(self, value: Quotient) -> Quotient:
+        """One over a quotient.
+
+        Raises
+        ------
+        NotPolynomialError
+            If the variable occurs in it.
+        ValueError
+            If it is zero.
+        """
+        if not value.is_constant:
+            raise NotPolynomialError
+        if not value.top:
+            raise ValueError("it divides by zero")
+        top, bottom = value.top[0], value.bottom
+        if is_constant(top):
+            return Quotient((self.times(bottom, self.one / constant(top)),), self.one)
+        return Quotient((bottom,), top)
+
+    def power(self, base: Quotient, exponent: int) -> Quotient:
+        """A power with a whole exponent."""
+        if exponent < 0:
+            return self.power(self.inverse(base), -exponent)
+        number = self.rational(base)
+        if number is not None:
+            if number in (0, 1, -1):
+                exponent = min(exponent, 2 - exponent % 2)
+            self._check(_bits(number) * exponent, 0)
+            return self.constant(number**exponent)
+        self._check(0, exponent)
+        result = self.constant(QQ.one)
+        for _ in range(exponent):
+            result = self.product(result, base)
+        return result
+
+    def rational(self, value: Quotient) -> Number | None:
+        """The element of ``QQ`` that a quotient is, or None if it is none."""
+        if not value.top:
+            return QQ.zero
+        if not (value.is_constant and is_constant(value.top[0]) and is_constant(value.bottom)):
+            return None
+        return constant(value.top[0]) / constant(value.bottom)
+
+    def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
+        """What a tree is, from its arguments; its name must be that of a parameter.
+
+        Raises
+        ------
+        NotPolynomialError
+            If it is no polynomial in the variable.
+        ValueError
+            If it is too large, no formula, or divides by zero.
+        """
+        try:
+            return self._applied(term, arguments)
+        except NotPolynomialError:
+            raise
+        except ValueError as error:
+            raise ValueError(f"cannot work out {term}: {error}") from None
+
+    def _applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
+        match term.operation:
+            case Operation.NUMBER:
+                return self.constant(term.value)
+            case Operation.NAME:
+                return self.generator(plain_name(term.value))
+            case Operation.SUM:
+                return self.sum(arguments)
+            case Operation.NEGATIVE:
+                return self.negative(arguments[0])
+            case Operation.PRODUCT:
+                return reduce(self.product, arguments)
+            case Operation.INVERSE:
+                return self.inverse(arguments[0])
+            case Operation.POWER:
+                exponent = self.rational(arguments[1])
+                if exponent is None or QQ.denom(exponent) != 1:
+                    raise ValueError("an exponent must be a whole number")
+                return self.power(arguments[0], int(exponent))
+        what = "a condition" if term.operation in CONDITIONS else f"{term.operation.value}"
+        raise ValueError(f"a formula was expected here, not {what}")
+
+
+class NotPolynomialError(ValueError):
+    """Something is divided by the variable."""
+
+
+def _trimmed(top: list[Number], bottom: Number) -> Quotient:
+    while top and not top[-1]:
+        del top[-1]
+    return Quotient(tuple(top), bottom)
+
+
+def _bits(number: Number) -> int:
+    return int(QQ.numer(number)).bit_length() + int(QQ.denom(number)).bit_length()
+
+
+def _words(bits: int, more_bits: int) -> int:
+    """How much longer a product or sum of two rationals takes than with short ones."""
+    return 1 + (bits + more_bits) // 64 + bits * more_bits // 2048
+
+
+def _size(number: Number) -> tuple[int, int, int]:
+    """Terms, bits of the longest coefficient and total degree of a coefficient."""
+    if not isinstance(number, PolyElement):
+        return 1, _bits(number), 0
+    return (
+        1 + len(number),
+        max(map(_bits, number.values()), default=0),
+        max(map(sum, number), default=0),
+    )
+
+
+# --- Trees without a variable ---------------------------------------------------------------------
+
+
+def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
+    """Numerator and denominator of a tree whose names are all parameters.
+
+    Raises
+    ------
+    ValueError
+        If it is too large, no formula, or divides by zero.
+    """
+    known: dict[int, Quotient] = {}
+
+    def value(inner: Term) -> Quotient:
+        if id(inner) not in known:
+            known[id(inner)] = arithmetic.applied(inner, [value(a) for a in inner.arguments])
+        return known[id(inner)]
+
+    top, bottom = value(term)
+    return top[0] if top else arithmetic.zero, bottom
+
+
+def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
+    """Text, a number or a sympy expression in the parameters, as a quotient in lowest terms.
+
+    Raises
+    ------
+    TypeError
+        If a float occurs; the message names the rational it probably means.
+    ValueError
+        If it holds other symbols or is no formula; ``what`` names it.
+    """
+    symbols = ring.symbols if ring is not None else ()
+    term = term_of(value, symbols)
+    unknown = sorted(term.names().keys() - {plain_name(symbol) for symbol in symbols})
+    if unknown:
+        raise ValueError(f"{what} {term} holds the unknown symbol {unknown[0]}")
+    return cancelled(worked_out(term, Arithmetic(ring, Budget())))
+
+
+def rational(value: object) -> Number:
+    """An element of ``QQ`` from an int, a Fraction, a sympy Rational or text such as ``"5/4"``.
+
+    Raises
+    ------
+    TypeError
+        If it is a float.
+    ValueError
+        If it is no rational number.
+    """
+    term = term_of(value)
+    if term.names() or term.operation in CONDITIONS:
+        raise ValueError(f"expected a rational number, got {shown(value)}")
+    top, bottom = worked_out(term, Arithmetic(None, Budget()))
+    return top / bottom

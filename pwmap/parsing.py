@@ -1,0 +1,352 @@
+"""From text to a tree. Text is never evaluated: it can only say what this grammar says.
+
+From the loosest to the tightest, as in Python::
+
+    or   and   not   < <= > >= (chains too)   |   &   + -   * /   unary + - ~   **
+
+and brackets, integers, names, True, False, and calls of the functions in ``FUNCTIONS``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import NamedTuple
+
+import sympy
+from sympy import QQ
+
+from pwmap.terms import (
+    MAX_DEPTH,
+    MAX_DIGITS,
+    MAX_TERMS,
+    Operation,
+    Slice,
+    Term,
+    float_refusal,
+    plain_name,
+    shortened,
+    term_of_number,
+    term_of_sympy,
+)
+
+MAX_LENGTH = 400_000  # characters of a text
+MAX_NAME = 100  # characters of a name
+
+_TOKEN = re.compile(
+    r"(?P<space>\s+)"
+    r"|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    r"|(?P<name>[^\W\d]\w*)"
+    r"|(?P<sign>\*\*|<=|>=|==|!=|<>|:=|//|[-+*/<>&|~(),=^])"
+)
+_CONSTANTS = {"nan", "NaN", "oo", "zoo", "inf", "Inf", "infinity", "Infinity", "I", "pi", "E"}
+_RELATIONS = {
+    "<": Operation.LESS,
+    "<=": Operation.LESS_EQUAL,
+    ">": Operation.GREATER,
+    ">=": Operation.GREATER_EQUAL,
+}
+_LEVELS = {"or": 1, "and": 2, **dict.fromkeys(_RELATIONS, 4), "|": 5, "&": 6}
+_LEVELS |= {"+": 7, "-": 7, "*": 8, "/": 8}
+_NOT, _UNARY = 3, 9
+
+
+class _Function(NamedTuple):
+    operation: Operation
+    least: int
+    most: int | None
+
+
+FUNCTIONS = {
+    "Abs": _Function(Operation.ABS, 1, 1),
+    "Max": _Function(Operation.MAX, 1, None),
+    "Min": _Function(Operation.MIN, 1, None),
+    "And": _Function(Operation.AND, 0, None),
+    "Or": _Function(Operation.OR, 0, None),
+    "Not": _Function(Operation.NOT, 1, 1),
+    "Eq": _Function(Operation.EQUAL, 2, 2),
+    "Ne": _Function(Operation.UNEQUAL, 2, 2),
+    "Lt": _Function(Operation.LESS, 2, 2),
+    "Le": _Function(Operation.LESS_EQUAL, 2, 2),
+    "Gt": _Function(Operation.GREATER, 2, 2),
+    "Ge": _Function(Operation.GREATER_EQUAL, 2, 2),
+    "Piecewise": _Function(Operation.PIECEWISE, 1, None),
+    "Rational": _Function(Operation.PRODUCT, 1, 2),
+    "Integer": _Function(Operation.PRODUCT, 1, 1),
+}
+
+
+def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
+    """Text, a number or a sympy expression as a tree; floats are refused.
+
+    Names in the text that are among ``symbols`` stand for these.
+
+    Raises
+    ------
+    TypeError
+        If a float occurs; the message names the rational it probably means.
+    ValueError
+        If the text is no expression, or there is more of it than any map needs.
+    """
+    if isinstance(value, str):
+        return _Parser(value, {plain_name(symbol): symbol for symbol in symbols}).parsed()
+    number = term_of_number(value)
+    if number is not None:
+        return number
+    if isinstance(value, sympy.Basic):
+        return term_of_sympy(value)
+    raise ValueError(f"expected text, a number or a sympy expression, got {shown(value)}")
+
+
+def checked_name(text: str) -> str:
+    """A name as it is compared; ValueError if it cannot be that of a variable or a parameter."""
+    name = plain_name(text)
+    if not (text.isidentifier() and name.isidentifier()) or len(name) > MAX_NAME:
+        raise ValueError(f"{shown(text)} is no name")
+    if name in _CONSTANTS or name in ("None", "True", "False") or name in FUNCTIONS:
+        raise ValueError(f"{name} cannot be the name of a variable or parameter")
+    return name
+
+
+def shown(value: object) -> str:
+    """What was given, for a message, in one line; text in quotes."""
+    if isinstance(value, str):
+        return shortened(repr(value))
+    kind = type(value).__name__
+    try:
+        return shortened(" ".join(repr(value).split()))
+    except Exception:  # of a class that is not ours
+        return f"an object of type {kind}"
+
+
+class _Token(NamedTuple):
+    kind: str  # number, name, sign or end
+    text: str
+    start: int
+    stop: int
+
+
+class _Parser:
+    """A text that is read from left to right, by the precedence of its operators."""
+
+    def __init__(self, text: str, known: Mapping[str, sympy.Symbol]) -> None:
+        self._text = text
+        self._known = dict(known)
+        self._tokens = self._split()
+        self._at = 0
+        self._depth = 0
+
+    def parsed(self) -> Term:
+        """The tree of the whole text."""
+        term = self._parse(0)
+        if self._next.kind != "end":
+            raise self._unexpected()
+        return term
+
+    # --- Tokens ---------------------------------------------------------------------------------
+
+    def _split(self) -> list[_Token]:
+        text, tokens, at = self._text, list[_Token](), 0
+        if len(text) > MAX_LENGTH:
+            raise self._refusal(f"it has {len(text)} characters, more than {MAX_LENGTH}")
+        while at < len(text):
+            match = _TOKEN.match(text, at)
+            if match is None:
+                raise self._refusal(f"{text[at]!r} has no meaning in a formula")
+            kind = str(match.lastgroup)
+            if kind != "space":
+                tokens.append(_Token(kind, match[0], at, match.end()))
+            at = match.end()
+            if len(tokens) > MAX_TERMS:
+                raise self._refusal(f"it has more than {MAX_TERMS} numbers, names and signs")
+        return [*tokens, _Token("end", "", len(text), len(text))]
+
+    @property
+    def _next(self) -> _Token:
+        return self._tokens[self._at]
+
+    def _take(self, *signs: str) -> bool:
+        """Pass over a sign or word if it is the next."""
+        if self._next.text in signs and self._next.kind != "end":
+            self._at += 1
+            return True
+        return False
+
+    def _refusal(self, reason: str) -> ValueError:
+        return ValueError(f"cannot read {shown(self._text)} as an expression: {reason}")
+
+    def _unexpected(self) -> ValueError:
+        """The error that the next token is."""
+        token = self._next
+        if token.text in ("=", "==", "!=", "<>"):
+            return ValueError(
+                f"write Eq(x, 0) or Ne(x, 0) for equality and its opposite, got {shown(self._text)}"
+            )
+        if token.text == "^":
+            return self._refusal("write ** for a power, not ^")
+        if token.kind == "end":
+            return self._refusal("it ends too early")
+        before = self._tokens[self._at - 1].text if self._at else ""
+        place = f" after {shortened(before, 40)!r}" if before else ""
+        return self._refusal(f"unexpected {shortened(token.text, 40)!r}{place}")
+
+    def _term(self, operation: Operation, arguments: Sequence[Term], start: int) -> Term:
+        stop = self._tokens[self._at - 1].stop
+        return Term(operation, tuple(arguments), source=Slice(self._text, start, stop))
+
+    # --- The grammar ----------------------------------------------------------------------------
+
+    def _parse(self, level: int) -> Term:
+        """An expression whose operators outside of brackets bind at least so tightly."""
+        self._deeper()
+        start = self._next.start
+        left = self._unary(level)
+        while (found := _LEVELS.get(self._next.text, -1)) >= level:
+            left = self._chain(left, found, start)
+        self._depth -= 1
+        return left
+
+    def _deeper(self) -> None:
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise self._refusal(f"it is nested more than {MAX_DEPTH} deep")
+
+    def _chain(self, left: Term, level: int, start: int) -> Term:
+        """Operands joined by operators that bind equally."""
+        operands, signs = [left], list[str]()
+        while _LEVELS.get(self._next.text) == level:
+            signs.append(self._next.text)
+            self._at += 1
+            operands.append(self._parse(level + 1))
+        if signs[0] in _RELATIONS:
+            return self._relations(operands, signs, start)
+        inverse = {"-": Operation.NEGATIVE, "/": Operation.INVERSE}
+        operands[1:] = [
+            Term(inverse[sign], (operand,), source=operand.source) if sign in inverse else operand
+            for sign, operand in zip(signs, operands[1:], strict=True)
+        ]
+        joined = {7: Operation.SUM, 8: Operation.PRODUCT, 5: Operation.OR, 1: Operation.OR}
+        return self._term(joined.get(level, Operation.AND), operands, start)
+
+    def _relations(self, operands: Sequence[Term], signs: Sequence[str], start: int) -> Term:
+        """A comparison; a chain of them holds where all do."""
+        parts = [
+            self._term(_RELATIONS[sign], pair, start)
+            for sign, pair in zip(signs, pairwise(operands), strict=True)
+        ]
+        return parts[0] if len(parts) == 1 else self._term(Operation.AND, parts, start)
+
+    def _unary(self, level: int) -> Term:
+        for signs, operation in ((("+", "-"), Operation.NEGATIVE), (("~",), Operation.NOT)):
+            if self._next.text in signs:
+                return self._signed(signs, operation, partial(self._unary, _UNARY))
+        if self._next.text == "not" and level <= _NOT:
+            return self._signed(("not",), Operation.NOT, partial(self._parse, _NOT + 1))
+        return self._power()
+
+    def _signed(
+        self, signs: tuple[str, ...], operation: Operation, operand: Callable[[], Term]
+    ) -> Term:
+        """Any number of equal signs before an operand."""
+        start, odd = self._next.start, False
+        while self._take(*signs):
+            odd ^= self._tokens[self._at - 1].text != "+"
+        self._deeper()
+        term = operand()
+        self._depth -= 1
+        return self._term(operation, [term], start) if odd else term
+
+    def _power(self) -> Term:
+        start = self._next.start
+        base = self._atom()
+        if not self._take("**"):
+            return base
+        self._deeper()
+        exponent = self._unary(_UNARY)
+        self._depth -= 1
+        return self._term(Operation.POWER, [base, exponent], start)
+
+    def _atom(self) -> Term:
+        token = self._next
+        if token.kind == "number":
+            return self._number(token)
+        if token.kind == "name" and token.text not in ("and", "or", "not"):
+            self._at += 1
+            return self._call(token) if self._take("(") else self._name(token)
+        if self._take("("):
+            return self._bracket(token)
+        raise self._unexpected()
+
+    def _number(self, token: _Token) -> Term:
+        if not token.text.isdigit():
+            raise float_refusal(token.text)
+        if len(token.text) > MAX_DIGITS:
+            raise self._refusal(
+                f"an integer of {len(token.text)} digits is longer than {MAX_DIGITS}"
+            )
+        self._at += 1
+        return Term(Operation.NUMBER, value=QQ(int(token.text)), source=token.text)
+
+    def _bracket(self, opening: _Token) -> Term:
+        """An expression in brackets, or a pair."""
+        inner = self._parse(0)
+        if not self._take(","):
+            self._close()
+            return inner
+        pair = [inner, self._parse(0)]
+        self._take(",")
+        self._close()
+        return self._term(Operation.PAIR, pair, opening.start)
+
+    def _close(self) -> None:
+        if not self._take(")"):
+            raise self._unexpected()
+
+    def _name(self, token: _Token) -> Term:
+        if token.text in ("True", "False"):
+            return Term(Operation.TRUTH, value=token.text == "True", source=token.text)
+        name = plain_name(token.text)
+        if name not in self._known:
+            try:
+                self._known[name] = sympy.Symbol(checked_name(token.text))
+            except ValueError as error:
+                raise self._refusal(str(error)) from None
+        return Term(Operation.NAME, value=self._known[name], source=token.text)
+
+    def _call(self, name: _Token) -> Term:
+        """A function of a map; the bracket was passed."""
+        arguments = list[Term]()
+        while not self._take(")"):
+            arguments.append(self._parse(0))
+            if not self._take(",") and self._next.text != ")":
+                raise self._unexpected()
+        function = FUNCTIONS.get(name.text)
+        if function is None:
+            call = self._term(Operation.NAME, arguments, name.start)
+            raise self._refusal(
+                "a formula must be polynomial in the parameters over the rationals, "
+                f"got {shortened(str(call), 50)}; its functions are {', '.join(FUNCTIONS)}"
+            )
+        least, most = function.least, function.most
+        if len(arguments) < least or (most is not None and len(arguments) > most):
+            raise self._refusal(f"{name.text} cannot have {len(arguments)} arguments")
+        if name.text == "Piecewise" and {a.operation for a in arguments} != {Operation.PAIR}:
+            raise self._refusal("Piecewise is made of pairs (formula, condition)")
+        if name.text in ("Rational", "Integer"):
+            arguments = self._quotient(name.text, arguments)
+        return self._term(function.operation, arguments, name.start)
+
+    def _quotient(self, name: str, arguments: Sequence[Term]) -> list[Term]:
+        """The factors of a rational number."""
+        numbers = {Operation.NUMBER, Operation.NEGATIVE}
+        for argument in arguments:
+            if name == "Integer" or len(arguments) > 1:
+                whole = all(part.operation in numbers for part in argument.walk())
+            else:
+                whole = not argument.names()
+            if not whole:
+                raise self._refusal(f"{name} is made of integers, got {argument}")
+        first, *rest = arguments
+        return [first, *(Term(Operation.INVERSE, (a,), source=a.source) for a in rest)]

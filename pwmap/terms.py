@@ -1,0 +1,258 @@
+"""Formulas and conditions as trees of the few operations a piecewise-linear map may hold.
+
+Text, numbers and sympy expressions all become such trees. Nothing is computed here, and trees are
+bounded in size, so that no input can cost more than reading it.
+"""
+
+from __future__ import annotations
+
+import numbers
+import unicodedata
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import sympy
+from sympy import QQ
+from sympy.logic.boolalg import BooleanAtom
+
+MAX_DEPTH = 100  # brackets inside brackets
+MAX_TERMS = 100_000  # numbers, names and operations
+MAX_DIGITS = 1000  # of an integer that is written out
+MAX_BITS = 20_000  # of an integer that is computed
+
+
+class Operation(Enum):
+    """What a tree does with its arguments."""
+
+    NUMBER = "a rational number"
+    NAME = "a name"
+    TRUTH = "True or False"
+    SUM = "+"
+    NEGATIVE = "-"
+    PRODUCT = "*"
+    INVERSE = "1/"
+    POWER = "**"
+    ABS = "Abs"
+    MAX = "Max"
+    MIN = "Min"
+    LESS = "<"
+    LESS_EQUAL = "<="
+    GREATER = ">"
+    GREATER_EQUAL = ">="
+    EQUAL = "Eq"
+    UNEQUAL = "Ne"
+    AND = "And"
+    OR = "Or"
+    NOT = "Not"
+    PIECEWISE = "Piecewise"
+    PAIR = "a pair (formula, condition)"
+
+
+RELATIONS = {
+    Operation.LESS,
+    Operation.LESS_EQUAL,
+    Operation.GREATER,
+    Operation.GREATER_EQUAL,
+    Operation.EQUAL,
+    Operation.UNEQUAL,
+}
+CONDITIONS = {*RELATIONS, Operation.TRUTH, Operation.AND, Operation.OR, Operation.NOT}
+
+
+class Slice(NamedTuple):
+    """Part of a text."""
+
+    text: str
+    start: int
+    stop: int
+
+    def __str__(self) -> str:
+        return self.text[self.start : self.stop]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Term:
+    """A tree.
+
+    Attributes
+    ----------
+    value
+        An element of ``QQ`` for a number, a symbol for a name, a bool for a truth value.
+    source
+        What it was read from, for messages.
+    """
+
+    operation: Operation
+    arguments: tuple[Term, ...] = ()
+    value: Any = None
+    source: object = None
+
+    def __str__(self) -> str:
+        """As it was written, in one line, its middle left out if it is long."""
+        return shortened(" ".join(str(self.source).split()))
+
+    def names(self) -> dict[str, sympy.Symbol]:
+        """All symbols by :func:`plain_name`; of several, the one of which most is assumed."""
+        found = {term.value for term in self.walk() if term.operation is Operation.NAME}
+        ordered = sorted(found, key=lambda s: (len(s.assumptions0), s.name))
+        return {plain_name(symbol): symbol for symbol in ordered}
+
+    def walk(self) -> Iterator[Term]:
+        """All trees inside this one, and itself, each once."""
+        waiting, seen = [self], {id(self)}
+        while waiting:
+            term = waiting.pop()
+            yield term
+            for argument in term.arguments:
+                if id(argument) not in seen:
+                    seen.add(id(argument))
+                    waiting.append(argument)
+
+
+def shortened(text: str, width: int = 100) -> str:
+    """A text for a message: its middle is left out if it is longer than the width."""
+    if len(text) <= width:
+        return text
+    half = (width - 5) // 2
+    return f"{text[:half]} ... {text[-half:]}"
+
+
+def plain_name(name: object) -> str:
+    """A name as Python compares names: the micro sign is the letter mu (Unicode's NFKC)."""
+    return unicodedata.normalize("NFKC", str(name))
+
+
+def own_name(name: object, symbols: Iterable[sympy.Symbol]) -> str:
+    """The name of the symbol that a name or symbol means, or the name itself if there is none."""
+    plain = plain_name(name)
+    return next((str(s) for s in symbols if plain_name(s) == plain), str(name))
+
+
+def float_refusal(value: object) -> TypeError:
+    """The error that a float is, naming the rational it probably means if that is short."""
+    text = str(value)
+    meant = ""
+    if len(text) <= 40 and text.lower().lstrip("+-").rstrip("0123456789") in ("inf", "nan"):
+        return TypeError(f"{text} is not a rational number")
+    mantissa, _, exponent = text.lower().partition("e")
+    if len(mantissa) <= 40 and len(exponent) <= 3:
+        number = Fraction(text)
+        bottom = f"/{number.denominator}" if number.denominator != 1 else ""
+        meant = f"{number.numerator}{bottom}" if abs(int(exponent or 0)) <= 40 else ""
+    return TypeError(
+        f"{shortened(text)} is a float, but the analysis is exact: "
+        f"write {f'the rational {meant}' if meant else 'a rational'} instead"
+    )
+
+
+def term_of_number(value: object) -> Term | None:
+    """A bool or an exact number as a tree; None if the value is neither.
+
+    Raises
+    ------
+    TypeError
+        If it is a float; the message names the rational it probably means.
+    """
+    if isinstance(value, bool):
+        return Term(Operation.TRUTH, value=value, source=value)
+    if isinstance(value, sympy.Basic):
+        return None
+    if isinstance(value, numbers.Rational | QQ.dtype):
+        number = _checked(int(value.numerator), int(value.denominator))
+        return Term(Operation.NUMBER, value=number, source=value)
+    if isinstance(value, numbers.Real):
+        raise float_refusal(value)
+    return None
+
+
+def _checked(top: int, bottom: int) -> Any:
+    bits = max(top.bit_length(), bottom.bit_length())
+    if bits > MAX_BITS:
+        raise ValueError(f"an integer may have {MAX_BITS} bits, this one has {bits}")
+    return QQ(top, bottom)
+
+
+# --- From sympy -----------------------------------------------------------------------------------
+
+_OPERATIONS: dict[Any, Operation] = {
+    sympy.Add: Operation.SUM,
+    sympy.Mul: Operation.PRODUCT,
+    sympy.Abs: Operation.ABS,
+    sympy.Max: Operation.MAX,
+    sympy.Min: Operation.MIN,
+    sympy.StrictLessThan: Operation.LESS,
+    sympy.LessThan: Operation.LESS_EQUAL,
+    sympy.StrictGreaterThan: Operation.GREATER,
+    sympy.GreaterThan: Operation.GREATER_EQUAL,
+    sympy.Equality: Operation.EQUAL,
+    sympy.Unequality: Operation.UNEQUAL,
+    sympy.And: Operation.AND,
+    sympy.Or: Operation.OR,
+    sympy.Not: Operation.NOT,
+    sympy.Piecewise: Operation.PIECEWISE,
+    sympy.functions.elementary.piecewise.ExprCondPair: Operation.PAIR,
+}
+
+
+class _Reader:
+    """Trees of sympy expressions; a part that occurs twice is read once.
+
+    Parts are known by their ``id``: sympy compares and hashes by recursion.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[int, Term] = {}
+
+    def read(self, expr: sympy.Basic, depth: int = 0) -> Term:
+        """The tree of an expression."""
+        found = self._known.get(id(expr))
+        if found is None:
+            if depth > MAX_DEPTH:
+                raise ValueError(f"an expression is nested more than {MAX_DEPTH} deep")
+            if len(self._known) > MAX_TERMS:
+                raise ValueError(f"an expression has more than {MAX_TERMS} parts")
+            found = self._leaf(expr) or self._inner(expr, depth)
+            self._known[id(expr)] = found  # whose source keeps the expression, and its id, alive
+        return found
+
+    def _leaf(self, expr: sympy.Basic) -> Term | None:
+        if isinstance(expr, sympy.Float):
+            raise float_refusal(expr)
+        if isinstance(expr, sympy.Rational):
+            return Term(Operation.NUMBER, value=_checked(int(expr.p), int(expr.q)), source=expr)
+        if isinstance(expr, sympy.Symbol):
+            return Term(Operation.NAME, value=expr, source=expr)
+        if isinstance(expr, BooleanAtom):
+            return Term(Operation.TRUTH, value=bool(expr), source=expr)
+        return None
+
+    def _inner(self, expr: sympy.Basic, depth: int) -> Term:
+        if isinstance(expr, sympy.Pow) and isinstance(expr.exp, sympy.Integer):
+            return Term(
+                Operation.POWER,
+                (self.read(expr.base, depth + 1), self.read(expr.exp, depth + 1)),
+                source=expr,
+            )
+        operation = _OPERATIONS.get(expr.func)
+        if operation is None:
+            raise ValueError(
+                "a formula must be polynomial in the parameters over the rationals, "
+                f"got {shortened(str(expr))}"
+            )
+        return Term(operation, tuple(self.read(a, depth + 1) for a in expr.args), source=expr)
+
+
+def term_of_sympy(expr: sympy.Basic) -> Term:
+    """A sympy expression as a tree.
+
+    Raises
+    ------
+    TypeError
+        If a float occurs.
+    ValueError
+        If it holds what no piecewise-linear map over the rationals holds, or is too large.
+    """
+    return _Reader().read(expr)

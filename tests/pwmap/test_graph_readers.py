@@ -1,0 +1,144 @@
+"""Files that are no graph of ours: one sentence, soon, whatever is in them."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from pathlib import Path
+
+import networkx as nx
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from thoroughness import thorough
+
+from pwmap import read_graph, write_graph
+
+SUFFIXES = (".graphml", ".gexf", ".json", ".dot")
+
+
+def example() -> nx.MultiGraph:
+    graph = nx.MultiGraph(title="t", low=0.5, odd=float("nan"))
+    graph.add_node("A", x=1.0, id="q", text='a "b" \\ \n <c> &amp;')
+    graph.add_node("B", x=-1e300)
+    graph.add_edge("A", "B", key="b1", x=2.0)
+    graph.add_edge("A", "B", key="b2", x=float("inf"), note="µ")
+    graph.add_edge("B", "B", key="b1")
+    return graph
+
+
+def written(suffix: str, folder: Path) -> str:
+    return write_graph(example(), folder / f"graph{suffix}").read_text(encoding="utf-8")
+
+
+def refusal(content: str | bytes, suffix: str, folder: Path) -> str:
+    path = folder / f"other{suffix}"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(ValueError, match="does not hold a graph written by write_graph") as refused:
+        read_graph(path)
+    sentence = str(refused.value)
+    assert len(sentence.splitlines()) == 1
+    assert len(sentence) < 400 + len(str(path))
+    return sentence
+
+
+TWICE = [
+    (".json", '"id": "B"', '"id": "A"', "the node 'A' comes twice"),
+    (".json", '"key": "b2"', '"key": "b1"', "the edge 'A B b1' comes twice"),
+    (".json", '"title": "t"', '"title": "t", "title": "u"', "the name 'title' comes twice"),
+    (".json", '"x": 1.0', '"x": 1.0, "x": 2.0', "the name 'x' comes twice"),
+    (".graphml", 'node id="B"', 'node id="A"', "the node 'A' comes twice"),
+    (".graphml", 'id="b2"', 'id="b1"', "the edge 'A B b1' comes twice"),
+    (".graphml", '<node id="B">', '<node id="B"><data key="d3">2</data>', "attribute 'd3' comes"),
+    (".graphml", 'id="d3"', 'id="d2"', "the key 'd2' comes twice"),
+    (".gexf", 'node id="B"', 'node id="A"', "the node 'A' comes twice"),
+    (".gexf", 'label="b2"', 'label="b1"', "the edge 'A B b1' comes twice"),
+    (".gexf", '<attribute id="1"', '<attribute id="2"', "the attribute '2' comes twice"),
+    (".dot", '"B" [', '"A" [', "the node 'A' comes twice"),
+    (".dot", '"key"="b2"', '"key"="b1"', "the edge 'b1' comes twice"),
+    (".dot", '"x"=1.0', '"x"=1.0, "x"=2.0', "the attribute 'x' comes twice"),
+    (".dot", '"low"=0.5;', '"low"=0.5;"low"=0.5;', "the attribute 'low' comes twice"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("suffix", "old", "new", "message"), TWICE)
+def test_what_comes_twice_is_named(
+    suffix: str, old: str, new: str, message: str, tmp_path: Path
+) -> None:
+    text = written(suffix, tmp_path)
+    assert old in text
+    assert message in refusal(text.replace(old, new), suffix, tmp_path)
+
+
+def test_types_of_documents_are_refused(tmp_path: Path) -> None:
+    laughs = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10}">' for i in range(1, 20))
+    bomb = f'<!DOCTYPE graph [<!ENTITY l0 "ha">{laughs}]><graphml>&l19;</graphml>'
+    external = '<!DOCTYPE graph SYSTEM "file:///etc/passwd"><graphml/>'
+    for suffix in (".graphml", ".gexf"):
+        for text in (bomb, external):
+            for content in (text.encode(), ('<?xml version="1.0"?>' + text).encode("utf-16")):
+                assert "a type of document, graph" in refusal(content, suffix, tmp_path)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_deep_nesting_is_refused(suffix: str, tmp_path: Path) -> None:
+    deep = 100_000
+    for text in (
+        "[" * deep,
+        '{"a":' * deep,
+        "<a>" * deep,
+        "graph {" + "{" * deep,
+        "graph {" + "subgraph {" * deep + "}" * deep,
+        '"' * deep,
+        'graph {"a" [' * deep,
+        "(" * deep,
+        "-" * deep,
+    ):
+        refusal(text, suffix, tmp_path)
+
+
+def test_numbers_that_no_float_holds_are_refused(tmp_path: Path) -> None:
+    for number in ("1e400", "9" * 350, "9" * 5000, "NaN", "-Infinity"):
+        text = written(".json", tmp_path).replace("0.5", number)
+        assert re.search("too large|no number of JSON", refusal(text, ".json", tmp_path))
+    for suffix in (".graphml", ".gexf"):
+        text = written(suffix, tmp_path).replace("double", "long").replace("2.0", "9" * 5000)
+        refusal(text, suffix, tmp_path)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_bytes_that_are_no_text_are_refused(suffix: str, tmp_path: Path) -> None:
+    text = written(suffix, tmp_path)
+    for content in (b"\xff" + text.encode(), text.replace("t", "\xff").encode("latin1"), b"\0"):
+        refusal(content, suffix, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_mutated_files_are_graphs_or_refused(
+    suffix: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("graphs")
+    content = written(suffix, folder).encode()
+    path = folder / f"other{suffix}"
+
+    @thorough(150)
+    @given(st.data())
+    def check(data: st.DataObject) -> None:
+        changed = content
+        for _ in range(data.draw(st.integers(1, 3))):
+            start = data.draw(st.integers(0, len(changed)))
+            stop = data.draw(st.integers(start, min(len(changed), start + 20)))
+            bits = st.sampled_from([b"", b'"', b"<", b">", b"{", b"}", b"[", b"9" * 400, b"&"])
+            other = data.draw(bits | st.binary(max_size=4) | st.just(changed[start:stop] * 2))
+            changed = changed[:start] + other + changed[stop:]
+        path.write_bytes(changed)
+        with contextlib.suppress(ValueError):
+            graph = read_graph(path)
+            write_graph(graph, path)
+            assert nx.utils.graphs_equal(read_graph(path), graph) or "nan" in repr(
+                graph.nodes.data()
+            )
+
+    check()
+    assert {p.name for p in folder.iterdir()} == {f"graph{suffix}", f"other{suffix}"}
