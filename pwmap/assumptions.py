@@ -37,7 +37,7 @@ from pwmap.exact import (
     unpacked,
 )
 from pwmap.roots import Dense, gaps_and_roots, inside, real_roots, sign_at
-from pwmap.terms import Operation, Term
+from pwmap.terms import Operation, Term, shortened
 
 _OPPOSITES = {
     Operation.LESS: Operation.GREATER_EQUAL,
@@ -70,7 +70,7 @@ class Constraint(NamedTuple):
 
     def __str__(self) -> str:
         """As an inequality."""
-        return str(self.relation())
+        return shortened(str(self.relation()))
 
     def relation(self) -> Relational:
         """As a sympy relation."""
@@ -152,8 +152,9 @@ class Region:
         found = possible_signs(polynomial, self.constraints)
         if len(found) != 1:
             raise UndecidedError(
-                f"the sign of {sympy.factor(to_sympy(polynomial))} does not follow from "
-                f"{self}: assume more (given=[...]) or give a parameter a value (.at)"
+                f"the sign of {shortened(str(sympy.factor(to_sympy(polynomial))))} "
+                f"does not follow from {self}: "
+                "assume more (given=[...]) or give a parameter a value (.at)"
             )
         return next(iter(found))
 
@@ -171,8 +172,8 @@ class Region:
         return tuple(constraint.relation() for constraint in self.constraints)
 
     def __str__(self) -> str:
-        """The inequalities, or "no assumption"."""
-        return ", ".join(str(r) for r in self.relations()) or "no assumption"
+        """The inequalities, or "no assumption"; its middle left out if it is long."""
+        return shortened(", ".join(str(r) for r in self.relations())) or "no assumption"
 
 
 def _region(kept: Packed, strict: tuple[bool, ...]) -> Region:
