@@ -31,7 +31,7 @@ from pwmap.exact import (
 from pwmap.inequalities import Constraint, shown, variables
 from pwmap.samples import points, ranked
 from pwmap.signs import possible_signs
-from pwmap.terms import Operation, Term
+from pwmap.terms import Operation, Term, shortened
 
 _OPPOSITES = {
     Operation.LESS: Operation.GREATER_EQUAL,
@@ -114,8 +114,9 @@ class Region:
         found = possible_signs(polynomial, self.constraints, lambda: self._witnesses)
         if len(found) != 1:
             raise UndecidedError(
-                f"the sign of {sympy.factor(to_sympy(polynomial))} does not follow from "
-                f"{self}: assume more (given=[...]) or give a parameter a value (.at)"
+                f"the sign of {shortened(str(sympy.factor(to_sympy(polynomial))))} "
+                f"does not follow from {self}: "
+                "assume more (given=[...]) or give a parameter a value (.at)"
             )
         return next(iter(found))
 
@@ -134,8 +135,8 @@ class Region:
         return tuple(constraint.relation() for constraint in self.constraints)
 
     def __str__(self) -> str:
-        """The inequalities, or "no assumption"."""
-        return shown(self.constraints)
+        """The inequalities, or "no assumption"; the middle is left out if they are long."""
+        return shortened(shown(self.constraints))
 
 
 def _region(kept: Packed, strict: tuple[bool, ...]) -> Region:

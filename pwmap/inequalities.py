@@ -17,6 +17,7 @@ from sympy.polys.rings import PolyElement
 
 from pwmap.exact import Number, constant, dense, sign, to_sympy
 from pwmap.roots import Dense
+from pwmap.terms import shortened
 
 Signs = frozenset[int]
 ANY: Signs = frozenset((-1, 0, 1))
@@ -39,7 +40,7 @@ class Constraint(NamedTuple):
 
     def __str__(self) -> str:
         """As an inequality."""
-        return str(self.relation())
+        return shortened(str(self.relation()))
 
     def relation(self) -> Relational:
         """As a sympy relation."""

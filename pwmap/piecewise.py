@@ -10,7 +10,7 @@ is asked of what is assumed of these.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cmp_to_key
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ import sympy
 from pwmap.arithmetic import Arithmetic, NotPolynomialError, Quotient
 from pwmap.assumptions import Region, UndecidedError
 from pwmap.exact import Fraction_, Number, cancelled, constant, fraction_to_sympy, is_constant
-from pwmap.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name
+from pwmap.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name, shortened
 
 MAX_BREAKS = 1000
 
@@ -189,7 +189,7 @@ class Line:
         ordered = sorted(sorted(found, key=str), key=cmp_to_key(self._order))
         for left, right in pairwise(ordered):
             if self._order(left, right) == 0:
-                shown = f"{fraction_to_sympy(left)} and {fraction_to_sympy(right)}"
+                shown = f"{_shown(left)} and {_shown(right)}"
                 raise ValueError(f"the breaks {shown} coincide under {self._region}")
         return tuple(ordered)
 
@@ -301,10 +301,12 @@ class Line:
 
 def slot_name(slot: int, breaks: Sequence[Fraction_], x: sympy.Symbol) -> str:
     """A slot as text, such as ``0 < x < r``."""
-    shown: Iterator[str] = (str(fraction_to_sympy(b)) for b in breaks)
-    names = list(shown)
     if slot % 2:
-        return f"{x} = {names[slot // 2]}"
-    left = f"{names[slot // 2 - 1]} < " if slot else ""
-    right = f" < {names[slot // 2]}" if slot < 2 * len(names) else ""
+        return f"{x} = {_shown(breaks[slot // 2])}"
+    left = f"{_shown(breaks[slot // 2 - 1])} < " if slot else ""
+    right = f" < {_shown(breaks[slot // 2])}" if slot < 2 * len(breaks) else ""
     return f"{left}{x}{right}" if left or right else "the line"
+
+
+def _shown(fraction: Fraction_) -> str:
+    return shortened(str(fraction_to_sympy(fraction)), 60)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from string import ascii_uppercase
 
@@ -109,7 +110,7 @@ def _read(
     choose = _first if first_wins else _only
     owners, affine = list[int](), list[Affine]()
     for slot in range(2 * len(breaks) + 1):
-        name = slot_name(slot, breaks, x)
+        name = partial(slot_name, slot, breaks, x)
         owner = choose([i for i in range(len(pairs)) if holds[i][slot]], name)
         owners.append(owner)
         affine.append(_affine(values[owner][slot], pairs[owner][0], name, x))
@@ -166,10 +167,12 @@ def _assumed(symbol: sympy.Symbol) -> tuple[int, str]:
     return len(symbol.assumptions0), str(symbol)
 
 
-def _affine(value: Quotient | None, formula: Term, slot: str, x: sympy.Symbol) -> Affine:
+def _affine(
+    value: Quotient | None, formula: Term, slot: Callable[[], str], x: sympy.Symbol
+) -> Affine:
     """Slope and intercept of a formula on a slot."""
     if value is None:
-        raise ValueError(f"there is a gap: no piece of {formula} covers {slot}")
+        raise ValueError(f"there is a gap: no piece of {formula} covers {slot()}")
     if len(value.top) > 2:
         raise ValueError(f"the piece {formula} is not affine in {x}")
     zero = value.bottom - value.bottom
@@ -266,16 +269,16 @@ def _symbol(x: object) -> sympy.Symbol:
         raise ValueError(f"the variable must be a symbol such as x: {error}") from None
 
 
-def _first(holding: Sequence[int], slot: str) -> int:
+def _first(holding: Sequence[int], slot: Callable[[], str]) -> int:
     if not holding:
-        raise ValueError(f"there is a gap: no piece covers {slot}")
+        raise ValueError(f"there is a gap: no piece covers {slot()}")
     return holding[0]
 
 
-def _only(holding: Sequence[int], slot: str) -> int:
+def _only(holding: Sequence[int], slot: Callable[[], str]) -> int:
     if len(holding) > 1:
         first, second = (i + 1 for i in holding[:2])
-        raise ValueError(f"pieces {first} and {second} overlap: both cover {slot}")
+        raise ValueError(f"pieces {first} and {second} overlap: both cover {slot()}")
     return _first(holding, slot)
 
 

@@ -119,6 +119,11 @@ def test_denominators_have_a_sign_or_are_refused() -> None:
         read("x/a", given=["a > 0"]).at({"a": 0})
 
 
+def test_signs_are_those_of_quotients_also_where_a_denominator_is_negative() -> None:
+    second = read("Abs(x - 1/a)", given=["a < -1"]).iterate(2)
+    assert [str(p) for p in second.pieces] == ["LR: -x for x < 1/a", "RR: x - 2/a for 1/a <= x"]
+
+
 def test_a_diagram_up_to_a_zero_of_a_denominator() -> None:
     map_ = read("Piecewise((x/a + 1, x < 0), (1 - 2*x/(a + 1), True))", given=["a > 0"])
     for span in ((0, 4), (Rational(1, 10), 4), None):

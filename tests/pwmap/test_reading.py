@@ -231,6 +231,8 @@ def test_expressions_are_bounded_as_texts_are() -> None:
         ("Rational(1, 3)*x - Rational(1/2) + Integer(-2)", ["x/3 - 5/2 for all x"]),
         ("-x**2 + x*x + 2**-1*x", ["x/2 for all x"]),
         ("lambda*x", ["lambda*x for all x"]),
+        ("Max(Abs(x) - 1, 2*x)", ["-x - 1 for x < -1/3", "2*x for -1/3 <= x"]),
+        ("Max(Abs(x) - 1, -2*x)", ["-2*x for x < 1/3", "x - 1 for 1/3 <= x"]),
         (" \n Piecewise(\n (1, x < 0),\t(2, True),\n) ", ["1 for x < 0", "2 for 0 <= x"]),
     ],
 )
