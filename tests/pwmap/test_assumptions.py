@@ -468,10 +468,13 @@ def test_of_two_bounds_that_are_assumed_the_larger_counts() -> None:
     """Where a and b - 1 change places, the cells begin elsewhere: their conditions say so."""
     map_ = PiecewiseLinearMap(FALLING, given=["mu > a", "mu > b - 1"])
     cells = parameter_cells(map_, MU)
-    first = cells.cells[0].lower
-    assert first in (A, B - 1)
-    larger = {A: 100, B: 0} if first == B - 1 else {A: 0, B: 100}
-    assert any(relation.subs(larger) == sympy.false for relation in cells.given)
+    first, tested = cells.cells[0].lower, 0
+    for a, b in product(range(-9, 10), repeat=2):
+        values = {A: Rational(2 * a + 1, 3), B: Rational(b, 2)}
+        if all(relation.subs(values) == sympy.true for relation in cells.given):
+            assert first.subs(values) == max(values[A], values[B] - 1)
+            tested += 1
+    assert tested > 10
 
 
 def test_a_span_holds_for_all_samples_that_are_tried() -> None:
