@@ -30,7 +30,8 @@ from pwmap.exact import (
     unpacked,
 )
 from pwmap.inequalities import Constraint, shown, variables
-from pwmap.samples import points, ranked
+from pwmap.ranks import ranked
+from pwmap.samples import points
 from pwmap.signs import possible_signs
 
 WITNESSES = 4  # points that are looked at before a sign is refuted the long way
