@@ -29,7 +29,8 @@ from pwmap.exact import (
     unpacked,
 )
 from pwmap.inequalities import Constraint, shown, variables
-from pwmap.samples import points, ranked
+from pwmap.ranks import ranked
+from pwmap.samples import points
 from pwmap.signs import possible_signs
 from pwmap.terms import Operation, Term, shortened
 

@@ -5,13 +5,13 @@ cylindrical decomposition. Both are complete. Where all inequalities cannot be s
 that must be equations are solved for a parameter. Inside an interior points are moved along one
 parameter after the other, as far as the inequalities allow, which is exact too.
 
-Points depend on the order in which the parameters are listed (see :func:`ranked`), but not on
+Points depend on the order in which the parameters are listed (see :mod:`pwmap.ranks`), but not on
 their names, nor on the order of the inequalities.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
 from typing import Any
@@ -19,7 +19,7 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.exact import Number, Ring, constant, is_constant, polynomial_ring, sign
+from pwmap.exact import Number, Ring, constant, is_constant, sign
 from pwmap.inequalities import (
     Constraint,
     affine,
@@ -34,7 +34,8 @@ from pwmap.inequalities import (
     variables,
 )
 from pwmap.linear import Combination, combination
-from pwmap.roots import Real, bounds, gaps_and_roots, real_roots, simplest_between
+from pwmap.opencells import open_point
+from pwmap.roots import Real, bounds, real_roots, simplest_between
 
 SEED = 1
 DENOMINATORS = (7, 17, 97, 1009, 1000003)  # of the steps in a gap: plain numbers first, then large
@@ -188,7 +189,7 @@ def _interior(constraints: Sequence[Constraint], order: Sequence[int]) -> Interi
     if all(total_degree(c.polynomial) == 1 for c in open_ones):
         found = _linear_point(open_ones, used_order)
     else:
-        found = _cylindrical_point(open_ones, used_order)
+        found = open_point(open_ones, used_order)
     if isinstance(found, dict):
         return Interior(tuple(open_ones), point | found)
     return _with_equation(open_ones, order, found)
@@ -281,135 +282,3 @@ def _linear_point(
     *coordinates, scale, _ = found.vector
     ratios = [x / scale for x in coordinates]
     return {v: QQ(x.numerator, x.denominator) for v, x in zip(order, ratios, strict=True)}
-
-
-# --- Open cylindrical decomposition ---------------------------------------------------------------
-
-
-def _cylindrical_point(
-    constraints: Sequence[Constraint], order: Sequence[int]
-) -> dict[int, Number] | list[Constraint]:
-    """A point at which inequalities hold strictly, or the weak ones of which one is an equation.
-
-    Every open cell of the decomposition gets a point [Strzebonski2000].
-    """
-    ring = constraints[0].polynomial.ring
-    polynomials = {f for c in constraints for f, _ in factors(c.polynomial)[1]}
-    levels: list[tuple[int, set[PolyElement]]] = []
-    left = list(order)
-    while left:
-        variable = min(left, key=lambda v: _cost(polynomials, v))
-        left.remove(variable)
-        levels.append((variable, {p for p in polynomials if variable in variables(p)}))
-        polynomials -= levels[-1][1]
-        if left:
-            polynomials |= set(_projected(levels[-1][1], variable))
-    values = [QQ.zero] * len(ring.gens)
-    if _is_lifted(values, constraints, levels, frozenset()):
-        return {variable: values[variable] for variable in order}
-    return [c for c in constraints if not c.strict]
-
-
-def _cost(polynomials: Iterable[PolyElement], variable: int) -> tuple[int, int, int]:
-    """How much work it is to eliminate a parameter: its degree, and how often it occurs."""
-    own = [p for p in polynomials if variable in variables(p)]
-    return (
-        max((degree(p, variable) for p in own), default=0),
-        max((total_degree(p) for p in own), default=0),
-        len(own),
-    )
-
-
-def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[PolyElement]:
-    """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
-    own = list(polynomials)
-    for i, p in enumerate(own):
-        found = [_leading(p, variable), *(_resultant(p, q, variable) for q in own[:i])]
-        if degree(p, variable) > 1:
-            found.append(_resultant(p, p.diff(variable), variable))
-        for polynomial in found:
-            if not is_constant(polynomial):
-                yield from (factor for factor, _ in factors(polynomial)[1])
-
-
-def _leading(polynomial: PolyElement, variable: int) -> PolyElement:
-    top = degree(polynomial, variable)
-    terms = polynomial.terms()
-    chosen = {(*m[:variable], 0, *m[variable + 1 :]): n for m, n in terms if m[variable] == top}
-    return polynomial.ring.from_dict(chosen)
-
-
-def _resultant(first: PolyElement, second: PolyElement, variable: int) -> PolyElement:
-    ring = first.ring
-    symbols = [ring.symbols[variable], *(s for s in ring.symbols if s != ring.symbols[variable])]
-    turned = polynomial_ring(symbols)  # sympy eliminates the first generator
-    result = first.set_ring(turned).resultant(second.set_ring(turned))
-    return result.set_ring(ring) if isinstance(result, PolyElement) else ring.ground_new(result)
-
-
-def _is_lifted(
-    values: list[Number],
-    constraints: Sequence[Constraint],
-    levels: Sequence[tuple[int, set[PolyElement]]],
-    known: frozenset[int],
-) -> bool:
-    """Put values, gap by gap, until all inequalities hold."""
-    if not levels:
-        return True
-    variable, polynomials = levels[-1]
-    known = known | {variable}
-    lines = [along(p, values, variable) for p in polynomials]
-    roots = sorted({root for line in lines for root in real_roots(line)})
-    ready = [
-        c for c in constraints
-        if variable in variables(c.polynomial) and variables(c.polynomial) <= known
-    ]  # fmt: skip
-    gaps = [
-        piece for piece in gaps_and_roots(roots) if piece[0] is None or piece[0] is not piece[1]
-    ]
-    for value in sorted((simplest_between(*gap) for gap in gaps), key=lambda x: (abs(x), -x)):
-        values[variable] = value
-        if all(value_at(c.polynomial, values) > 0 for c in ready) and _is_lifted(
-            values, constraints, levels[:-1], known
-        ):
-            return True
-    values[variable] = QQ.zero
-    return False
-
-
-# --- An order of the parameters -------------------------------------------------------------------
-
-
-def ranked(
-    ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
-) -> list[int]:
-    """The parameters in an order that depends on what they do, and on names only as a last resort.
-
-    Each gets a rank by the terms in which it occurs, then by those of the parameters it occurs
-    with, and so on.
-    """
-    ranks = [0] * len(ring.gens)
-
-    def signature(terms: Iterable[tuple[tuple[int, ...], Number]]) -> list[tuple[Any, ...]]:
-        return sorted(
-            (number, sorted((ranks[i], e) for i, e in enumerate(exponents) if e))
-            for exponents, number in terms
-        )
-
-    numbers = [(i, n.terms()) for i, n in enumerate(coefficients) if isinstance(n, PolyElement)]
-    for _ in ranks:
-        roles: list[list[Any]] = [[] for _ in ranks]
-        terms_by_role: list[tuple[Any, Any]] = [((0, i, []), terms) for i, terms in numbers]
-        terms_by_role += [
-            ((1, int(c.strict), signature(c.polynomial.terms())), c.polynomial.terms())
-            for c in constraints
-        ]
-        for role, terms in terms_by_role:
-            for exponents, number in terms:
-                for i, exponent in enumerate(exponents):
-                    if exponent:
-                        roles[i].append((role, exponent, signature([(exponents, number)])))
-        own = [(rank, sorted(role)) for rank, role in zip(ranks, roles, strict=True)]
-        ordered = sorted(own)
-        ranks = [ordered.index(item) for item in own]
-    return sorted(range(len(ranks)), key=lambda i: (ranks[i], str(ring.symbols[i])))

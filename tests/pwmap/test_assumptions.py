@@ -318,6 +318,30 @@ def test_eleven_ordered_breaks() -> None:
         assert map_.model.region.sign(generators[high] - generators[low]) == 1
 
 
+def test_samples_depend_neither_on_names_nor_on_the_order_of_inequalities() -> None:
+    rng = random.Random(12)
+    for _ in range(12):
+        rows = [[rng.randint(-4, 4) for _ in range(4)] for _ in range(4)]
+        rows = [row for row in rows if any(row[:3])]
+        found = set()
+        for names in (*permutations("abc"), *permutations("abc")):
+            ring = polynomial_ring(sympy.symbols("a b c"))
+            generators = [ring.gens["abc".index(name)] for name in names]
+            rng.shuffle(rows)
+            constraints = tuple(
+                Constraint(
+                    sum((n * g for n, g in zip(row, generators, strict=False)), row[3]), True
+                )
+                for row in rows
+            )
+            try:
+                drawn = list(islice(Region(ring, constraints).samples(), 3))
+            except ValueError:
+                drawn = []
+            found.add(tuple(values[name] for values in drawn for name in names))
+        assert len(found) == 1
+
+
 def test_cells_do_not_depend_on_names() -> None:
     """Two slopes and an offset: the sample, and with it the cells, are the same up to names."""
     found = set()
@@ -410,6 +434,7 @@ def test_a_span_that_is_not_admitted_is_refused() -> None:
 FALLING = [("x/2 + mu", "x <= 0"), ("mu + b - a*x - 1", "x > 0")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("assumed", "first", "last"),
     [
@@ -439,11 +464,29 @@ def test_assumptions_that_relate_the_parameter_to_others(
     assert diagram.branches
 
 
+def test_of_two_bounds_that_are_assumed_the_larger_counts() -> None:
+    """Where a and b - 1 change places, the cells begin elsewhere: their conditions say so."""
+    map_ = PiecewiseLinearMap(FALLING, given=["mu > a", "mu > b - 1"])
+    cells = parameter_cells(map_, MU)
+    first, tested = cells.cells[0].lower, 0
+    for a, b in product(range(-9, 10), repeat=2):
+        values = {A: Rational(2 * a + 1, 3), B: Rational(b, 2)}
+        if all(relation.subs(values) == sympy.true for relation in cells.given):
+            assert first.subs(values) == max(values[A], values[B] - 1)
+            tested += 1
+    assert tested > 10
+
+
 def test_a_span_holds_for_all_samples_that_are_tried() -> None:
     """mu > a over (0, 1) holds for a <= 0; which a are meant is among the conditions."""
     cells = parameter_cells(PiecewiseLinearMap(FALLING, given=["mu > a"]), MU, span=(0, 1))
     assert (cells.cells[0].lower, cells.cells[-1].upper) == (0, 1)
     assert any(relation.subs(A, 1) == sympy.false for relation in cells.given)
+    shifted = PiecewiseLinearMap(FALLING, given=["mu > a + 3", "mu < b - 3"])
+    cells = parameter_cells(shifted, MU, span=(0, 1))
+    assert (cells.cells[0].lower, cells.cells[-1].upper) == (0, 1)
+    for values in ({A: -2, B: 5}, {A: -4, B: 3}):
+        assert any(relation.subs(values) == sympy.false for relation in cells.given)
     with pytest.raises(ValueError, match=r"mu = .* in the span contradicts the assumption a - mu"):
         parameter_cells(PiecewiseLinearMap(FALLING, given=["mu > a", "a > 1"]), MU, span=(0, 1))
 
@@ -510,6 +553,7 @@ def test_random_families_are_answered(seed: int) -> None:
     assert compared > 10
 
 
+@pytest.mark.slow
 def test_planes_of_random_families() -> None:
     """Strips part the span of the symbolic parameter wherever edges meet."""
     rng, tested = random.Random(4), 0

@@ -1,0 +1,119 @@
+"""Points at which polynomial inequalities hold strictly, by an open cylindrical decomposition.
+
+One parameter after the other is eliminated: what is left are the polynomials at whose roots the
+order of roots in the eliminated one can change. Then values are put in the opposite order, one in
+each gap between roots. Every open cell gets a point, so the search is complete [Strzebonski2000].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.exact import Number, is_constant, polynomial_ring
+from pwmap.inequalities import (
+    Constraint,
+    along,
+    degree,
+    factors,
+    total_degree,
+    value_at,
+    variables,
+)
+from pwmap.roots import gaps_and_roots, real_roots, simplest_between
+
+
+def open_point(
+    constraints: Sequence[Constraint], order: Sequence[int]
+) -> dict[int, Number] | list[Constraint]:
+    """A point at which inequalities hold strictly, or the weak ones of which one is an equation.
+
+    Parameters
+    ----------
+    order
+        The parameters that occur; of several that are as easy to eliminate the first one is.
+    """
+    ring = constraints[0].polynomial.ring
+    polynomials = {f for c in constraints for f, _ in factors(c.polynomial)[1]}
+    levels: list[tuple[int, set[PolyElement]]] = []
+    left = list(order)
+    while left:
+        variable = min(left, key=lambda v: _cost(polynomials, v))
+        left.remove(variable)
+        levels.append((variable, {p for p in polynomials if variable in variables(p)}))
+        polynomials -= levels[-1][1]
+        if left:
+            polynomials |= set(_projected(levels[-1][1], variable))
+    values = [QQ.zero] * len(ring.gens)
+    if _is_lifted(values, constraints, levels, frozenset()):
+        return {variable: values[variable] for variable in order}
+    return [c for c in constraints if not c.strict]
+
+
+def _cost(polynomials: Iterable[PolyElement], variable: int) -> tuple[int, int, int]:
+    """How much work it is to eliminate a parameter: its degree, and how often it occurs."""
+    own = [p for p in polynomials if variable in variables(p)]
+    return (
+        max((degree(p, variable) for p in own), default=0),
+        max((total_degree(p) for p in own), default=0),
+        len(own),
+    )
+
+
+def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[PolyElement]:
+    """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
+    own = list(polynomials)
+    for i, p in enumerate(own):
+        found = [_leading(p, variable), *(_resultant(p, q, variable) for q in own[:i])]
+        if degree(p, variable) > 1:
+            found.append(_resultant(p, p.diff(variable), variable))
+        for polynomial in found:
+            if not is_constant(polynomial):
+                yield from (factor for factor, _ in factors(polynomial)[1])
+
+
+def _leading(polynomial: PolyElement, variable: int) -> PolyElement:
+    top = degree(polynomial, variable)
+    terms = polynomial.terms()
+    chosen = {(*m[:variable], 0, *m[variable + 1 :]): n for m, n in terms if m[variable] == top}
+    return polynomial.ring.from_dict(chosen)
+
+
+def _resultant(first: PolyElement, second: PolyElement, variable: int) -> PolyElement:
+    ring = first.ring
+    symbols = [ring.symbols[variable], *(s for s in ring.symbols if s != ring.symbols[variable])]
+    turned = polynomial_ring(symbols)  # sympy eliminates the first generator
+    result = first.set_ring(turned).resultant(second.set_ring(turned))
+    return result.set_ring(ring) if isinstance(result, PolyElement) else ring.ground_new(result)
+
+
+def _is_lifted(
+    values: list[Number],
+    constraints: Sequence[Constraint],
+    levels: Sequence[tuple[int, set[PolyElement]]],
+    known: frozenset[int],
+) -> bool:
+    """Put values, gap by gap, until all inequalities hold."""
+    if not levels:
+        return True
+    variable, polynomials = levels[-1]
+    known = known | {variable}
+    lines = [along(p, values, variable) for p in polynomials]
+    roots = sorted({root for line in lines for root in real_roots(line)})
+    ready = [
+        c for c in constraints
+        if variable in variables(c.polynomial) and variables(c.polynomial) <= known
+    ]  # fmt: skip
+    gaps = [
+        piece for piece in gaps_and_roots(roots) if piece[0] is None or piece[0] is not piece[1]
+    ]
+    for value in sorted((simplest_between(*gap) for gap in gaps), key=lambda x: (abs(x), -x)):
+        values[variable] = value
+        if all(value_at(c.polynomial, values) > 0 for c in ready) and _is_lifted(
+            values, constraints, levels[:-1], known
+        ):
+            return True
+    values[variable] = QQ.zero
+    return False
