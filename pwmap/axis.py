@@ -7,7 +7,7 @@ polynomials in these with its value at a sample of them.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, total_ordering
 from itertools import pairwise
@@ -458,13 +458,27 @@ class SymbolicAxis(Axis):
 
     def _kept(self) -> list[Constraint]:
         """All recorded signs, but for those that follow from others."""
-        kept, point = self._own(), [self.sample[str(symbol)] for symbol in self._others.symbols]
+        kept = self._own()
+        if len(self._others.symbols) == 1:
+            return list(dict.fromkeys((*kept, *self._ends())))
+        point = [self.sample[str(symbol)] for symbol in self._others.symbols]
         for polynomial in sorted(self._conditions, key=len):
             for factor, _ in polynomial.factor_list()[1]:
                 side = sign(evaluate(factor, self.sample, None))
                 if possible_signs(factor, tuple(kept), lambda: [point]) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
         return without_implied(kept, len(self._own()))
+
+    def _ends(self) -> Iterator[Constraint]:
+        """The interval of the one other parameter, an algebraic end with a rational one beyond."""
+        generator = self._others.gens[0]
+        for side, end, outer in zip((1, -1), self.bounds(), (0, 1), strict=True):
+            if end is not None:
+                yield Constraint(side * (generator - bounds(end)[outer]), True)
+            if isinstance(end, RealRoot):
+                terms = {(i,): c for i, c in enumerate(reversed(end.polynomial)) if c}
+                polynomial = self._others.from_dict(terms)
+                yield Constraint(sign(evaluate(polynomial, self.sample, None)) * polynomial, True)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ring, symbol = self.model.ring, self.model.ring.symbols[self._index]
@@ -475,14 +489,14 @@ class SymbolicAxis(Axis):
             return SymbolicEdge(
                 symbol, self._quotient(low), Region(ring, (*self._assumed,)), orders
             )
-        bounds = [*self._assumed]
+        limits = [*self._assumed]
         for side, end in ((1, low), (-1, high)):
             if end is not None:
                 top, bottom = self._quotient(end)
                 sense = side * sign(evaluate(bottom, self.sample, None))
-                bounds.append(Constraint(sense * (self.identity[0] * bottom - top), True))
+                limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
         left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
-        return SymbolicInterval(symbol, Region(ring, tuple(bounds)), left, right, orders)
+        return SymbolicInterval(symbol, Region(ring, tuple(limits)), left, right, orders)
 
     def _quotient(self, place: Threshold) -> Fraction_:
         """Numerator and denominator of a place in the ring of all parameters."""

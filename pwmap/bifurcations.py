@@ -330,7 +330,8 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
         return PointKind.BC, _staying_note(meeting, own, staying)
     sides = {end.side for end in own} - {ALONG}
     if len(sides) != 1:
-        return PointKind.BC, "persistence" if sides else "isolated"
+        alone = all(end.side == ALONG for end in fixed)  # on a jump that passes, or by itself
+        return PointKind.BC, "isolated" if alone else "persistence"
     flips = len(fixed) == 1 and any(not end.is_fixed for end in own) and fixed[0].is_steep
     return (PointKind.FF if flips else PointKind.BC), "fold"
 
@@ -342,6 +343,8 @@ def _staying_note(meeting: Meeting, own: Sequence[End], staying: set[Name]) -> s
     notes = ["stability changes at the border"] if len(stable) > 1 else []
     if sides:
         notes.append(f"{'fold' if len(sides) == 1 else 'persistence'} at a branch on the border")
+    elif not notes and any(end.run.band is not None for end in own):
+        notes.append("an interval of fixed points ends at a branch on the border")
     elif len(own) < len(meeting.ends):
         notes.append("higher orders end at a branch on the border")
     if meeting.attracts:

@@ -358,13 +358,13 @@ class Judge:
     ) -> None:
         self.orbits = orbits
         self.answers: dict[Question, int] = dict(recorded or {})
-        self._recorded = recorded
+        self._keeps = recorded is not None  # when it is pickled: they may be beyond proof by then
         self.sign = sign
         self._slots: dict[tuple[int, int, Word], int] = {}
         self._slopes: dict[Word, int] = {(): 1}
 
     def __reduce__(self) -> tuple[type[Judge], tuple[object, ...]]:
-        return Judge, (self.orbits, self.sign, self._recorded)
+        return Judge, (self.orbits, self.sign, self.answers if self._keeps else None)
 
     def mark(self) -> Mark:
         """How much is known by now."""

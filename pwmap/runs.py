@@ -22,6 +22,7 @@ from pwmap.diagram import BranchKind
 from pwmap.exact import Fraction_, cancelled, is_constant
 from pwmap.itineraries import Judge, Orbits, Word
 
+Lone = set[tuple[int, int]]  # cell and word length of fixed points that exist at an edge only
 Position = Fraction_ | None  # an x as a quotient; None is infinite
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
@@ -238,11 +239,16 @@ class Sweep:
         """All runs: first those over the parameter, then bands along one value of it."""
         stretches = list(self._stretches())
         bands = list(self._bands())
-        met = self._met(stretches, bands)
+        lone = {
+            (s[0], len(name.word))
+            for name, s in stretches
+            if len(s) == 1 and name.kind is BranchKind.FIXED_POINT
+        }
+        met = self._met(stretches, bands, lone)
         found = [
             self._run(name, part)
             for name, stretch in stretches
-            for part in self._cut(name, stretch, met)
+            for part in self._cut(name, stretch, lone, met)
         ]
         meetings = self.meetings(found) if bands else []
         return found + [run for band in bands for run in self._parted(*band, meetings)]
@@ -273,15 +279,16 @@ class Sweep:
         self,
         stretches: Sequence[tuple[Name, list[int]]],
         bands: Sequence[tuple[Cylinder, Any]],
+        lone: Lone,
     ) -> set[tuple[Any, Any]]:
         """Place and x of all ends at which a run may be met that passes there."""
-        passed = {self.cells[i].lower for name, s in stretches for i in self._on_borders(name, s)}
-        met = {
-            (end.place, end.value)
-            for name, stretch in stretches
-            for end in self.ends(self._run(name, stretch))
-            if end.place in passed
+        passed = {
+            self.cells[i].lower for name, s in stretches for i in self._exposed(name, s, lone)
         }
+        met: set[tuple[Any, Any]] = set()
+        for name, stretch in stretches if passed else ():
+            run = self._run(name, stretch)
+            met |= {(run.places[k], self._value(run, k)) for k in (0, 1) if run.places[k] in passed}
         for cylinder, place in bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
@@ -289,22 +296,24 @@ class Sweep:
                     met.add((place, self.axis.value(x, place)))
         return met
 
-    def _on_borders(self, name: Name, stretch: Sequence[int]) -> Iterator[int]:
-        """Edges through which a run passes while it lies on a border: only there it can be met.
+    def _exposed(self, name: Name, stretch: Sequence[int], lone: Lone) -> Iterator[int]:
+        """Edges that a run passes and at which others of its order can end on it.
 
-        Inside its cylinder no other fixed point is near, and a jump that crosses has none beside.
+        A fixed point inside its cylinder has none near; it must lie on a border. A jump that
+        crosses the diagonal has none beside, but its break can be a fixed point at this edge only.
         """
         for i in stretch[1:-1]:
             shows = self.present[i][name]
-            if self.cells[i].is_edge and shows is not None and shows.place is not Place.INSIDE:
+            on_border = shows is not None and shows.place is not Place.INSIDE
+            if self.cells[i].is_edge and (on_border or (i, len(name.word)) in lone):
                 yield i
 
     def _cut(
-        self, name: Name, stretch: Sequence[int], met: set[tuple[Any, Any]]
+        self, name: Name, stretch: Sequence[int], lone: Lone, met: set[tuple[Any, Any]]
     ) -> Iterator[Sequence[int]]:
         """The parts of a stretch between the places where other runs end on it."""
         start = 0
-        for i in self._on_borders(name, stretch):
+        for i in self._exposed(name, stretch, lone):
             place = self.cells[i].lower
             if (place, self.axis.value(self.position(name), place)) in met:
                 stop = stretch.index(i)

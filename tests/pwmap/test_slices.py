@@ -138,5 +138,6 @@ def test_sides_do_not_hang_on_floats() -> None:
             for branch in map(diagram.branch, name):
                 ends: Any = branch.exact["interval"]
                 assert (ends.start + ends.end) / 2 * side > point.exact["parameter"] * side
+    assert [len(side) for p in (first, second) for side in diagram.sides(p.id)] == [1, 1, 1, 1]
     (between,) = diagram.at(1 + tiny / 2)
     assert (between.exact["left"], between.exact["right"]) == (tiny / 2, -tiny / 2)

@@ -183,3 +183,13 @@ def test_where_jumps_of_the_second_iterate_start_at_a_fold() -> None:
         seen[str(point.kind), same, len(at_jump)] += 1
     assert {key[0] for key in seen if key[2]} == {"BC", "FF"}
     assert len(seen) == 4
+
+
+def test_a_break_that_is_a_fixed_point_at_one_value_only_lies_on_its_jump() -> None:
+    """0 has the value p of its own; around it the map jumps from 1 to -1 for all p."""
+    map_ = PiecewiseLinearMap([("1", "x < 0"), ("p", "Eq(x, 0)"), ("-1", "x > 0")])
+    found = bifurcation_diagram(map_, "p", ("-1/2", "1/2"), (1,))
+    (point,) = (p for p in found.points if p.kind != "EP")
+    assert (point.note, point.exact) == ("isolated", {"parameter": 0, "x": 0})
+    meeting = [found.branch(name) for name in point.branches]
+    assert sorted(str(branch.kind) for branch in meeting) == ["fixed-point", "jump", "jump"]
