@@ -69,7 +69,7 @@ def bifurcation_diagram(
     ValueError, TypeError
         As :func:`pwmap.parameter_cells`. A ``BudgetError`` if no order was completed.
     """
-    orders = checked_orders(orders)
+    orders = checked_orders(orders, budget)
     watch = _Watch(orders, progress, on_interrupt)
     unit = len(map_.chain)
 

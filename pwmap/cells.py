@@ -159,8 +159,10 @@ def stages(
 
 def last(found: Iterable[Stage]) -> list[Cell]:
     """The cells for all orders."""
-    *_, stage = found
-    return stage.cells
+    cells: list[Cell] = []
+    for _, cells, _ in found:
+        pass
+    return cells
 
 
 def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
@@ -458,13 +460,13 @@ def _samples(
             yield values
 
 
-def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
+def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int, ...]:
     """Orders of iterates, sorted; ValueError if there is none or one is not at least 1."""
     listed: set[int] = set()
     for given in orders if isinstance(orders, Iterable) else (orders,):
         order = checked_order(given)
         listed.add(order)
-        checked_size(order, 1)  # at once: a range of orders need not end soon
+        checked_size(order, 1, budget)  # at once: a range of orders need not end soon
     if not listed:
         raise ValueError("orders must name at least one iterate, got none")
     return tuple(sorted(listed))
