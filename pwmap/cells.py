@@ -12,6 +12,7 @@ others. The order of all roots is recorded too: where it persists, the whole pic
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
@@ -159,10 +160,7 @@ def stages(
 
 def last(found: Iterable[Stage]) -> list[Cell]:
     """The cells for all orders."""
-    cells: list[Cell] = []
-    for _, cells, _ in found:
-        pass
-    return cells
+    return deque(found, maxlen=1).pop().cells
 
 
 def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
