@@ -16,7 +16,6 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from textwrap import fill
 
 import matplotlib.pyplot as plt
 from clocks import Seconds, Timing, ratio, summary
@@ -109,8 +108,10 @@ def draw(timings: dict[str, Timing], names: list[str], kinds: list[str]) -> plt.
         seconds = [timings[f"{name}, {kind}"]["cpu_median"] for name in names]
         at = [row + (i - 0.5) * height for row in range(len(names))]
         bars = ax.barh(at, seconds, height, color=COLORS[kind], label=NAMES[kind])
-        ax.bar_label(bars, fmt="%.2f s", fontsize=7, padding=3)
-    ax.set_yticks(range(len(names)), [fill(name, 20) for name in names], fontsize=8)
+        ax.bar_label(bars, fmt="%.2g s", fontsize=7, padding=3)
+    ax.set_yticks(
+        range(len(names)), [name.replace(", orders", ",\norders") for name in names], fontsize=8
+    )
     ax.invert_yaxis()
     ax.margins(x=0.12)
     ax.grid(visible=False, axis="y")
