@@ -7,9 +7,10 @@ polynomials in these with its value at a sample of them.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, total_ordering
+from functools import cached_property, lru_cache, total_ordering
 from itertools import pairwise
 from typing import Any
 
@@ -52,7 +53,7 @@ INFINITE = "infinite"
 
 
 @total_ordering
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Threshold:
     """A value of the parameter that depends on other, symbolic parameters.
 
@@ -60,12 +61,18 @@ class Threshold:
     ----------
     value
         Its value at the sample of the other parameters.
-    expr
-        The quotient of polynomials in the others.
+    top, bottom
+        Polynomials in the others of which it is the quotient, not in lowest terms.
     """
 
     value: Number
-    expr: Any
+    top: PolyElement
+    bottom: PolyElement
+
+    @cached_property
+    def expr(self) -> Any:
+        """The quotient in lowest terms."""
+        return _quotient(self.top, self.bottom)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Threshold) and self.value == other.value
@@ -75,6 +82,36 @@ class Threshold:
 
     def __lt__(self, other: Threshold) -> bool:
         return bool(self.value < other.value)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SymbolicValue:
+    """A quotient of polynomials in other, symbolic parameters, not in lowest terms.
+
+    Attributes
+    ----------
+    value
+        Its value at the sample of the other parameters.
+    """
+
+    value: Number
+    top: PolyElement
+    bottom: PolyElement
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, SymbolicValue)
+            and self.value == other.value
+            and self.top * other.bottom == other.top * self.bottom
+        )
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+def _quotient(top: PolyElement, bottom: PolyElement) -> Any:
+    """A quotient in lowest terms, as an element of the field."""
+    return top.ring.to_field().new(top, bottom)
 
 
 class ResampleError(ValueError):
@@ -313,12 +350,11 @@ class SymbolicAxis(Axis):
         names = [str(s) for s in model.ring.symbols]
         self._index = names.index(name)
         self._others = polynomial_ring([s for s in model.ring.symbols if str(s) != name])
-        self._field = self._others.to_field()
         self._conditions: dict[PolyElement, None] = {}
         self._assumed: list[Constraint] | None = None  # of the others, when all was decided
 
     def place(self, value: Number) -> Threshold:
-        return Threshold(value, self._field.ground_new(value))
+        return Threshold(value, self._others.ground_new(value), self._others.one)
 
     def between(self, low: Any, high: Any) -> Threshold:
         ends = (end.value if end is not None else None for end in (low, high))
@@ -349,8 +385,7 @@ class SymbolicAxis(Axis):
             self._keep_sign(rest)
             return ()
         self._keep_sign(slope)
-        expr = -self._field.field_new(rest) / self._field.field_new(slope)
-        return (Threshold(self._at_sample(expr), expr),)
+        return (Threshold(self._at_sample(-rest, slope), -rest, slope),)
 
     def sign(self, polynomial: Number, place: Threshold) -> int:
         return sign(evaluate(polynomial, {**self.sample, self.name: place.value}, None))
@@ -376,8 +411,12 @@ class SymbolicAxis(Axis):
             raise ResampleError
         self._conditions[polynomial.primitive()[1]] = None
 
-    def _at_sample(self, expr: Any) -> Number:
-        return evaluate(expr.numer, self.sample, None) / evaluate(expr.denom, self.sample, None)
+    def _at_sample(self, top: PolyElement, bottom: PolyElement) -> Number:
+        """A quotient of polynomials in the other parameters at their sample."""
+        divisor = evaluate(bottom, self.sample, None)
+        if not divisor:
+            raise ResampleError
+        return evaluate(top, self.sample, None) / divisor
 
     def _substituted(self, polynomial: PolyElement, place: Threshold) -> tuple[PolyElement, int]:
         """A polynomial of degree n at a place p/q, times q^n, and n."""
@@ -394,17 +433,19 @@ class SymbolicAxis(Axis):
         if not bottom:
             return INFINITE
         scale = place.expr.denom
-        return self._field.new(top * scale ** max(0, m - n), bottom * scale ** max(0, n - m))
+        top, bottom = top * scale ** max(0, m - n), bottom * scale ** max(0, n - m)
+        return SymbolicValue(self._at_sample(top, bottom), top, bottom)
 
     def order(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
-        difference = self.value(first, place) - self.value(second, place)
+        one, other = self.value(first, place), self.value(second, place)
+        difference = one.top * other.bottom - other.top * one.bottom
         if not difference:
             return 0
-        self._keep_sign_of(difference)
-        return sign(self._at_sample(difference))
+        self._keep_sign_of(_quotient(difference, one.bottom * other.bottom))
+        return sign(one.value - other.value)
 
     def compare(self, first: Any, second: Any, place: Threshold) -> int:
-        return sign(self._at_sample(first) - self._at_sample(second))
+        return sign(first.value - second.value)
 
     def to_sympy(self, place: Threshold) -> sympy.Expr:
         return factored_to_sympy((place.expr.numer, place.expr.denom))
@@ -415,7 +456,8 @@ class SymbolicAxis(Axis):
         return to_float(top / bottom)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        return factored_to_sympy((value.numer, value.denom))
+        quotient = _quotient(value.top, value.bottom)
+        return factored_to_sympy((quotient.numer, quotient.denom))
 
     def coefficients(self, polynomial: Number) -> Dense:
         return trimmed(evaluate(c, self.sample, None) for c in reversed(self._powers(polynomial)))
@@ -429,18 +471,30 @@ class SymbolicAxis(Axis):
         if not places:
             return
         low, high = places[0], places[-1]
-        thresholds = {p.expr: p for roots in self._roots.values() for p in roots or ()}
+        thresholds = self._thresholds()
         inside: dict[Threshold, Threshold] = {}
-        for threshold in (*places, *thresholds.values()):
+        for threshold in (*places, *thresholds):
             if low <= threshold <= high and not identical(
                 inside.setdefault(threshold, threshold), threshold
             ):
                 raise ResampleError
         pairs = list(pairwise(sorted(inside)))
-        pairs += [(p, low) for p in thresholds.values() if p < low]
-        pairs += [(high, p) for p in thresholds.values() if high < p]
+        pairs += [(p, low) for p in thresholds if p < low]
+        pairs += [(high, p) for p in thresholds if high < p]
         for left, right in pairs:
             self._keep_sign_of(right.expr - left.expr)
+
+    def _thresholds(self) -> list[Threshold]:
+        """All that were found, each once."""
+        found: list[Threshold] = []
+        known: dict[Number, list[Threshold]] = defaultdict(list)
+        for roots in self._roots.values():
+            for threshold in roots or ():
+                alike = known[threshold.value]
+                if not any(identical(threshold, other) for other in alike):
+                    alike.append(threshold)
+                    found.append(threshold)
+        return found
 
     def _keep_sign_of(self, quotient: Any) -> None:
         """Record that a quotient of polynomials in the others must keep its sign."""
@@ -522,7 +576,9 @@ class SymbolicAxis(Axis):
 
 def identical(first: Any, second: Any) -> bool:
     """Whether two equal places stay equal for other values of the symbolic parameters."""
-    return not isinstance(first, Threshold) or bool(first.expr == second.expr)
+    if not isinstance(first, Threshold):
+        return True
+    return bool(first.top * second.bottom == second.top * first.bottom)
 
 
 def axis_of(model: Model, name: str, sample: dict[str, Number]) -> Axis:

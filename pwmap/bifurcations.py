@@ -71,7 +71,7 @@ def bifurcation_diagram(
     ValueError, TypeError
         As :func:`pwmap.parameter_cells`. A ``BudgetError`` if no order was completed.
     """
-    orders = checked_orders(orders)
+    orders = checked_orders(orders, budget)
     limits: Span = (None, None) if span is None else checked_span(span)
     watch = _Watch(orders, progress, on_interrupt)
 

@@ -12,6 +12,7 @@ others. The order of all roots is recorded too: where it persists, the whole pic
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -157,8 +158,7 @@ def stages(
 
 def last(found: Iterable[Stage]) -> list[Cell]:
     """The cells for all orders."""
-    *_, stage = found
-    return stage.cells
+    return deque(found, maxlen=1).pop().cells
 
 
 def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
@@ -445,13 +445,13 @@ def close(axis: Axis, cells: Sequence[Cell]) -> None:
     axis.closing([place for place in places if place is not None])
 
 
-def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
+def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int, ...]:
     """Orders of iterates, sorted; ValueError if there is none or one is not at least 1."""
     listed: set[int] = set()
     for given in orders if isinstance(orders, Iterable) else (orders,):
         order = checked_order(given)
         listed.add(order)
-        checked_size(order, 1)  # at once: a range of orders need not end soon
+        checked_size(order, 1, budget)  # at once: a range of orders need not end soon
     if not listed:
         raise ValueError("orders must name at least one iterate, got none")
     return tuple(sorted(listed))

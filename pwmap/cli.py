@@ -77,7 +77,7 @@ def analyse(
         write_figure(out / "diagram.png", _drawn(found))
         write_results(found, out)
     except KeyboardInterrupt:
-        errors.print("Interrupted before order 1 was completed", style="red")
+        errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
         errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)

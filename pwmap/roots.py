@@ -279,7 +279,10 @@ def sign_at(polynomial: Dense, x: Real) -> int:
     """Sign of a polynomial at a rational or algebraic number."""
     if isinstance(x, RealRoot):
         return x.sign_of(integers(polynomial))
-    return sign(_scaled(integers(polynomial), *pair(x)))
+    value = QQ.zero
+    for coefficient in polynomial:
+        value = value * x + coefficient
+    return sign(value)
 
 
 def simplest_between(low: Real | None, high: Real | None) -> Number:

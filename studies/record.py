@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("numpy", "scipy", "sympy", "matplotlib", "networkx", "numba", "mpmath")
+PACKAGES = ("numpy", "scipy", "sympy", "matplotlib", "networkx", "numba", "mpmath", "python-flint")
 Results = dict[str, Any]
 Study = Callable[[bool, Path | None], Results]
 

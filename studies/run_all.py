@@ -22,6 +22,7 @@ from rich.console import Console
 STUDIES = (
     "benchmark",
     "symbolic",
+    "ground_types",
     "peer_moreau",
     "peer_siconos",
     "work_precision",
