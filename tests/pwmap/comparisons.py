@@ -1,0 +1,214 @@
+"""Fixed points, bands and jump crossings of a diagram at one parameter, against brute force."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import sympy
+from families import ONE, Family
+from independent import Number, Part, Parts, band_period, crossings, fixed_points, iterated, value
+from readings import (
+    DIGITS,
+    Curve,
+    Place,
+    compared,
+    evaluated,
+    near,
+    number_of,
+    place,
+    rational,
+)
+
+from pwmap import Diagram, bifurcation_diagram
+
+
+@dataclass
+class Report:
+    """What was compared, and what differed."""
+
+    compared: Counter[str] = field(default_factory=Counter)
+    differences: list[tuple[str, str]] = field(default_factory=list)
+
+    def check(self, subject: str, good: bool, say: Callable[[], str]) -> None:
+        """Count a comparison, and keep what differs."""
+        self.compared[subject] += 1
+        if not good:
+            self.differences.append((subject, say()))
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A family with its diagram."""
+
+    family: Family
+    diagram: Diagram
+    curves: tuple[Curve, ...]
+    report: Report
+
+    @classmethod
+    def of(cls, family: Family, report: Report) -> Case:
+        diagram = bifurcation_diagram(family.map(), "p", family.span, family.orders)
+        return cls(family, diagram, tuple(map(Curve.of, diagram.branches)), report)
+
+    def edges(self) -> list[Place]:
+        """The values of the parameter at which special points lie, with the ends of the span."""
+        found: list[Place] = []
+        for point in self.diagram.points:
+            p = place(point.exact["parameter"])  # type: ignore[arg-type]
+            if not any(p is q or compared(p, q) == 0 for q in found):
+                found.append(p)
+        return found
+
+
+def check_at(case: Case, p: Place, *, on_edge: bool) -> None:
+    """Fixed points and crossings at one parameter, by branches and by ``at``."""
+    at, orders, span = number_of(p), case.family.orders, case.family.span
+    base = case.family.at(at)
+    iterates = iterated(base, max(orders))
+    here = [curve for curve in case.curves if curve.holds(p)]
+    for order in orders:
+        parts = iterates[order - 1]
+        own = [c for c in here if c.branch.order == order]
+        where = f"order {order} at p = {p if isinstance(p, Fraction) else at!r}"
+        at_end = p in span
+        _check_fixed(case, base, parts, own, at, where, on_edge=on_edge, at_end=at_end)
+        _check_jumps(case, parts, own, at, where, at_end=at_end)
+    if isinstance(p, Fraction):
+        _check_hits(case, here, p)
+
+
+def _check_fixed(
+    case: Case,
+    base: Parts,
+    parts: Parts,
+    own: Sequence[Curve],
+    at: Number,
+    where: str,
+    *,
+    on_edge: bool,
+    at_end: bool,
+) -> None:
+    order = own[0].branch.order if own else _order(parts)
+    truth = {(f.x, f.word): f for f in fixed_points(base, parts, order) if f.period == order}
+    bands = [q for q in parts if q.is_identity and band_period(base, q, order) == order]
+    shown = {(c.x(at), c.branch.word): c for c in own if c.is_fixed and not c.is_upright}
+    ends = {
+        (end, band.word)
+        for band in bands
+        if not on_edge or _is_lasting(case.family, band.word)
+        for end, closed in ((band.lo, band.lo_in), (band.hi, band.hi_in))
+        if closed
+    }
+    report = case.report
+    surplus = shown.keys() - truth.keys() - ends
+    missing = (truth.keys() | ends) - shown.keys()
+    if at_end:  # what exists there only is left out
+        missing = set()
+    report.check(
+        "fixed points" + (" on edges" if on_edge else ""),
+        not surplus and not missing,
+        lambda: f"{where}: fixed points missing {missing}, too many {surplus}",
+    )
+    for key in truth.keys() & shown.keys():
+        fixed, curve = truth[key], shown[key]
+        m = curve.multiplier(at)
+        good = m is None if fixed.multiplier is None else (m is not None and m == fixed.multiplier)
+        if on_edge and fixed.multiplier is None and m is not None:
+            good = bool(m == fixed.product)
+        report.check("multipliers", good, lambda f=fixed, m=m: f"{where}: multiplier {m}, but {f}")
+        report.check(
+            "stability" + (" on edges" if on_edge else ""),
+            curve.stable(at) == fixed.stable,
+            lambda f=fixed, c=curve: f"{where}: {c.branch.id} stable {c.stable(at)}, but {f}",
+        )
+    if on_edge and not at_end:
+        _check_upright(case, [c for c in own if c.is_upright], bands, where)
+
+
+def _order(parts: Parts) -> int:
+    return len(parts[0].word)
+
+
+def _check_upright(case: Case, own: Sequence[Curve], bands: Sequence[Part], where: str) -> None:
+    """Branches along one value of the parameter lie in bands."""
+    for curve in own:
+        ends = [case.diagram.point(name).exact["x"] for name in curve.branch.ends]
+        holding = [b for b in bands if b.word == curve.branch.word]
+        good = len(holding) == 1 and all(
+            near(bound, end)
+            or (bound is None and end in (sympy.oo, -sympy.oo))
+            or _inside(holding[0], end)
+            for bound, end in zip((holding[0].lo, holding[0].hi), ends, strict=True)
+        )
+        case.report.check("bands", good, lambda c=curve: f"{where}: no band for {c.branch.id}")
+    words = {c.branch.word for c in own}
+    for band in bands:
+        lasting = _is_lasting(case.family, band.word)
+        case.report.check(
+            "bands",
+            lasting or band.word in words,
+            lambda b=band: f"{where}: no branch for the band {b}",
+        )
+
+
+@cache
+def _is_lasting(family: Family, word: str) -> bool:
+    """Whether a word is the identity for all parameters."""
+    for p in (Fraction(n, 31) for n in range(40)):  # more than its degree
+        slope, intercept = ONE, ONE * 0
+        for letter in word:
+            s, t = (value(c, p) for c in family.formulas[family.letters.index(letter)])
+            slope, intercept = s * slope, s * intercept + t
+        if (slope, intercept) != (1, 0):
+            return False
+    return True
+
+
+def _inside(band: Part, end: Any) -> bool:
+    x = rational(sympy.N(end, DIGITS)) if end.is_finite else None
+    return x is not None and (band.lo is None or band.lo < x) and (band.hi is None or x < band.hi)
+
+
+def _check_jumps(
+    case: Case, parts: Parts, own: Sequence[Curve], at: Number, where: str, *, at_end: bool
+) -> None:
+    truth = {(c.x, c.left, c.right, c.words) for c in crossings(parts)}
+    shown = set()
+    for c in own:
+        if not c.is_fixed:
+            limits = (evaluated(c.branch.exact[side], at) for side in ("left", "right"))
+            shown.add((c.x(at), *limits, c.branch.word))
+    missing = set() if at_end else truth - shown
+    case.report.check(
+        "crossings",
+        not (shown - truth) and not missing,
+        lambda: f"{where}: crossings missing {missing}, too many {shown - truth}",
+    )
+
+
+def _check_hits(case: Case, here: Sequence[Curve], p: Fraction) -> None:
+    """``Diagram.at`` against the branches that exist there."""
+    try:
+        hits = case.diagram.at(p)
+    except ArithmeticError as error:
+        case.report.check("at", False, lambda e=error: f"at({p}): {type(e).__name__}: {e}")
+        return
+    expected = sorted((c.x(p), c.branch.id) for c in here if not c.is_upright)
+    found = [(_exact_x(hit), hit.branch.id) for hit in hits if "x" in hit.branch.exact]
+    good = sorted(name for _, name in expected) == sorted(name for _, name in found) and [
+        x for x, _ in expected
+    ] == [x for x, _ in found]
+    case.report.check("at", good, lambda: f"at({p}): {found}, but {expected}")
+
+
+def _exact_x(hit: Any) -> Any:
+    exact = getattr(hit, "exact", None)
+    if exact is None:
+        return hit.x
+    x = exact["x"]
+    return Fraction(int(x.p), int(x.q))
