@@ -146,8 +146,7 @@ def _kind_inside(
     for unit, kind in ((-1, PointKind.PD), (1, PointKind.LP)):
         if any(m == unit for m in multipliers):
             return (kind,)
-    x = rational(sympy.N(point.exact["x"], DIGITS))
-    left, right = (_seen(case.family, order, p, side, x) for side in (-1, 1))
+    left, right = (_seen(case.family, order, p, side, point.exact["x"]) for side in (-1, 1))
     if passing:
         return PointKind.BC, "stability changes at the border"
     if left.any and right.any:
@@ -180,13 +179,14 @@ class Seen:
         return bool(self.fixed or self.jumps)
 
 
-def _seen(family: Family, order: int, p: Place, side: int, x: Fraction) -> Seen:
-    """At a parameter just beside."""
-    step = Fraction(side, 10**24)
+def _seen(family: Family, order: int, p: Place, side: int, position: Any) -> Seen:
+    """At a parameter just beside; far closer where both numbers are rational."""
+    digits = 300 if isinstance(p, Fraction) and position.is_Rational else 16
+    x = rational(sympy.N(position, DIGITS) if digits == 16 else position)
+    size, step = Fraction(1, 10**digits), Fraction(side, 10 ** (2 * digits))
     at = (rational_near(p) if isinstance(p, Root) else p) + step
     iterates = iterated(family.at(at), 2 * order)
     parts, doubled = iterates[order - 1], iterates[2 * order - 1]
-    size = Fraction(1, 10**16)
     fixed = [f.x for f in fixed_points(iterates[0], parts, order) if f.period == order]
     bands = [part for part in parts if part.is_identity]  # listed are the ends that belong to them
     fixed += [band.lo for band in bands if band.lo_in] + [band.hi for band in bands if band.hi_in]

@@ -35,8 +35,8 @@ def place(expr: sympy.Expr) -> Place:
     return _ROOTS.setdefault(key, Root(coefficients, low, high))
 
 
-def rational(number: sympy.Float) -> Fraction:
-    """A decimal number as the fraction it is."""
+def rational(number: sympy.Number) -> Fraction:
+    """A rational or a decimal number as the fraction it is."""
     exact = sympy.Rational(number)
     return Fraction(int(exact.p), int(exact.q))
 
@@ -182,7 +182,7 @@ def near(x: Number, expr: Any) -> bool:
 
 
 def rational_near(root: Root) -> Fraction:
-    """A rational that is no farther from a root than 10^-40."""
-    while root.high - root.low > Fraction(1, 10**40):
+    """A rational that is no farther from a root than 10^-50."""
+    while root.high - root.low > Fraction(1, 10**50):
         root.refine()
     return root.low
