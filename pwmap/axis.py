@@ -9,28 +9,42 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import total_ordering
+from functools import lru_cache, total_ordering
 from itertools import pairwise
 from typing import Any
 
 import sympy
 from sympy import QQ
+from sympy.polys.densearith import dup_sub
 from sympy.polys.rings import PolyElement
 
-from pwmap.assumptions import Constraint, possible_signs
+from pwmap.assumptions import Constraint, Region, possible_signs
 from pwmap.exact import (
     Fraction_,
     Number,
     dense,
     evaluate,
+    factored_to_sympy,
     is_constant,
     polynomial_ring,
     sign,
+    to_float,
+    to_ring,
     to_sympy,
 )
-from pwmap.itineraries import Judge, Orbits, Question
+from pwmap.itineraries import IntegerOrbits, Judge, Orbits, Question
 from pwmap.reading import Model
-from pwmap.roots import RealRoot, real_roots, sign_at, simplest_between
+from pwmap.roots import (
+    Dense,
+    RealRoot,
+    bounds,
+    integers,
+    real_roots,
+    sign_at,
+    simplest_between,
+    trimmed,
+)
+from pwmap.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
 
 INFINITE = "infinite"
 
@@ -114,20 +128,38 @@ class Axis(ABC):
         """Sign of the difference of two finite quotients at a place."""
 
     @abstractmethod
+    def compare(self, first: Any, second: Any, place: Any) -> int:
+        """Sign of the difference of two values, as :meth:`value` returned them for a place.
+
+        With symbolic parameters it is the sign at their sample, which is not recorded.
+        """
+
+    @abstractmethod
     def to_sympy(self, place: Any) -> sympy.Expr:
         """A place as an expression."""
 
     @abstractmethod
     def number(self, fraction: Fraction_, place: Any) -> float:
-        """A finite quotient at a place as a float."""
+        """A finite quotient at a place as a float, infinite if it is too large; for drawing."""
 
     @abstractmethod
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         """What :meth:`value` returned for a place, as an expression."""
 
     @abstractmethod
+    def coefficients(self, polynomial: Number) -> Dense:
+        """A polynomial in the parameter of the axis alone, others at their sample."""
+
+    @abstractmethod
     def spread(self, low: Any, high: Any, n: int) -> list[Any]:
-        """Places that part an interval, up to rounding, in n + 1 equal parts."""
+        """Places inside an interval, in equal steps."""
+
+    @abstractmethod
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        """Where the answers of a cell hold that was cut for some orders of iterates.
+
+        With other parameters symbolic, after :meth:`closing`.
+        """
 
     @property
     def identity(self) -> Fraction_:
@@ -157,7 +189,12 @@ class _SignAt:
     root: RealRoot
 
     def __call__(self, number: Number) -> int:
-        return self.root.sign_of(dense(number))
+        return self.root.sign_of(_integers(number))
+
+
+@lru_cache(maxsize=65536)  # the same polynomial is asked at many places
+def _integers(number: Number) -> tuple[int, ...]:
+    return integers(dense(number))
 
 
 class RationalAxis(Axis):
@@ -177,7 +214,13 @@ class RationalAxis(Axis):
         if isinstance(place, RealRoot):
             return Judge(self.orbits, _SignAt(place))
         table = self.model.table.mapped(lambda number: _at(number, place))
-        return Judge(Orbits(table), sign)
+        return Judge(IntegerOrbits(table), sign)
+
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        symbol = self.model.ring.symbols[0]
+        if low is not None and low is high:
+            return Edge(symbol, low)
+        return Interval(symbol, low, high, orders)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         return real_roots(dense(polynomial)) if polynomial else None
@@ -198,25 +241,31 @@ class RationalAxis(Axis):
         bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
         return sign_at(dense(a * d - c * b), place) * bottom
 
+    def compare(self, first: Any, second: Any, place: Any) -> int:
+        if isinstance(place, RealRoot):
+            return sign_at(_difference(first, second), place)
+        return sign(first - second)
+
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)
 
     def number(self, fraction: Fraction_, place: Any) -> float:
         if isinstance(place, RealRoot):
-            place = place.refined_to(QQ(1, 2**80))
-        top, bottom = (_at(number, place) for number in fraction)
-        return float(top / bottom)
+            top, bottom = (dense(number) for number in fraction)
+            return place.to_float(top, bottom)
+        return to_float(_at(fraction[0], place) / _at(fraction[1], place))
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if not isinstance(place, RealRoot):
             return QQ.to_sympy(value)
-        root = place.to_sympy()
-        powers = enumerate(reversed(value))
-        return sympy.radsimp(sympy.expand(sum(QQ.to_sympy(c) * root**i for i, c in powers)))
+        return place.element_to_sympy(value)
+
+    def coefficients(self, polynomial: Number) -> Dense:
+        return dense(polynomial)
 
     def spread(self, low: Any, high: Any, n: int) -> list[Number]:
-        fine = QQ(1, 2**60)
-        first, last = (x.refined_to(fine) if isinstance(x, RealRoot) else x for x in (low, high))
+        ends = low, high
+        first, last = (bounds(end)[1 - i] for i, end in enumerate(ends))
         return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
 
 
@@ -241,6 +290,7 @@ class SymbolicAxis(Axis):
         self._others = polynomial_ring([s for s in model.ring.symbols if str(s) != name])
         self._field = self._others.to_field()
         self._conditions: dict[PolyElement, None] = {}
+        self._assumed: list[Constraint] | None = None  # of the others, when all was decided
 
     def place(self, value: Number) -> Threshold:
         return Threshold(value, self._field.ground_new(value))
@@ -251,7 +301,8 @@ class SymbolicAxis(Axis):
 
     def judge(self, place: Threshold) -> Judge:
         values = {**self.sample, self.name: place.value}
-        return Judge(Orbits(self.model.table.mapped(lambda n: evaluate(n, values, None))), sign)
+        table = self.model.table.mapped(lambda n: evaluate(n, values, None))
+        return Judge(IntegerOrbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         if not polynomial:
@@ -303,16 +354,22 @@ class SymbolicAxis(Axis):
     def _at_sample(self, expr: Any) -> Number:
         return evaluate(expr.numer, self.sample, None) / evaluate(expr.denom, self.sample, None)
 
-    def _substituted(self, polynomial: PolyElement, place: Threshold) -> Any:
-        """A polynomial at a place, as an element of the field of the other parameters."""
-        value = self._field.zero
-        for power in reversed(self._powers(polynomial)):  # Horner's rule
-            value = value * place.expr + self._field.field_new(power)
-        return value
+    def _substituted(self, polynomial: PolyElement, place: Threshold) -> tuple[PolyElement, int]:
+        """A polynomial of degree n at a place p/q, times q^n, and n."""
+        top, bottom = place.expr.numer, place.expr.denom
+        powers = self._powers(polynomial)
+        value, scale = self._others.zero, self._others.one
+        for power in reversed(powers):  # Horner's rule
+            value = value * top + power * scale
+            scale = scale * bottom
+        return value, len(powers) - 1
 
     def value(self, fraction: Fraction_, place: Threshold) -> Any:
-        top, bottom = (self._substituted(number, place) for number in fraction)
-        return INFINITE if not bottom else top / bottom
+        (top, n), (bottom, m) = (self._substituted(number, place) for number in fraction)
+        if not bottom:
+            return INFINITE
+        scale = place.expr.denom
+        return self._field.new(top * scale ** max(0, m - n), bottom * scale ** max(0, n - m))
 
     def order(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
         difference = self.value(first, place) - self.value(second, place)
@@ -321,16 +378,22 @@ class SymbolicAxis(Axis):
         self._keep_sign_of(difference)
         return sign(self._at_sample(difference))
 
+    def compare(self, first: Any, second: Any, place: Threshold) -> int:
+        return sign(self._at_sample(first) - self._at_sample(second))
+
     def to_sympy(self, place: Threshold) -> sympy.Expr:
-        return sympy.factor(place.expr.as_expr())
+        return factored_to_sympy((place.expr.numer, place.expr.denom))
 
     def number(self, fraction: Fraction_, place: Threshold) -> float:
         values = {**self.sample, self.name: place.value}
         top, bottom = (evaluate(number, values, None) for number in fraction)
-        return float(top / bottom)
+        return to_float(top / bottom)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
-        return sympy.factor(value.as_expr())
+        return factored_to_sympy((value.numer, value.denom))
+
+    def coefficients(self, polynomial: Number) -> Dense:
+        return trimmed(evaluate(c, self.sample, None) for c in reversed(self._powers(polynomial)))
 
     def spread(self, low: Any, high: Any, n: int) -> list[Threshold]:
         step = (high.value - low.value) / (n + 1)
@@ -366,13 +429,40 @@ class SymbolicAxis(Axis):
             symbol, (below, above) = self._others.symbols[0], self.bounds()
             lower = [] if below is None else [symbol > real_to_sympy(below)]
             return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
+        return tuple(constraint.relation() for constraint in self._kept())
+
+    def _kept(self) -> list[Constraint]:
+        """All recorded signs, but for those that follow from others."""
         kept = self._own()
         for polynomial in sorted(self._conditions, key=len):
             for factor, _ in polynomial.factor_list()[1]:
                 side = sign(evaluate(factor, self.sample, None))
                 if possible_signs(factor, tuple(kept)) != frozenset((side,)):
                     kept.append(Constraint(side * factor, True))
-        return tuple(constraint.relation() for constraint in kept)
+        return kept
+
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        ring, symbol = self.model.ring, self.model.ring.symbols[self._index]
+        if self._assumed is None:
+            kept = self._kept()
+            self._assumed = [Constraint(to_ring(c.polynomial, ring), c.strict) for c in kept]
+        if low is not None and low is high:
+            return SymbolicEdge(
+                symbol, self._quotient(low), Region(ring, (*self._assumed,)), orders
+            )
+        bounds = [*self._assumed]
+        for side, end in ((1, low), (-1, high)):
+            if end is not None:
+                top, bottom = self._quotient(end)
+                sense = side * sign(evaluate(bottom, self.sample, None))
+                bounds.append(Constraint(sense * (self.identity[0] * bottom - top), True))
+        left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
+        return SymbolicInterval(symbol, Region(ring, tuple(bounds)), left, right, orders)
+
+    def _quotient(self, place: Threshold) -> Fraction_:
+        """Numerator and denominator of a place in the ring of all parameters."""
+        ring = self.model.ring
+        return to_ring(place.expr.numer, ring), to_ring(place.expr.denom, ring)
 
     def bounds(self) -> tuple[Any, Any]:
         """The interval of the one other parameter in which all recorded signs persist."""
@@ -412,3 +502,8 @@ def _at(number: PolyElement, value: Number) -> Number:
     for (exponent,), coefficient in number.items():
         total += coefficient * value**exponent
     return total
+
+
+def _difference(first: Dense, second: Dense) -> Dense:
+    """The difference of two polynomials."""
+    return tuple(dup_sub(list(first), list(second), QQ))

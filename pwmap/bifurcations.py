@@ -6,25 +6,23 @@ from which branches meet there, and on which side.
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from math import inf, nan
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
-import numpy as np
 import sympy
 from sympy import QQ
 
 from pwmap.axis import Axis
-from pwmap.cells import Cell, checked_orders, checked_span, with_cells
+from pwmap.cells import Cell, admitted, checked_orders, checked_span, studied_at, with_cells
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
-from pwmap.roots import bounds
-from pwmap.runs import ALONG, LEFT, RIGHT, End, Meeting, Run, Sweep
-
-SAMPLES = 65  # along a branch that is curved
+from pwmap.roots import ceiling, whole_part
+from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Run, Sweep
+from pwmap.samples import is_isolated, samples
 
 
 def bifurcation_diagram(
@@ -58,8 +56,9 @@ def bifurcation_diagram(
     Diagram
         The exact values are sympy objects: ``exact`` of a branch holds ``x``, ``multiplier`` (or
         the limits ``left`` and ``right`` of a jump) and ``interval``, the values of the parameter
-        at which it exists; that of a point holds ``parameter`` and ``x``. ``given`` says for which
-        values of symbolic parameters all of it holds.
+        at which it exists. A band along one value has its ends ``lower`` and ``upper`` for ``x``,
+        and each can belong to it or not. That of a point holds ``parameter`` and ``x``. ``given``
+        says for which values of symbolic parameters all of it holds.
 
     Raises
     ------
@@ -67,38 +66,37 @@ def bifurcation_diagram(
         As :func:`pwmap.parameter_cells`.
     """
     orders = checked_orders(orders)
-    if span is None:
-        low, high = _whole_span(map_, parameter, orders, sample)
-    else:
-        low, high = checked_span(span)
     unit = len(map_.chain)
-    return with_cells(
-        lambda axis, cells: _assembled(
-            map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper))
-        ),
-        map_,
-        parameter,
-        orders,
-        (low, high),
-        sample,
-        with_ends=True,
+
+    def build(axis: Axis, cells: list[Cell]) -> Diagram:
+        if span is None:
+            cells = _with_ends(axis, map_.chain, cells)
+        return _assembled(map_, Sweep(axis, cells, unit, (cells[0].lower, cells[-1].upper)))
+
+    ends = (None, None) if span is None else checked_span(span)
+    with_ends = span is not None
+    return with_cells(build, map_, parameter, orders, ends, sample, with_ends=with_ends)
+
+
+def _with_ends(axis: Axis, chain: tuple[int, ...], cells: Sequence[Cell]) -> list[Cell]:
+    """Cells of the whole axis, cut off beyond the first and the last edge, with the ends."""
+    low, high = map(axis.place, _outermost(axis, cells))
+    axis.closing([low, *(cell.lower for cell in cells if cell.is_edge), high])
+    kept = list(cells)
+    kept[0] = replace(kept[0], lower=low)
+    kept[-1] = replace(kept[-1], upper=high)
+    first, last = (
+        [studied_at(end, axis, chain, cell)] if admitted(axis, end) else []
+        for end, cell in ((low, kept[0]), (high, kept[-1]))
     )
-
-
-def _whole_span(
-    map_: PiecewiseLinearMap,
-    parameter: object,
-    orders: Sequence[int],
-    sample: Mapping[Any, object] | None,
-) -> tuple[Number, Number]:
-    return with_cells(_outermost, map_, parameter, orders, (None, None), sample)
+    return [*first, *kept, *last]
 
 
 def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Number, Number]:
     edges = [cell.lower for cell in cells if cell.is_edge]
     edges = edges or [axis.between(cells[0].lower, cells[0].upper)]
-    below, above = bounds(_number(edges[0]))[0], bounds(_number(edges[-1]))[1]
-    low, high = QQ(math.floor(below) - 1), QQ(math.ceil(above) + 1)
+    low = QQ(whole_part(_number(edges[0])) - 1)
+    high = QQ(ceiling(_number(edges[-1])) + 1)
     first, last = cells[0].lower, cells[-1].upper  # as far as the assumptions reach
     if first is not None and axis.place(low) < first:
         low = _number(axis.between(first, edges[0]))
@@ -122,13 +120,13 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
         counts[letter] += 1
         branch_ids[run] = f"{letter}{counts[letter]}"
     points: list[SpecialPoint] = []
-    ends: dict[tuple[Run, int], str] = {}
+    ends: dict[tuple[Run, int], SpecialPoint] = {}
     for meeting in sweep.meetings(runs):
         kind, note = classify(meeting, at_span_end=meeting.place in sweep.span)
         counts[kind] += 1
         point = _point(sweep, meeting, f"{kind}{counts[kind]}", kind, note, branch_ids)
         points.append(point)
-        ends.update({(end.run, end.which): point.id for end in meeting.ends})
+        ends.update({(end.run, end.which): point for end in meeting.ends})
     branches = [
         _branch(map_, sweep, run, branch_ids[run], (ends[run, 0], ends[run, 1])) for run in runs
     ]
@@ -138,6 +136,7 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
         branches=tuple(branches),
         points=tuple(points),
         given=tuple(str(relation) for relation in sweep.axis.given),
+        sample={name: QQ.to_sympy(value) for name, value in sweep.axis.sample.items()},
     )
 
 
@@ -150,8 +149,8 @@ def _point(
     branch_ids: Mapping[Run, str],
 ) -> SpecialPoint:
     axis, place = sweep.axis, meeting.place
-    infinite = abs(meeting.x) == inf
-    x = sympy.oo * meeting.x if infinite else axis.value_to_sympy(meeting.value, place)
+    x = meeting.value
+    exact_x = sympy.oo * x.side if isinstance(x, Infinite) else axis.value_to_sympy(x, place)
     return SpecialPoint(
         id=point_id,
         kind=kind,
@@ -160,68 +159,51 @@ def _point(
         branches=tuple(dict.fromkeys(branch_ids[end.run] for end in meeting.ends)),
         order=lowest(meeting.ends) // sweep.unit,
         note=note,
-        exact={"parameter": axis.to_sympy(place), "x": x},
+        exact={"parameter": axis.to_sympy(place), "x": exact_x},
     )
 
 
 def _branch(
-    map_: PiecewiseLinearMap, sweep: Sweep, run: Run, branch_id: str, ends: tuple[str, str]
+    map_: PiecewiseLinearMap,
+    sweep: Sweep,
+    run: Run,
+    branch_id: str,
+    ends: tuple[SpecialPoint, SpecialPoint],
 ) -> Branch:
     name, axis, orbits = run.name, sweep.axis, sweep.orbits
     low, high = (axis.to_sympy(place) for place in run.places)
-    exact: dict[str, sympy.Basic] = {
-        "interval": sympy.Interval(low, high, not run.closed[0], not run.closed[1])
-    }
+    exact: dict[str, sympy.Basic] = {"interval": _interval(low, high, *run.closed)}
     if run.band is None:
-        exact["x"] = fraction_to_sympy(name.x(orbits))
+        exact["x"] = fraction_to_sympy(sweep.position(name))
     else:
         exact["interval"] = sympy.FiniteSet(low)
+        lower, upper = run.band
+        exact["lower"] = -sympy.oo if lower is None else fraction_to_sympy(lower)
+        exact["upper"] = sympy.oo if upper is None else fraction_to_sympy(upper)
     if name.kind is BranchKind.JUMP and name.cut is not None:
         for side, word in zip(("left", "right"), name.words, strict=True):
             exact[side] = to_sympy(orbits.orbit(name.cut.k, word[name.cut.steps :]))
     else:
-        slope = to_sympy(orbits.affine(name.word)[0])
-        exact["multiplier"] = sympy.nan if _isolated(run) else slope
-    parameter, x, multiplier = zip(*_samples(sweep, run), strict=True)
+        slope = to_sympy(orbits.slope(name.word))
+        exact["multiplier"] = sympy.nan if is_isolated(run) else slope
+    drawn = samples(sweep, run, ends)
     return Branch(
         id=branch_id,
         kind=name.kind,
         order=len(name.word) // sweep.unit,
         word="|".join(map_.spelled(word) for word in name.words),
-        parameter=np.array(parameter),
-        x=np.array(x),
-        multiplier=np.array(multiplier),
-        ends=ends,
+        parameter=drawn.parameter,
+        x=drawn.x,
+        multiplier=drawn.multiplier,
+        ends=(ends[0].id, ends[1].id),
         exact=exact,
         attracts=None if run.shows is None else run.shows.stable,
     )
 
 
-def _isolated(run: Run) -> bool:
-    return run.shows is not None and run.shows.isolated
-
-
-def _samples(sweep: Sweep, run: Run) -> list[tuple[float, float, float]]:
-    """Parameter, x and multiplier along a run; few samples where that is enough."""
-    axis, one = sweep.axis, sweep.orbits.table.one
-    slope = sweep.orbits.affine(run.name.word)[0]
-    smooth = run.name.kind is BranchKind.FIXED_POINT and not _isolated(run)
-
-    def sample(place: Any, x: float) -> tuple[float, float, float]:
-        multiplier = axis.number((slope, one), place) if smooth else nan
-        return axis.number(axis.identity, place), x, multiplier
-
-    first, last = (sample(end.place, sweep.x(end)) for end in sweep.ends(run))
-    if run.band is not None:
-        return [first, last]
-    if run.places[0] == run.places[1]:
-        return [first]
-    position = run.name.x(sweep.orbits)
-    degrees = [axis.degree(number) for number in (*position, slope)]
-    if degrees[0] <= 1 and degrees[1:] == [0, 0]:
-        return [first, last]
-    inner = axis.spread(*run.places, SAMPLES - 2)
-    return [first, *(sample(place, axis.number(position, place)) for place in inner), last]
+@lru_cache(maxsize=4096)  # sympy compares the ends by their digits
+def _interval(low: sympy.Expr, high: sympy.Expr, starts: bool, stops: bool) -> sympy.Set:
+    return sympy.Interval(low, high, not starts, not stops)
 
 
 # --- What kind of point ---------------------------------------------------------------------------
@@ -250,7 +232,7 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     ends = meeting.ends
     if at_span_end:
         return PointKind.EP, "end of the span"
-    if abs(meeting.x) == inf:
+    if isinstance(meeting.value, Infinite):
         escapes = any(end.unit == 1 for end in ends)
         return PointKind.LP if escapes else PointKind.EP, "x grows without bound"
     own = [end for end in ends if end.steps == lowest(ends)]

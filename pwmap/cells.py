@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice, pairwise
 from typing import Any, TypeVar
 
@@ -23,8 +24,8 @@ from sympy import QQ
 from pwmap.axis import Axis, ResampleError, axis_of, identical
 from pwmap.cylinders import (
     WHOLE_LINE,
-    Crossing,
     Cylinder,
+    Iterate,
     Place,
     crossings,
     is_stable,
@@ -32,7 +33,7 @@ from pwmap.cylinders import (
     refined,
 )
 from pwmap.exact import Number, rational
-from pwmap.itineraries import Judge
+from pwmap.itineraries import Judge, Mark
 from pwmap.maps import PiecewiseLinearMap, checked_order
 
 Result = TypeVar("Result")
@@ -40,29 +41,36 @@ Result = TypeVar("Result")
 # --- The study of one place, and the cells --------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Iterate:
-    """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
-
-    cylinders: tuple[Cylinder, ...]
-    places: tuple[Place, ...]  # of the fixed point of each cylinder
-    stable: tuple[bool, ...]  # whether it attracts
-    crossings: tuple[Crossing, ...]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Study:
-    """All iterates at one place, and the judge who decided them."""
+    """All iterates at one place, and the judge who decided them.
+
+    Attributes
+    ----------
+    cylinders
+        Of the last iterate that was composed.
+    """
 
     judge: Judge
     iterates: dict[int, Iterate]
+    cylinders: tuple[Cylinder, ...] = WHOLE_LINE
 
-    def shown(self) -> list[Iterate]:
+    def shown(self) -> dict[int, Iterate]:
         """The iterates, without telling apart fixed points that are virtual or missing."""
-        return [
-            replace(it, places=tuple(Place.VIRTUAL if p is Place.NONE else p for p in it.places))
-            for it in self.iterates.values()
-        ]
+        return {
+            order: replace(
+                it, places=tuple(Place.VIRTUAL if p is Place.NONE else p for p in it.places)
+            )
+            for order, it in self.iterates.items()
+        }
+
+    def agreed(self, *others: Study) -> Study:
+        """What this study and others that show the same have in common."""
+        shared = set(self.judge.answers.items())
+        for other in others:
+            shared &= set(other.judge.answers.items())
+        judge = Judge(self.judge.orbits, self.judge.sign, dict(shared))
+        return Study(judge, self.shown())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +80,7 @@ class Cell:
     lower: Any
     upper: Any
     study: Study
+    sample: Any  # the place of the study
 
     @property
     def is_edge(self) -> bool:
@@ -79,18 +88,17 @@ class Cell:
         return self.lower is not None and self.lower is self.upper
 
 
-def studied(judge: Judge, chain: tuple[int, ...], orders: Iterable[int]) -> Study:
-    """Iterates of the given orders, with every sign that their fixed points depend on."""
-    wanted = set(orders)
-    current, iterates = WHOLE_LINE, {}
-    for order in range(1, max(wanted) + 1):
-        for layout in chain:
-            current = refined(current, layout, judge)
-        if order in wanted:
-            places = tuple(place_of_fixed_point(cylinder, judge) for cylinder in current)
-            stable = tuple(is_stable(current, i, place, judge) for i, place in enumerate(places))
-            iterates[order] = Iterate(current, places, stable, tuple(crossings(current, judge)))
-    return Study(judge, iterates)
+def grown(study: Study, chain: tuple[int, ...], order: int, *, shown: bool) -> Study:
+    """A study of one order more, with every sign that its fixed points depend on if it is shown."""
+    judge, current, iterates = study.judge, study.cylinders, study.iterates
+    for layout in chain:
+        current = refined(current, layout, judge)
+    if shown:
+        places = tuple(place_of_fixed_point(cylinder, judge) for cylinder in current)
+        stable = tuple(is_stable(current, i, place, judge) for i, place in enumerate(places))
+        found = Iterate(current, places, stable, tuple(crossings(current, judge)))
+        iterates = {**iterates, order: found}
+    return Study(judge, iterates, current)
 
 
 def decomposed(
@@ -103,6 +111,9 @@ def decomposed(
 ) -> list[Cell]:
     """Cells and edges of an open interval of the axis, from left to right.
 
+    They are refined order by order. What a cell knows of lower orders holds in all its parts and
+    on the edges between them, so that only the questions of the new order are asked there.
+
     Parameters
     ----------
     low, high
@@ -110,47 +121,74 @@ def decomposed(
     ends
         The ends to study as edges too, of ``low`` and ``high``.
     """
-    open_cells: list[Cell] = []
-    waiting = [(low, high)]
+    sample = axis.between(low, high)
+    cells = [Cell(low, high, Study(axis.judge(sample), {}), sample)]
+    for end, i in ((low, 0), (high, 2)):
+        if end in ends:
+            cells.insert(i, Cell(end, end, Study(axis.judge(end), {}), end))
+    for order in range(1, max(orders) + 1):
+        grow = partial(grown, chain=chain, order=order, shown=order in orders)
+        cells = [part for cell in cells for part in _parts(axis, cell, grow)]
+    return cells
+
+
+def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
+    """A cell, or what an order more cuts it into: cells and the edges between them."""
+    mark = cell.study.judge.mark()
+    if cell.is_edge:
+        return [_edge(axis, cell.sample, grow(cell.study), mark)]
+
+    def study_at(place: Any) -> Study:
+        judge = axis.judge(place)
+        judge.learn(cell.study.judge, mark)
+        return grow(replace(cell.study, judge=judge))
+
+    opened: list[Cell] = []
+    waiting = [(cell.lower, cell.upper)]
     while waiting:
         left, right = waiting.pop()
-        sample = axis.between(left, right)
-        study = studied(axis.judge(sample), chain, orders)
-        edge = _edge_at(axis, study.judge, sample)
+        old = (left is None or left < cell.sample) and (right is None or cell.sample < right)
+        sample = cell.sample if old else axis.between(left, right)
+        study = grow(cell.study) if old else study_at(sample)
+        new = islice(study.judge.answers.items(), mark.answers, None)
+        edge = _edge_at(axis, study.judge, sample, mark)
         if edge is not None:  # the sample is no inner point of a cell
             waiting += [(left, edge), (edge, right)]
             continue
-        roots = {root for question in study.judge.answers for root in axis.roots(question) or ()}
+        roots = {root for question, _ in new for root in axis.roots(question) or ()}
         start = max((x for x in roots if x < sample and (left is None or left < x)), default=left)
         stop = min((x for x in roots if sample < x and (right is None or x < right)), default=right)
-        open_cells.append(Cell(start, stop, study))
+        opened.append(Cell(start, stop, study, sample))
         if start is not left:
             waiting.append((left, start))
         if stop is not right:
             waiting.append((stop, right))
-    open_cells.sort(key=lambda cell: axis.between(cell.lower, cell.upper))
-    cells: list[Cell] = []
-    for cell in open_cells:
-        if cells or cell.lower in ends:
-            cells.append(_edge(axis, cell.lower, chain, orders))
-        cells.append(cell)
-    if cells[-1].upper in ends:
-        cells.append(_edge(axis, cells[-1].upper, chain, orders))
-    return cells
+    opened.sort(key=lambda part: part.sample)
+    parts = opened[:1]
+    for part in opened[1:]:
+        parts += [_edge(axis, part.lower, study_at(part.lower), mark), part]
+    return parts
 
 
-def _edge(axis: Axis, place: Any, chain: tuple[int, ...], orders: Sequence[int]) -> Cell:
-    study = studied(axis.judge(place), chain, orders)
-    found = _edge_at(axis, study.judge, place)
+def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
+    """An edge at some place in or beside a cell, with the same iterates."""
+    study = Study(axis.judge(place), {})
+    for order in range(1, max(cell.study.iterates) + 1):
+        study = grown(study, chain, order, shown=order in cell.study.iterates)
+    return Cell(place, place, study, place)
+
+
+def _edge(axis: Axis, place: Any, study: Study, mark: Mark) -> Cell:
+    found = _edge_at(axis, study.judge, place, mark)
     if found is not None and not identical(found, place):
         raise ResampleError
-    return Cell(place, place, study)
+    return Cell(place, place, study, place)
 
 
-def _edge_at(axis: Axis, judge: Judge, place: Any) -> Any:
-    """The root that a place hits, if an answer is zero there but not everywhere."""
+def _edge_at(axis: Axis, judge: Judge, place: Any, mark: Mark) -> Any:
+    """The root that a place hits, if a new answer is zero there but not everywhere."""
     found = None
-    for question, answer in judge.answers.items():
+    for question, answer in islice(judge.answers.items(), mark.answers, None):
         roots = axis.roots(question) if answer == 0 else None
         if roots is None:
             continue
@@ -170,7 +208,8 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
             and kept[-1].is_edge
             and kept[-2].study.shown() == kept[-1].study.shown() == cell.study.shown()
         ):
-            kept[-2:] = [Cell(kept[-2].lower, cell.upper, kept[-2].study)]
+            study = kept[-2].study.agreed(kept[-1].study, cell.study)
+            kept[-2:] = [replace(kept[-2], upper=cell.upper, study=study)]
         else:
             kept.append(cell)
     return kept
@@ -189,7 +228,9 @@ class ParameterCell:
         Exact ends, equal for an edge; they do not belong to an open cell.
     map
         The map with its decisions made for this cell: its ``iterate(j).pieces``,
-        ``fixed_points()`` and ``jump_crossings()`` are formulas in the parameters.
+        ``fixed_points()`` and ``jump_crossings()`` are formulas in the parameters, for the orders
+        the cells were cut for. What else is asked of it is answered if that holds throughout the
+        cell; if it does not, or that is not proved, :class:`UndecidedError` names the orders.
     """
 
     lower: sympy.Expr
@@ -283,7 +324,14 @@ def shown_cells(
     for cell in merged(cells):
         lower = -sympy.oo if cell.lower is None else axis.to_sympy(cell.lower)
         upper = sympy.oo if cell.upper is None else axis.to_sympy(cell.upper)
-        decided = PiecewiseLinearMap.decided(map_, cell.study.judge, axis.orbits)
+        scope = axis.scope(cell.lower, cell.upper, orders)
+        decided = PiecewiseLinearMap.decided(
+            map_,
+            scope,
+            axis.orbits,
+            Judge(axis.orbits, scope.sign, cell.study.judge.answers),
+            {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
+        )
         shown.append(ParameterCell(lower=lower, upper=upper, map=decided))
     symbol = next(s for s in map_.parameters if str(s) == axis.name)
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
@@ -314,7 +362,7 @@ def with_cells(
         axis = axis_of(map_.model, name, values)
         try:
             ends = _limited(axis, *span, start)
-            studied_ends = [end for end in ends if with_ends and _admitted(axis, end)]
+            studied_ends = [end for end in ends if with_ends and admitted(axis, end)]
             cells = decomposed(axis, map_.chain, orders, *ends, studied_ends)
             places = [ends[0], *(c.lower for c in cells if c.is_edge), ends[1]]
             axis.closing([place for place in places if place is not None])
@@ -325,7 +373,7 @@ def with_cells(
     raise ResampleError(f"at {others} edges meet by chance: choose another sample")
 
 
-def _admitted(axis: Axis, place: Any) -> bool:
+def admitted(axis: Axis, place: Any) -> bool:
     """Whether the assumptions hold at an end of a span."""
     return place is not None and all(
         constraint.holds(axis.sign(constraint.polynomial, place))

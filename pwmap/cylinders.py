@@ -9,6 +9,7 @@ preimage of a break along the word's own prefix), never as numbers.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 from typing import NamedTuple
@@ -44,6 +45,17 @@ WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 def refined(cylinders: Sequence[Cylinder], layout: int, judge: Judge) -> tuple[Cylinder, ...]:
     """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``."""
     return tuple(piece for cylinder in cylinders for piece in _split(cylinder, layout, judge))
+
+
+def cylinder_of(word: Word, layouts: Sequence[int], judge: Judge) -> Cylinder | None:
+    """The cylinder of one word, or None where it is empty."""
+    found: Cylinder | None = WHOLE_LINE[0]
+    for letter, layout in zip(word, layouts, strict=True):
+        assert found is not None
+        found = next((c for c in _split(found, layout, judge) if c.word[-1] == letter), None)
+        if found is None:
+            break
+    return found
 
 
 def _split(cylinder: Cylinder, layout: int, judge: Judge) -> Iterator[Cylinder]:
@@ -132,6 +144,16 @@ class Crossing(NamedTuple):
     cut: Cut
     left: Word
     right: Word
+
+
+@dataclass(frozen=True, slots=True)
+class Iterate:
+    """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
+
+    cylinders: tuple[Cylinder, ...]
+    places: tuple[Place, ...]  # of the fixed point of each cylinder
+    stable: tuple[bool, ...]  # whether it attracts
+    crossings: tuple[Crossing, ...]
 
 
 def place_of_fixed_point(cylinder: Cylinder, judge: Judge) -> Place:

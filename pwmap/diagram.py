@@ -7,15 +7,19 @@ branches. Both packages share these classes and their export (:mod:`pwmap.graph`
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import cmp_to_key
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
+
+from pwmap.slices import Slice, Value, exact_number
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -168,11 +172,20 @@ class SpecialPoint:
 
 
 class Hit(NamedTuple):
-    """Where a branch is at one value of the parameter; the multiplier of a jump is nan."""
+    """Where a branch is at one value of the parameter.
+
+    Attributes
+    ----------
+    x, multiplier
+        As floats; the multiplier of a jump is nan.
+    exact
+        By name as in :attr:`Branch.exact`, without ``interval``; empty for the toy.
+    """
 
     branch: Branch
     x: float
     multiplier: float
+    exact: Mapping[str, Any] = {}
 
 
 class StableInterval(NamedTuple):
@@ -195,6 +208,8 @@ class Diagram:
         In the order in which they were found; ends of branches refer to ids of points.
     given
         Under which conditions on other, symbolic parameters the diagram holds, or how it was found.
+    sample
+        Values of these parameters by name, at which the floats were taken.
     """
 
     parameter_name: str
@@ -202,6 +217,7 @@ class Diagram:
     branches: tuple[Branch, ...]
     points: tuple[SpecialPoint, ...]
     given: tuple[str, ...] = ()
+    sample: Mapping[str, object] = field(default_factory=dict)
     _branch: Mapping[str, Branch] = field(init=False, repr=False)
     _point: Mapping[str, SpecialPoint] = field(init=False, repr=False)
     _meeting: Mapping[str, list[Branch]] = field(init=False, repr=False)  # by point
@@ -244,34 +260,58 @@ class Diagram:
         left: list[str] = []
         right: list[str] = []
         for branch in self._meeting[point_id]:
-            beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
-            for end, p in zip(branch.ends, beside.tolist(), strict=True):
-                if end == point_id and p != at:
-                    (left if p < at else right).append(branch.id)
+            for end, side in zip(branch.ends, _sides_of_ends(branch, at), strict=True):
+                if end == point_id and side:
+                    (left if side < 0 else right).append(branch.id)
         return tuple(left), tuple(right)
 
-    def at(self, parameter: float) -> tuple[Hit, ...]:
+    def at(self, parameter: object) -> tuple[Hit, ...]:
         """What the diagram shows at one value of the parameter, in order of x.
 
-        Values lie on the straight line between neighbouring samples of a branch; a branch that
-        turns round is met more than once.
+        In an exact diagram all values are exact, also at and between the ends of branches: a branch
+        is met where its ``interval`` holds the parameter. One that lies along this value, a band of
+        fixed points, is met at both of its ends, whether or not these belong to it. Where other
+        parameters are symbolic, it is met and sorted as at :attr:`sample`, where the floats are
+        taken too, and the exact values are formulas in them.
+
+        Otherwise values lie on the straight line between neighbouring samples of a branch; a branch
+        that turns round is met more than once.
+
+        Parameters
+        ----------
+        parameter
+            A number. For an exact diagram an int, a Fraction, text such as ``"5/4"``, a rational or
+            algebraic number of sympy, or a float, which is taken as the binary number it holds.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If it is no finite real number; the sentence names it.
         """
-        hits: list[Hit] = []
-        for branch in self.branches:
-            p = branch.parameter
-            if len(branch) == 1 and p[0] == parameter:
-                hits.append(Hit(branch, float(branch.x[0]), float(branch.multiplier[0])))
-            for i in range(len(branch) - 1):
-                low, high = sorted((p[i], p[i + 1]))
-                last = i == len(branch) - 2 and parameter == p[i + 1]
-                if low < high and low <= parameter <= high and (parameter != p[i + 1] or last):
-                    s = (parameter - p[i]) / (p[i + 1] - p[i])
-                    x, m = (
-                        float((1.0 - s) * values[i] + s * values[i + 1])
-                        for values in (branch.x, branch.multiplier)
-                    )
-                    hits.append(Hit(branch, x, m))
+        if any("interval" in branch.exact for branch in self.branches):
+            return self._exact_hits(parameter)
+        at = float(parameter)  # type: ignore[arg-type]
+        hits = [hit for branch in self.branches for hit in _between_samples(branch, at)]
         return tuple(sorted(hits, key=lambda hit: hit.x))
+
+    def _exact_hits(self, parameter: object) -> tuple[Hit, ...]:
+        here = Slice(self.parameter_name, exact_number(parameter), self.sample)
+        found: list[tuple[Value, Hit]] = []
+        for branch in self.branches:
+            if here.meets(branch.exact["interval"]):
+                names = [n for n in branch.exact if n not in ("interval", "lower", "upper", "x")]
+                values = {name: here.value(branch.exact[name]) for name in names}
+                exact = {name: value.formula for name, value in values.items()}
+                multiplier = values["multiplier"].number if "multiplier" in values else math.nan
+                for name in ("lower", "upper") if "x" not in branch.exact else ("x",):
+                    x = here.value(branch.exact[name])
+                    hit = Hit(branch, x.number, multiplier, {"x": x.formula, **exact})
+                    found.append((x, hit))
+
+        def by_x(one: tuple[Value, Hit], other: tuple[Value, Hit]) -> int:
+            return here.compare(one[0], other[0])
+
+        return tuple(hit for _, hit in sorted(found, key=cmp_to_key(by_x)))
 
     def component_of(self, point_id: str) -> Diagram:
         """All that hangs together with a special point; KeyError if there is no such point."""
@@ -391,6 +431,36 @@ class Diagram:
                 **{f"{name}_exact": str(value) for name, value in branch.exact.items()},
             )
         return graph
+
+
+def _sides_of_ends(branch: Branch, at: float) -> tuple[int, int]:
+    """Whether a branch lies at smaller (-1) or larger (1) parameters than each of its ends.
+
+    An exact branch starts at the smaller one, or lies along one value; otherwise samples tell.
+    """
+    if "interval" in branch.exact:
+        along = not hasattr(branch.exact["interval"], "left_open")  # a set of one value
+        return (0, 0) if along else (1, -1)
+    beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
+    first, last = (int(p > at) - int(p < at) for p in beside.tolist())
+    return first, last
+
+
+def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:
+    """Where the straight lines between the samples of a branch are at a parameter."""
+    p = branch.parameter
+    if len(branch) == 1 and p[0] == at:
+        yield Hit(branch, float(branch.x[0]), float(branch.multiplier[0]))
+    for i in range(len(branch) - 1):
+        low, high = sorted((p[i], p[i + 1]))
+        last = i == len(branch) - 2 and at == p[i + 1]
+        if low < high and low <= at <= high and (at != p[i + 1] or last):
+            s = (at - p[i]) / (p[i + 1] - p[i])
+            x, m = (
+                float((1.0 - s) * values[i] + s * values[i + 1])
+                for values in (branch.x, branch.multiplier)
+            )
+            yield Hit(branch, x, m)
 
 
 def runs_of(flags: BoolArray) -> list[tuple[int, int]]:

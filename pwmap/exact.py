@@ -6,6 +6,7 @@ polynomial ring over them. sympy expressions are taken and given at the edge onl
 
 from __future__ import annotations
 
+import math
 import numbers
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -114,25 +115,31 @@ def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
 
 
 class Packed(NamedTuple):
-    """Numbers without their ring, whose elements sympy does not pickle."""
+    """Numbers without their ring, whose elements sympy does not pickle.
+
+    They can be read where sympy has other ground types.
+    """
 
     symbols: tuple[sympy.Symbol, ...]
-    numbers: tuple[Any, ...]  # elements of QQ, or terms (exponents, coefficient) of the ring
+    numbers: tuple[Any, ...]  # pairs of integers, or terms (exponents, pair) of the ring
 
 
 def packed(ring: Ring, numbers: Sequence[Number]) -> Packed:
     """Numbers of one ring, or of ``QQ``, to be pickled."""
     if ring is None:
-        return Packed((), tuple(numbers))
-    return Packed(tuple(ring.symbols), tuple(tuple(number.terms()) for number in numbers))
+        return Packed((), tuple(map(pair, numbers)))
+    terms = (tuple((monom, pair(c)) for monom, c in number.terms()) for number in numbers)
+    return Packed(tuple(ring.symbols), tuple(terms))
 
 
 def unpacked(kept: Packed) -> tuple[Ring, tuple[Number, ...]]:
     """The ring, and the numbers in it; undoes :func:`packed`."""
     ring = polynomial_ring(kept.symbols)
     if ring is None:
-        return None, kept.numbers
-    return ring, tuple(ring.from_dict(dict(terms)) for terms in kept.numbers)
+        return None, tuple(QQ(*number) for number in kept.numbers)
+    return ring, tuple(
+        ring.from_dict({monom: QQ(*number) for monom, number in terms}) for terms in kept.numbers
+    )
 
 
 def ring_of(number: Number) -> Ring:
@@ -165,6 +172,29 @@ def element(ring: Ring, expr: sympy.Expr, what: str) -> Number:
 def sign(number: Number) -> int:
     """Sign of an element of ``QQ``."""
     return int(number > 0) - int(number < 0)
+
+
+def pair(number: Number) -> tuple[int, int]:
+    """Numerator and denominator of an element of ``QQ``, as integers of Python.
+
+    They do not depend on what sympy takes for rationals (its ground types).
+    """
+    return int(QQ.numer(number)), int(QQ.denom(number))
+
+
+def floor(number: Number) -> int:
+    """The largest integer that is not above an element of ``QQ``."""
+    top, bottom = pair(number)
+    return top // bottom
+
+
+def to_float(number: Number) -> float:
+    """The float nearest to an element of ``QQ``, for drawing; infinite if there is none."""
+    top, bottom = pair(number)
+    try:
+        return top / bottom
+    except OverflowError:
+        return math.inf if top > 0 else -math.inf
 
 
 def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
@@ -238,6 +268,31 @@ def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
     top, bottom = cancelled(fraction)
     if is_constant(top) and is_constant(bottom):
         return to_sympy(constant(top) / constant(bottom))
-    quotient = to_sympy(top) / to_sympy(bottom)
     plain = len(top.ring.gens) == 1 and top.degree() <= 1 and bottom.degree() <= 1
-    return quotient if plain else sympy.factor(quotient)
+    return to_sympy(top) / to_sympy(bottom) if plain else factored_to_sympy((top, bottom))
+
+
+@lru_cache(maxsize=4096)
+def factored_to_sympy(fraction: Fraction_) -> sympy.Expr:
+    """A quotient of polynomials in lowest terms as ``sympy.factor`` writes it."""
+    top, bottom = fraction
+    if len(top.ring.gens) > 1:
+        return sympy.factor(to_sympy(top) / to_sympy(bottom))
+    (unit, above), (scale, below) = factored(top), factored(bottom)
+    powers = [*above, *((factor, -exponent) for factor, exponent in below)]
+    product = sympy.Mul(*(to_sympy(factor) ** exponent for factor, exponent in powers))
+    return _with_coefficient(to_sympy(unit / scale), product)
+
+
+def _with_coefficient(coefficient: sympy.Rational, product: sympy.Expr) -> sympy.Expr:
+    """A product as ``sympy.factor`` writes it: the coefficient is not multiplied into a sum."""
+    if coefficient in (1, -1) or not product.is_Add:
+        return coefficient * product
+    return sympy.Mul(coefficient, product, evaluate=False)
+
+
+@lru_cache(maxsize=4096)
+def factored(polynomial: PolyElement) -> tuple[Number, tuple[tuple[PolyElement, int], ...]]:
+    """A constant, and the irreducible factors with their exponents."""
+    unit, factors = polynomial.factor_list()
+    return unit, tuple(factors)

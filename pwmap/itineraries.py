@@ -14,11 +14,14 @@ keep their signs.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import islice
+from math import lcm, prod
 from typing import NamedTuple
 
-from pwmap.exact import Fraction_, Number, Packed, packed, ring_of, unpacked
+from pwmap.exact import Fraction_, Number, Packed, packed, pair, ring_of, unpacked
 
 Word = tuple[int, ...]
 
@@ -96,6 +99,13 @@ class Offset(NamedTuple):
 Question = Order | Slope | Multiplier | Offset
 
 
+class Mark(NamedTuple):
+    """How much a judge knew at some time: numbers of answers and of slots."""
+
+    answers: int
+    slots: int
+
+
 class Orbits:
     """Affine forms of words and orbits of breaks, each computed once.
 
@@ -110,6 +120,8 @@ class Orbits:
         zero = table.one - table.one
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
+        self._slopes: dict[tuple[tuple[int, int], ...], Number] = {}
+        self._polynomials: dict[Question, Number] = {}
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
         return Orbits, (self.table,)
@@ -118,9 +130,23 @@ class Orbits:
         """Slope and intercept of A_word."""
         found = self._affine.get(word)
         if found is None:
-            slope, intercept = self.affine(word[:-1])
-            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
-            found = self._affine[word] = (m * slope, m * intercept + c)
+            known = self._longest(word, lambda start: start in self._affine)
+            slope, intercept = self._affine[word[:known]]
+            for letter in word[known:]:
+                m, c = self.table.slopes[letter], self.table.intercepts[letter]
+                slope, intercept = m * slope, m * intercept + c
+            found = self._affine[word] = slope, intercept
+        return found
+
+    def slope(self, word: Word) -> Number:
+        """Slope of A_word alone."""
+        counts = tuple(sorted(Counter(word).items()))
+        found = self._slopes.get(counts)
+        if found is None:
+            found = self.table.one
+            for letter, count in counts:
+                found = found * self.table.slopes[letter] ** count
+            self._slopes[counts] = found
         return found
 
     def orbit(self, k: int, word: Word) -> Number:
@@ -129,10 +155,17 @@ class Orbits:
             return self.table.breaks[k]
         found = self._orbits.get((k, word))
         if found is None:
-            before = self.orbit(k, word[:-1])
-            m, c = self.table.slopes[word[-1]], self.table.intercepts[word[-1]]
-            found = self._orbits[k, word] = m * before + c
+            known = self._longest(word, lambda start: (k, start) in self._orbits)
+            found = self._orbits[k, word[:known]] if known else self.table.breaks[k]
+            for letter in word[known:]:
+                found = self.table.slopes[letter] * found + self.table.intercepts[letter]
+            self._orbits[k, word] = found
         return found
+
+    @staticmethod
+    def _longest(word: Word, is_known: Callable[[Word], bool]) -> int:
+        """Length of the longest proper start of a word that was met before, or 0."""
+        return next((n for n in range(len(word) - 1, 0, -1) if is_known(word[:n])), 0)
 
     def preimage(self, k: int, word: Word) -> Fraction_:
         """The x with A_word(x) = b_k, as numerator and denominator."""
@@ -146,15 +179,84 @@ class Orbits:
 
     def polynomial(self, question: Question) -> Number:
         """The number whose sign answers a question."""
+        found = self._polynomials.get(question)
+        if found is None:
+            found = self._polynomials[question] = self._polynomial(question)
+        return found
+
+    def _polynomial(self, question: Question) -> Number:
         match question:
             case Order(k, word, l):
                 return self.orbit(k, word) - self.table.breaks[l]
             case Slope(letter):
                 return self.table.slopes[letter]
             case Multiplier(word, unit):
-                return self.affine(word)[0] - unit * self.table.one
+                return self.slope(word) - unit * self.table.one
             case Offset(word):
                 return self.affine(word)[1]
+
+
+class IntegerOrbits:
+    """Orbits of a map with rational coefficients, for their signs only: all in integers.
+
+    Slopes, intercepts and breaks are multiples of 1/d, so that n letters later an orbit is a
+    multiple of 1/d^(n + 1).
+
+    Parameters
+    ----------
+    table
+        The coefficients, in ``QQ``.
+    """
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
+        parts = table.slopes, table.intercepts, table.breaks
+        pairs = [[pair(number) for number in part] for part in parts]
+        self._unit = lcm(*(bottom for part in pairs for _, bottom in part))
+        self._slopes, self._intercepts, self._breaks = (
+            [top * (self._unit // bottom) for top, bottom in part] for part in pairs
+        )
+        self._powers = [1, self._unit]
+        self._orbits: dict[tuple[int, Word], int] = {}
+
+    def __reduce__(self) -> tuple[type[IntegerOrbits], tuple[Table]]:
+        return IntegerOrbits, (self.table,)
+
+    def polynomial(self, question: Question) -> int:
+        """An integer with the sign that answers a question."""
+        match question:
+            case Order(k, word, l):
+                return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
+            case Slope(letter):
+                return self._slopes[letter]
+            case Multiplier(word, unit):
+                return prod(self._slopes[i] for i in word) - unit * self._power(len(word))
+            case Offset(word):
+                return self._followed(0, word, 0)
+
+    def _orbit(self, k: int, word: Word) -> int:
+        found = self._orbits.get((k, word))
+        if found is None:
+            before = self._orbits.get((k, word[:-1]))
+            if before is None:
+                found = self._followed(self._breaks[k], word, 1)
+            else:
+                letter = word[-1]
+                shift = self._intercepts[letter] * self._power(len(word))
+                found = self._slopes[letter] * before + shift
+            self._orbits[k, word] = found
+        return found
+
+    def _followed(self, value: int, word: Word, scale: int) -> int:
+        """A multiple of d^-scale along a word."""
+        for n, letter in enumerate(word, start=scale):
+            value = self._slopes[letter] * value + self._intercepts[letter] * self._power(n)
+        return value
+
+    def _power(self, n: int) -> int:
+        while len(self._powers) <= n:
+            self._powers.append(self._powers[-1] * self._unit)
+        return self._powers[n]
 
 
 class Judge:
@@ -166,31 +268,52 @@ class Judge:
         Where the polynomials come from.
     sign
         The sign of such a polynomial: -1, 0 or +1.
+    recorded
+        Answers that are known already.
     """
 
-    def __init__(self, orbits: Orbits, sign: Callable[[Number], int]) -> None:
+    def __init__(
+        self,
+        orbits: Orbits | IntegerOrbits,
+        sign: Callable[[Number], int],
+        recorded: Mapping[Question, int] | None = None,
+    ) -> None:
         self.orbits = orbits
-        self.answers: dict[Question, int] = {}
-        self._sign = sign
+        self.answers: dict[Question, int] = dict(recorded or {})
+        self._recorded = recorded
+        self.sign = sign
         self._slots: dict[tuple[int, int, Word], int] = {}
+        self._slopes: dict[Word, int] = {(): 1}
 
-    def __reduce__(self) -> tuple[type[Judge], tuple[Orbits, Callable[[Number], int]]]:
-        return Judge, (self.orbits, self._sign)
+    def __reduce__(self) -> tuple[type[Judge], tuple[object, ...]]:
+        return Judge, (self.orbits, self.sign, self._recorded)
+
+    def mark(self) -> Mark:
+        """How much is known by now."""
+        return Mark(len(self.answers), len(self._slots))
+
+    def learn(self, other: Judge, mark: Mark) -> None:
+        """Take over what another judge knew at some time, which must hold here too."""
+        self.answers.update(islice(other.answers.items(), mark.answers))
+        self._slots.update(islice(other._slots.items(), mark.slots))
 
     def ask(self, question: Question) -> int:
         """The sign of the polynomial of a question."""
         answer = self.answers.get(question)
         if answer is None:
-            answer = self.answers[question] = self._sign(self.orbits.polynomial(question))
+            answer = self.answers[question] = self.sign(self.orbits.polynomial(question))
         return answer
 
     def slope(self, word: Word) -> int:
         """Sign of the slope of a word."""
-        product = 1
-        for letter in word:
-            product *= self.ask(Slope(letter))
-            if not product:
-                return 0
+        product = self._slopes.get(word)
+        if product is None:
+            product = 1
+            for letter in word:
+                product *= self.ask(Slope(letter))
+                if not product:
+                    break
+            self._slopes[word] = product
         return product
 
     def multiplier(self, word: Word, unit: int) -> int:

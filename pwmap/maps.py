@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
 
 from pwmap import cylinders as cyl
 from pwmap.assumptions import Constraint, Region
-from pwmap.cylinders import Crossing, Cut, Cylinder, Place, minimal_period
+from pwmap.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
 from pwmap.exact import (
     Fraction_,
     Number,
@@ -33,6 +33,7 @@ from pwmap.exact import (
 )
 from pwmap.itineraries import Judge, Layout, Offset, Orbits, Table, Word
 from pwmap.reading import Model, read
+from pwmap.scopes import Edge, Scope, SymbolicEdge
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 
@@ -207,7 +208,7 @@ class Cycle:
     multiplier: sympy.Expr
     conditions: tuple[sympy.Basic, ...]
     _signs: tuple[tuple[Fraction_, bool], ...] = field(repr=False)  # positive, or also zero
-    _region: Region = field(repr=False)
+    _scope: Scope = field(repr=False)
 
     @property
     def admissible(self) -> bool:
@@ -218,11 +219,20 @@ class Cycle:
         UndecidedError
             If that does not follow from what is assumed of the parameters.
         """
-        decide = self._region.sign
+        decide = self._scope.sign
         return all(
             decide(top) * decide(bottom) >= (0 if closed else 1)
             for (top, bottom), closed in self._signs
         )
+
+
+class Decided(NamedTuple):
+    """Where the answers of a map hold, who gives them, and what is known already."""
+
+    scope: Scope
+    orbits: Orbits  # affine forms in the ring of the parameters
+    judge: Judge
+    iterates: Mapping[Chain, Iterate]  # those that the cell of the map was cut for
 
 
 class PiecewiseLinearMap:
@@ -281,34 +291,68 @@ class PiecewiseLinearMap:
         self,
         model: Model,
         chain: Chain,
-        judge: Judge | None = None,
+        decided: Decided | None = None,
         known: dict[Chain, tuple[Cylinder, ...]] | None = None,
-        orbits: Orbits | None = None,
     ) -> None:
         self._model = model
         self._chain = chain
-        self.judge = judge or Judge(
-            Orbits(model.table), sign if model.ring is None else model.region.sign
-        )
+        if decided is None:
+            orbits = Orbits(model.table)
+            decide = sign if model.ring is None else model.region.sign
+            decided = Decided(model.region, orbits, Judge(orbits, decide), {})
+        self._decided = decided
         self._known: dict[Chain, tuple[Cylinder, ...]] = (
-            {(): cyl.WHOLE_LINE} if known is None else known
+            {(): cyl.WHOLE_LINE, **{c: it.cylinders for c, it in decided.iterates.items()}}
+            if known is None
+            else known
         )
-        self.orbits = orbits or self.judge.orbits  # affine forms in the ring of the parameters
 
     @classmethod
-    def decided(cls, map_: PiecewiseLinearMap, judge: Judge, orbits: Orbits) -> PiecewiseLinearMap:
-        """A map whose decisions somebody else makes, for instance for one cell of a parameter."""
+    def decided(
+        cls,
+        map_: PiecewiseLinearMap,
+        scope: Scope,
+        orbits: Orbits,
+        judge: Judge,
+        iterates: Mapping[Chain, Iterate],
+    ) -> PiecewiseLinearMap:
+        """A map whose decisions are made for one cell of a parameter.
+
+        Parameters
+        ----------
+        scope
+            The cell.
+        orbits, judge
+            Affine forms in the ring of all parameters, and who decides there.
+        iterates
+            What iterates show there.
+        """
         self = cls.__new__(cls)
-        self._set(map_._model, map_._chain, judge, None, orbits)
+        self._set(map_._model, map_._chain, Decided(scope, orbits, judge, iterates))
         return self
 
     def __reduce__(self) -> tuple[Callable[..., PiecewiseLinearMap], tuple[object, ...]]:
-        return _restored, (self._model, self._chain, self.judge, self.orbits)
+        return _restored, (self._model, self._chain, self._decided)
 
     def _with_chain(self, chain: Chain) -> PiecewiseLinearMap:
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
-        other._set(self._model, chain, self.judge, self._known, self.orbits)
+        other._set(self._model, chain, self._decided, self._known)
         return other
+
+    @property
+    def scope(self) -> Scope:
+        """For which values of the parameters all answers hold: the assumptions, or a cell."""
+        return self._decided.scope
+
+    @property
+    def judge(self) -> Judge:
+        """Who answers for all these values."""
+        return self._decided.judge
+
+    @property
+    def orbits(self) -> Orbits:
+        """Affine forms of words in the ring of the parameters."""
+        return self._decided.orbits
 
     # --- What it is -----------------------------------------------------------------------------
 
@@ -350,11 +394,11 @@ class PiecewiseLinearMap:
     @cached_property
     def cylinders(self) -> tuple[Cylinder, ...]:
         """The pieces in combinatorial form, from left to right."""
-        for n in range(1, len(self._chain) + 1):
-            chain = self._chain[:n]
-            if chain not in self._known:
-                self._known[chain] = cyl.refined(self._known[chain[:-1]], chain[-1], self.judge)
-        return self._known[self._chain]
+        chain, known = self._chain, self._known
+        start = next(n for n in range(len(chain), -1, -1) if chain[:n] in known)
+        for n in range(start, len(chain)):
+            known[chain[: n + 1]] = cyl.refined(known[chain[:n]], chain[n], self.judge)
+        return known[chain]
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
@@ -382,7 +426,8 @@ class PiecewiseLinearMap:
         Raises
         ------
         ValueError
-            If a name is no parameter of the map, or a value contradicts the assumptions.
+            If a name is no parameter of the map, or a value contradicts the assumptions or, for
+            the map of a cell, lies outside.
         TypeError
             If a value is a float.
         """
@@ -392,14 +437,19 @@ class PiecewiseLinearMap:
         for name in numbers:
             if name not in names:
                 raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
+        if not numbers:
+            return self
+        given = ", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items())
         broken = model.region.contains(numbers)
         if broken is not None:
-            given = ", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items())
             raise ValueError(f"{given} contradicts the assumption {broken}")
+        cell = self.scope.contains(numbers)
+        if cell is not None:
+            raise ValueError(f"{given} lies outside of the cell {cell}, for which this map holds")
         ring = polynomial_ring([s for s in self.parameters if str(s) not in numbers])
         constraints = [
             Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
-            for c in model.region.constraints
+            for c in dict.fromkeys((*model.region.constraints, *self.scope.constraints))
         ]
         region = Region(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
         _ = region.sample  # complains if the values leave nothing
@@ -419,12 +469,31 @@ class PiecewiseLinearMap:
         return self._with_chain(self._chain * checked_order(j))
 
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
-        """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``."""
+        """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``.
+
+        Maps of one cell make a map of this cell. If two different maps both have parameters,
+        only their assumptions are kept.
+
+        Raises
+        ------
+        ValueError
+            If the maps belong to different cells, or have different variables.
+        """
         if inner._model == self._model:
-            return self._with_chain(inner._chain + self._chain)
+            wide = self.scope == self._model.region  # a cell is the narrower one
+            if not wide and inner.scope not in (self.scope, inner._model.region):
+                cells = f"{self.scope} and {inner.scope}"
+                raise ValueError(f"the maps hold in different cells, {cells}")
+            return (inner if wide else self)._with_chain(inner._chain + self._chain)
         model, shift = _joined(inner._model, self._model)
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
-        other._set(model, inner._chain + tuple(i + shift for i in self._chain))
+        chain = inner._chain + tuple(i + shift for i in self._chain)
+        cell = next((m.scope for m in (self, inner) if m.scope != m._model.region), None)
+        if cell is None or (self.parameters and inner.parameters):
+            other._set(model, chain)
+        else:
+            orbits = Orbits(model.table)
+            other._set(model, chain, Decided(cell, orbits, Judge(orbits, cell.sign), {}))
         return other
 
     def __matmul__(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
@@ -457,7 +526,7 @@ class PiecewiseLinearMap:
 
     def _follow(self, x: object, direction: int) -> tuple[Word, Fraction_]:
         """Word and value of a point (direction 0) or of points just beside it (-1, +1)."""
-        table, decide = self._model.table, self._model.region.sign
+        table, decide = self._model.table, self.scope.sign
         top, bottom = self._fraction(x)
         word: list[int] = []
         slopes: list[Number] = []
@@ -475,7 +544,7 @@ class PiecewiseLinearMap:
 
     def _slot(self, layout: Layout, point: Fraction_) -> int:
         top, bottom = point
-        decide = self._model.region.sign
+        decide = self.scope.sign
         side = decide(bottom)
         for i, k in enumerate(layout.breaks):
             order = side * decide(top - self._model.table.breaks[k] * bottom)
@@ -489,7 +558,10 @@ class PiecewiseLinearMap:
         return cancelled((element(ring, top, what), element(ring, bottom, what)))
 
     def jumps(self) -> tuple[Jump, ...]:
-        """All discontinuities, from left to right."""
+        """All discontinuities, from left to right: where the limits differ as formulas.
+
+        These may still agree for single values of the parameters.
+        """
         return tuple(self._jumps())
 
     def _jumps(self) -> Iterator[Jump]:
@@ -499,12 +571,28 @@ class PiecewiseLinearMap:
             assert cut is not None
             owner = left if left.upper_closed else right
             limits = [orbit(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
-            if limits[0] != limits[1] or limits[1] != limits[2]:
+            if self._differ(limits):
                 values = [to_sympy(limit) for limit in limits]
                 x = self.cut_to_sympy(right.word, cut)
                 yield Jump(x=x, left=values[0], value=values[1], right=values[2])
 
+    def _differ(self, limits: Sequence[Number]) -> bool:
+        """Whether the numbers at a break differ as formulas; at an edge, whether they differ."""
+        return not all(self._is_zero(one - other) for one, other in pairwise(limits))
+
+    def _is_zero(self, number: Number) -> bool:
+        """Whether a number is zero for all parameters, or at the edge of the map."""
+        at_edge = isinstance(self.scope, Edge | SymbolicEdge)
+        return not number or (at_edge and self.scope.sign(number) == 0)
+
     # --- The diagonal ---------------------------------------------------------------------------
+
+    def _place(self, i: int) -> Place:
+        """Where the fixed point of a cylinder lies."""
+        iterate = self._decided.iterates.get(self._chain)
+        if iterate is not None:
+            return iterate.places[i]
+        return cyl.place_of_fixed_point(self.cylinders[i], self.judge)
 
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
         """All isolated fixed points, from left to right.
@@ -521,8 +609,10 @@ class PiecewiseLinearMap:
         """
         found = []
         for i, cylinder in enumerate(self.cylinders):
-            place = cyl.place_of_fixed_point(cylinder, self.judge)
+            place = self._place(i)
             if place in (Place.NONE, Place.BAND) or (place is Place.VIRTUAL and not virtual):
+                continue
+            if place is Place.VIRTUAL and self.judge.multiplier(cylinder.word, 1) == 0:
                 continue
             found.append(self._fixed_point(i, place))
         return tuple(found)
@@ -543,13 +633,20 @@ class PiecewiseLinearMap:
             order=self.order,
             period=self._period(word),
             admissible=place is not Place.VIRTUAL,
-            stable=cyl.is_stable(self.cylinders, i, place, self.judge),
+            stable=self._is_stable(i, place),
             at_border=place in (Place.LOWER, Place.UPPER, Place.POINT),
         )
 
+    def _is_stable(self, i: int, place: Place) -> bool:
+        iterate = self._decided.iterates.get(self._chain)
+        if iterate is not None:
+            return iterate.stable[i]
+        return cyl.is_stable(self.cylinders, i, place, self.judge)
+
     def _period(self, word: Word) -> int:
-        """Minimal period under the original map of a point with a word, or the order."""
-        return minimal_period(word) if len(set(self._chain)) == 1 else self.order
+        """Minimal period of a point with a word, counted in single maps."""
+        unit = minimal_period(self._chain)  # an iterate of p @ q repeats every two maps
+        return minimal_period(word, unit) * unit
 
     def fixed_intervals(self) -> tuple[FixedInterval, ...]:
         """All pieces on which the map is the identity."""
@@ -560,8 +657,8 @@ class PiecewiseLinearMap:
                 order=self.order,
                 period=self._band_period(piece.cylinder.word),
             )
-            for piece in self.pieces
-            if cyl.place_of_fixed_point(piece.cylinder, self.judge) is Place.BAND
+            for i, piece in enumerate(self.pieces)
+            if self._place(i) is Place.BAND
         )
 
     def _band_period(self, word: Word) -> int:
@@ -571,7 +668,9 @@ class PiecewiseLinearMap:
 
     def jump_crossings(self) -> tuple[JumpCrossing, ...]:
         """All discontinuities that cross the diagonal strictly, from left to right."""
-        return tuple(self._jump_crossing(c) for c in cyl.crossings(self.cylinders, self.judge))
+        iterate = self._decided.iterates.get(self._chain)
+        found = cyl.crossings(self.cylinders, self.judge) if iterate is None else iterate.crossings
+        return tuple(map(self._jump_crossing, found))
 
     def _jump_crossing(self, crossing: Crossing) -> JumpCrossing:
         cut = crossing.cut
@@ -604,7 +703,8 @@ class PiecewiseLinearMap:
         Parameters
         ----------
         word
-            Letters of :attr:`letters`, for instance ``"RLL"``.
+            Letters of :attr:`letters`, for instance ``"RLL"``; each names a piece of the map that
+            acts at its position, in a composition those of the inner map and the outer in turn.
 
         Raises
         ------
@@ -614,14 +714,7 @@ class PiecewiseLinearMap:
         UndecidedError
             If the word's slope is 1, and the assumptions leave open which of these it is.
         """
-        for letter in word:
-            if letter not in self.letters:
-                raise ValueError(f"{letter!r} is no piece of this map, it has {self.letters}")
-        if not word:
-            raise ValueError("the word of a cycle must have at least one letter")
-        if len(word) % self.order:
-            raise ValueError(f"the length of a word must be a multiple of {self.order}: {word!r}")
-        indices = tuple(self.letters.index(letter) for letter in word)
+        indices = self._read_word(word)
         points, multiplier = self._cycle_points(indices)
         conditions: list[sympy.Basic] = []
         signs: list[tuple[Fraction_, bool]] = []
@@ -643,26 +736,55 @@ class PiecewiseLinearMap:
             multiplier=multiplier,
             conditions=tuple(c for c in dict.fromkeys(conditions) if c != sympy.true),
             _signs=tuple(signs),
-            _region=self._model.region,
+            _scope=self.scope,
         )
 
     def _layouts(self, n: int) -> list[Layout]:
         """The layouts of n maps in a row, the chain repeated."""
         return [self._model.table.layouts[self._chain[i % self.order]] for i in range(n)]
 
+    def _read_word(self, word: str) -> Word:
+        """The pieces that the letters of a word name; two maps may use the same letter."""
+        indices = []
+        for letter, layout in zip(word, self._layouts(len(word)), strict=True):
+            own = {self.letters[i]: i for i in dict.fromkeys(layout.slots)}
+            if letter not in own:
+                raise ValueError(f"{letter!r} is no piece of this map, it has {tuple(own)}")
+            indices.append(own[letter])
+        if not word:
+            raise ValueError("the word of a cycle must have at least one letter")
+        if len(word) % self.order:
+            raise ValueError(f"the length of a word must be a multiple of {self.order}: {word!r}")
+        return tuple(indices)
+
     def _cycle_points(self, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
         """Points and multiplier of a cycle."""
-        at = self._point_piece(word)
-        slope = sympy.nan if at is not None else to_sympy(self.orbits.affine(word)[0])
-        if at is None and slope == 1:
-            at = self._only_point(word)
+        root = word[: self._period(word)]  # what is repeated has the same points
+        slope = self.orbits.slope(word)
+        at = self._point_piece(root)
+        multiplier = to_sympy(slope) if at is None else sympy.nan
+        if at is None and self._is_zero(slope - self._one):
+            root, at = word, self._only_point(word)
         if at is None:
-            rotations = [word[i:] + word[:i] for i in range(len(word))]
-            return [self.orbits.fixed_point(rotation) for rotation in rotations], slope
-        turned = word[at.steps :] + word[: at.steps]
-        orbit = [self.orbits.orbit(at.k, turned[:n]) for n in range(len(word))]
-        values = [(value, self._model.table.one) for value in orbit]
-        return values[len(word) - at.steps :] + values[: len(word) - at.steps], slope
+            points = self._orbit(self.orbits.fixed_point(root), root)
+        else:
+            turned = root[at.steps :] + root[: at.steps]
+            points = self._orbit((self.orbits.table.breaks[at.k], self._one), turned)
+            points = points[len(root) - at.steps :] + points[: len(root) - at.steps]
+        return points * (len(word) // len(root)), multiplier
+
+    @property
+    def _one(self) -> Number:
+        return self.orbits.table.one
+
+    def _orbit(self, start: Fraction_, word: Word) -> list[Fraction_]:
+        """A point and its images along a word, but for the last one."""
+        table, (top, bottom) = self.orbits.table, start
+        points = []
+        for letter in word:
+            points.append((top, bottom))
+            top = table.slopes[letter] * top + table.intercepts[letter] * bottom
+        return points
 
     def _point_piece(self, word: Word) -> Cut | None:
         """Where a cycle passes through a piece that is a point."""
@@ -678,11 +800,11 @@ class PiecewiseLinearMap:
         point only: its neighbours, on both sides, visit other pieces.
         """
         if self.judge.ask(Offset(word)) == 0:
-            repeated = self.iterate(len(word) // self.order)
-            for cylinder in repeated.cylinders:
-                if cylinder.word == word and cylinder.is_point:
-                    assert cylinder.lower is not None
-                    return cylinder.lower
+            chain = self._chain * (len(word) // self.order)
+            cylinder = cyl.cylinder_of(word, chain, self.judge)
+            if cylinder is not None and cylinder.is_point:
+                assert cylinder.lower is not None
+                return cylinder.lower
         raise ValueError(f"the slope of {self.spelled(word)} is 1: it has no isolated cycle")
 
     # --- As text --------------------------------------------------------------------------------
@@ -721,10 +843,10 @@ class PiecewiseLinearMap:
         )
 
 
-def _restored(model: Model, chain: Chain, judge: Judge, orbits: Orbits) -> PiecewiseLinearMap:
+def _restored(model: Model, chain: Chain, decided: Decided) -> PiecewiseLinearMap:
     """A map as it was before it was copied or pickled; its pieces are made anew."""
     map_ = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
-    map_._set(model, chain, judge, None, orbits)
+    map_._set(model, chain, decided)
     return map_
 
 

@@ -6,18 +6,21 @@ that isolates one of its roots, refined only as far as a comparison asks for.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache, total_ordering
 from itertools import pairwise
-from math import floor
+from math import lcm
 
 import sympy
 from sympy import QQ
+from sympy.polys.densearith import dup_mul, dup_rem
+from sympy.polys.euclidtools import dup_invert
 
-from pwmap.exact import Number, sign
+from pwmap.exact import Number, floor, pair, sign, to_float
 
 Dense = tuple[Number, ...]  # coefficients in QQ, highest power first, no leading zero
 _T = sympy.Symbol("t")
+_BITS = 64  # after the binary point, from which on a root is known: most signs need no more
 
 
 def trimmed(coefficients: Iterable[Number]) -> Dense:
@@ -28,17 +31,28 @@ def trimmed(coefficients: Iterable[Number]) -> Dense:
     return tuple(result)
 
 
-def horner(polynomial: Dense, x: Number) -> Number:
-    """Value of a polynomial."""
-    value = QQ.zero
-    for coefficient in polynomial:
-        value = value * x + coefficient
+def integers(polynomial: Iterable[Number]) -> tuple[int, ...]:
+    """The coefficients of the least positive multiple of a polynomial that has integers only."""
+    pairs = [pair(coefficient) for coefficient in polynomial]
+    common = lcm(*(bottom for _, bottom in pairs))
+    return tuple(top * (common // bottom) for top, bottom in pairs)
+
+
+def _scaled(coefficients: Sequence[int], top: int, bottom: int) -> int:
+    """The value of an integer polynomial of degree d at top/bottom, times bottom^d."""
+    value, power = 0, 1
+    for coefficient in coefficients:
+        value = value * top + coefficient * power
+        power *= bottom
     return value
 
 
 @total_ordering
 class RealRoot:
     """A real root of an irreducible polynomial of degree two or more.
+
+    It lies strictly between two neighbouring multiples of a power of 1/2, which is made smaller
+    as comparisons ask for it.
 
     Parameters
     ----------
@@ -50,87 +64,180 @@ class RealRoot:
         Rationals that isolate it.
     """
 
-    __slots__ = ("_rises", "high", "index", "low", "polynomial")
+    __slots__ = ("_bits", "_coefficients", "_floor", "_hash", "_rises", "index", "polynomial")
 
     def __init__(self, polynomial: Dense, index: int, low: Number, high: Number) -> None:
         self.polynomial = polynomial
         self.index = index
-        self.low, self.high = low, high
-        self._rises = sign(horner(polynomial, high)) > 0
+        self._coefficients = integers(polynomial)
+        self._hash = hash((self._coefficients, index))
+        self._rises = _scaled(self._coefficients, *pair(high)) > 0
+        self._bits = _BITS
+        while not self._isolate(low, high):
+            self._bits *= 2
+
+    def __reduce__(self) -> tuple[Callable[..., RealRoot], tuple[object, ...]]:
+        return _root, (
+            tuple(map(pair, self.polynomial)),
+            self.index,
+            pair(self.low),
+            pair(self.high),
+        )
+
+    def _isolate(self, low: Number, high: Number) -> bool:
+        """Find the step of the present size that holds the root; False if it sticks out."""
+        start, stop = floor(low * 2**self._bits), -floor(-high * 2**self._bits)
+        first, last = start, stop
+        while last - first > 1:
+            middle = (first + last) // 2
+            first, last = (middle, last) if self._above(middle, self._bits) else (first, middle)
+        self._floor = first
+        return bool(low <= self.low and self.high <= high)
+
+    def _above(self, n: int, bits: int) -> bool:
+        """Whether the root is larger than n / 2**bits, which lies where it is isolated."""
+        return bool((_scaled(self._coefficients, n, 1 << bits) > 0) != self._rises)
+
+    @property
+    def low(self) -> Number:
+        """A rational below the root."""
+        return QQ(self._floor, 1 << self._bits)
+
+    @property
+    def high(self) -> Number:
+        """A rational above the root."""
+        return QQ(self._floor + 1, 1 << self._bits)
+
+    def floor(self) -> int:
+        """The largest integer below the root."""
+        return self._floor >> self._bits
 
     def refine(self) -> None:
-        """Halve the isolating interval."""
-        middle = (self.low + self.high) / 2
-        if (horner(self.polynomial, middle) > 0) == self._rises:
-            self.high = middle
-        else:
-            self.low = middle
+        """Make the step that holds the root much smaller: by Newton's method if that succeeds."""
+        more = self._bits // 2
+        bits, n, unit = self._bits + more, 2 * self._floor + 1, 2 << self._bits
+        degree = len(self._coefficients) - 1
+        rates = [c * (degree - i) for i, c in enumerate(self._coefficients[:-1])]
+        value, rate = _scaled(self._coefficients, n, unit), _scaled(rates, n, unit)
+        guess = ((n * rate - value) << more) // (2 * rate) if rate else n << (more - 1)
+        first, last = self._floor << more, (self._floor + 1) << more
+        if first <= guess < last and self._holds(guess, bits):
+            self._floor, self._bits = guess, bits
+            return
+        for _ in range(more):
+            self._bits += 1
+            self._floor = 2 * self._floor + self._above(2 * self._floor + 1, self._bits)
 
-    def refined_to(self, width: Number) -> Number:
-        """A rational within ``width`` of the root."""
-        while self.high - self.low > width:
-            self.refine()
-        return (self.low + self.high) / 2
+    def _holds(self, n: int, bits: int) -> bool:
+        """Whether the root lies between n and n + 1 steps; both lie where it is isolated."""
+        return self._above(n, bits) and not self._above(n + 1, bits)
 
-    def sign_of(self, polynomial: Dense) -> int:
-        """Sign of another polynomial at this root."""
-        rest = self.reduced(polynomial)
-        if not rest:
-            return 0
+    def sign_of(self, polynomial: tuple[int, ...]) -> int:
+        """Sign of another polynomial, with integer coefficients, at this root."""
+        found = self._sure_sign(polynomial) if polynomial else 0
+        if found is None:
+            rest = self.reduced(tuple(map(QQ, polynomial)))
+            while (found := self._sure_sign(integers(rest)) if rest else 0) is None:
+                self.refine()
+        return found
+
+    def _sure_sign(self, coefficients: tuple[int, ...]) -> int | None:
+        """Sign of an integer polynomial where the root is known to lie; None if it may change."""
+        value, change = self._value(coefficients)
+        if abs(value) > change:
+            return 1 if value > 0 else -1
+        return None
+
+    def _value(self, coefficients: tuple[int, ...]) -> tuple[int, int]:
+        """An integer polynomial of degree d near the root, and a bound of the error.
+
+        Both are scaled by 2**((bits + 1) d). From the middle of the step, where it is computed, to
+        the root the polynomial changes by no more than half a step times a bound of its derivative.
+        """
+        n, unit = 2 * self._floor + 1, 2 << self._bits
+        largest = abs(n) + 1
+        value = size = change = 0
+        power = 1
+        for coefficient in coefficients:
+            value = value * n + coefficient * power
+            change = change * largest + size
+            size = size * largest + abs(coefficient) * power
+            power *= unit
+        return value, change
+
+    def to_float(self, top: Dense, bottom: Dense) -> float:
+        """The quotient of two polynomials at this root as a float, for drawing.
+
+        It is the nearest one, but for the last bit, and infinite if it is too large.
+        """
+        if not self.reduced(top):
+            return 0.0
+        numbers = integers(top), integers(bottom)
         while True:
-            low, high = _range(rest, self.low, self.high)
-            if low > 0 or high < 0:
-                return sign(low)
+            (above, loose), (below, slack) = map(self._value, numbers)
+            if abs(above) > loose << 60 and abs(below) > slack << 60:
+                break
             self.refine()
+        shift = (self._bits + 1) * (len(top) - len(bottom))
+        scale = QQ(numbers[1][0]) * top[0] / (bottom[0] * numbers[0][0])
+        return to_float(QQ(above << max(0, -shift), below << max(0, shift)) * scale)
 
     def reduced(self, polynomial: Dense) -> Dense:
         """Remainder modulo the root's polynomial: the canonical form of a number of its field."""
-        rest, degree = list(trimmed(polynomial)), len(self.polynomial) - 1
-        while len(rest) > degree:
-            factor = rest[0]
-            for i in range(1, degree + 1):
-                rest[i] -= factor * self.polynomial[i]
-            del rest[0]
-        return trimmed(rest)
+        return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
         """Canonical form of top/bottom at this root, where the bottom is not zero."""
-        inverse = sympy.invert(_poly(self.reduced(bottom)), _poly(self.polynomial))
-        product = _poly(self.reduced(top)) * inverse
-        return self.reduced(tuple(QQ.from_sympy(c) for c in product.all_coeffs()))
+        modulus = list(self.polynomial)
+        inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)
+        return tuple(dup_rem(dup_mul(list(self.reduced(top)), inverse, QQ), modulus, QQ))
 
     def to_sympy(self) -> sympy.Expr:
         """The root as radicals where that is short, otherwise as a ``CRootOf``."""
-        return sympy.rootof(_poly(self.polynomial).as_expr(), _T, self.index)
+        return _root_to_sympy(self.polynomial, self.index)
 
-    def __float__(self) -> float:
-        """The nearest float, but for the last bit."""
-        scale = max(abs(self.low), abs(self.high), QQ(1, 2**40))
-        return float(self.refined_to(scale / 2**60))
+    def element_to_sympy(self, value: Dense) -> sympy.Expr:
+        """A number of the root's field, given in canonical form."""
+        root = self.to_sympy()
+        found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
+        if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
+            return sympy.sympify(found)
+        found = sympy.expand(found)
+        return found if len(self.polynomial) == 3 else sympy.radsimp(found)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RealRoot):
             return False
-        return self.polynomial == other.polynomial and self.index == other.index
+        return self._coefficients == other._coefficients and self.index == other.index
 
     def __hash__(self) -> int:
-        return hash((self.polynomial, self.index))
+        return self._hash
 
     def __lt__(self, other: Real) -> bool:
+        if not isinstance(other, RealRoot):
+            if self.low < other < self.high:
+                return (_scaled(self._coefficients, *pair(other)) > 0) == self._rises
+            return bool(self.high <= other)
         if self == other:
             return False
-        while True:
-            low, high = bounds(other)
-            if self.high <= low:
-                return True
-            if self.low >= high:
-                return False
+        while self.low < other.high and other.low < self.high:
             self.refine()
-            if isinstance(other, RealRoot):
-                other.refine()
+            other.refine()
+        return bool(self.high <= other.low)
 
     def __repr__(self) -> str:
-        return f"RealRoot({float(self):.6g})"
+        return f"RealRoot({self.to_sympy()})"
+
+
+def _root(
+    polynomial: Sequence[tuple[int, int]], index: int, low: tuple[int, int], high: tuple[int, int]
+) -> RealRoot:
+    return RealRoot(tuple(QQ(*c) for c in polynomial), index, QQ(*low), QQ(*high))
+
+
+@cache
+def _root_to_sympy(polynomial: Dense, index: int) -> sympy.Expr:
+    return sympy.rootof(_poly(polynomial).as_expr(), _T, index)
 
 
 Real = Number | RealRoot
@@ -168,18 +275,11 @@ def _poly(dense: Sequence[Number]) -> sympy.Poly:
     return sympy.Poly.from_list([QQ.to_sympy(c) for c in dense] or [0], _T, domain="QQ")
 
 
-def _range(polynomial: Dense, low: Number, high: Number) -> tuple[Number, Number]:
-    """Interval arithmetic by Horner's rule."""
-    bottom = top = QQ.zero
-    for coefficient in polynomial:
-        corners = [bottom * low, bottom * high, top * low, top * high]
-        bottom, top = min(corners) + coefficient, max(corners) + coefficient
-    return bottom, top
-
-
 def sign_at(polynomial: Dense, x: Real) -> int:
     """Sign of a polynomial at a rational or algebraic number."""
-    return x.sign_of(polynomial) if isinstance(x, RealRoot) else sign(horner(polynomial, x))
+    if isinstance(x, RealRoot):
+        return x.sign_of(integers(polynomial))
+    return sign(_scaled(integers(polynomial), *pair(x)))
 
 
 def simplest_between(low: Real | None, high: Real | None) -> Number:
@@ -190,29 +290,49 @@ def simplest_between(low: Real | None, high: Real | None) -> Number:
     if low is None and high is None:
         return QQ.zero
     if low is None:
-        return QQ(min(0, -floor(-bounds(high)[0]) - 1))
+        return QQ(min(0, ceiling(high) - 1))
     if high is None:
-        return QQ(max(0, floor(bounds(low)[1]) + 1))
-    while bounds(low)[1] >= bounds(high)[0]:
-        for end in (low, high):
+        return QQ(max(0, whole_part(low) + 1))
+    while True:
+        found = _simplest(bounds(low)[0], bounds(high)[1])
+        if low < found < high:
+            return found
+        for end in (low, high):  # the rational lies between a root and what bounds it
             if isinstance(end, RealRoot):
                 end.refine()
-    return _simplest(bounds(low)[1], bounds(high)[0])
+
+
+def whole_part(x: Real) -> int:
+    """The largest integer that is not above a number."""
+    return x.floor() if isinstance(x, RealRoot) else floor(x)
+
+
+def ceiling(x: Real) -> int:
+    """The smallest integer that is not below a number."""
+    return x.floor() + 1 if isinstance(x, RealRoot) else -floor(-x)
 
 
 def _simplest(low: Number, high: Number) -> Number:
+    """The simplest rational strictly between two others, from their continued fractions."""
     if low < 0 < high:
         return QQ.zero
-    if high <= 0:
-        return -_simplest(-high, -low)
-    whole = floor(low)
-    if whole + 1 < high:
-        return QQ(whole + 1)
-    # low and high have the same integer part, or high is the next integer: look at reciprocals
-    rest = low - whole
-    if rest == 0:
-        return whole + QQ(1, floor(1 / (high - whole)) + 1)
-    return whole + 1 / _simplest(1 / (high - whole), 1 / rest)
+    side = 1 if low >= 0 else -1
+    if side < 0:
+        low, high = -high, -low
+    terms = []
+    while (whole := floor(low)) + 1 >= high:
+        # low and high have the same integer part, or high is the next integer: take reciprocals
+        terms.append(whole)
+        if low == whole:
+            last = floor(1 / (high - whole)) + 1
+            break
+        low, high = 1 / (high - whole), 1 / (low - whole)
+    else:
+        last = whole + 1
+    found = QQ(last)
+    for term in reversed(terms):
+        found = term + 1 / found
+    return side * found
 
 
 def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real | None, Real | None]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key
 from itertools import pairwise
 from math import inf
@@ -50,10 +50,17 @@ class Name:
         return self.words[0]
 
     def x(self, orbits: Orbits) -> Fraction_:
-        """Its position as a quotient in lowest terms."""
+        """Its position as a quotient in lowest terms; see :meth:`Sweep.position`."""
         if self.cut is None:
             return cancelled(orbits.fixed_point(self.word))
         return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
+
+
+@dataclass(frozen=True, slots=True)
+class Infinite:
+    """An x that grows without bound, to the side -1 or +1."""
+
+    side: int
 
 
 class Shows(NamedTuple):
@@ -103,6 +110,10 @@ class End:
         +1 or -1 if that is the multiplier there and not elsewhere, otherwise 0.
     is_steep
         Whether the multiplier near it is larger than 1 in size.
+    x
+        Its position as a quotient.
+    value
+        The same in canonical form, or :class:`Infinite`.
     """
 
     run: Run
@@ -110,6 +121,8 @@ class End:
     side: int
     unit: int
     is_steep: bool
+    x: Position
+    value: Any
 
     @property
     def is_fixed(self) -> bool:
@@ -126,12 +139,6 @@ class End:
         """Where on the axis it lies."""
         return self.run.places[self.which]
 
-    def x(self, orbits: Orbits) -> Position:
-        """Its position as a quotient."""
-        if self.run.band is not None:
-            return self.run.band[self.which]
-        return self.run.name.x(orbits)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meeting:
@@ -140,9 +147,9 @@ class Meeting:
     Attributes
     ----------
     value
-        The common x in canonical form, or (INFINITE, sign).
+        The common x in canonical form, or :class:`Infinite`.
     x
-        The same as a float.
+        The same as a float, for drawing; it is infinite too where the x is too large for one.
     """
 
     place: Any
@@ -167,6 +174,9 @@ class Sweep:
     cells: Sequence[Cell]
     unit: int
     span: tuple[Any, Any]
+    _positions: dict[Name, Fraction_] = field(default_factory=dict, init=False, repr=False)
+    _ends: dict[Run, tuple[End, End]] = field(default_factory=dict, init=False, repr=False)
+    _units: dict[tuple[Any, Any], int] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def orbits(self) -> Orbits:
@@ -217,7 +227,9 @@ class Sweep:
     def runs(self) -> list[Run]:
         """All runs: first those over the parameter, then bands along one value of it."""
         found = list(self._runs())
-        return found + list(self._bands(self.meetings(found)))
+        bands = list(self._bands())
+        meetings = self.meetings(found) if bands else []
+        return found + [run for band in bands for run in self._parted(*band, meetings)]
 
     def _runs(self) -> Iterator[Run]:
         """Maximal stretches of cells with one name; a multiplier of +1 or -1 parts them too."""
@@ -261,11 +273,8 @@ class Sweep:
         shows = self.present[i][name]
         return self.cells[i].is_edge and shows is not None and shows.place is Place.BAND
 
-    def _bands(self, meetings: Sequence[Meeting]) -> Iterator[Run]:
-        """Pieces that are the identity at one value of the parameter only.
-
-        They are parted at the special points inside them.
-        """
+    def _bands(self) -> Iterator[tuple[Cylinder, Any]]:
+        """Pieces that are the identity at one value of the parameter only, and that value."""
         for i, cell in enumerate(self.cells):
             if not cell.is_edge or self._at_end(i):
                 continue
@@ -277,7 +286,7 @@ class Sweep:
                         and cylinder.word not in beside
                         and self._is_own(cylinder, place, order, cell.study.judge)
                     ):
-                        yield from self._parted(cylinder, cell.lower, meetings)
+                        yield cylinder, cell.lower
 
     def _bands_beside(self, i: int) -> set[Word]:
         """Words that are the identity in a cell next to an edge."""
@@ -290,6 +299,7 @@ class Sweep:
         }
 
     def _parted(self, cylinder: Cylinder, place: Any, meetings: Sequence[Meeting]) -> Iterator[Run]:
+        """The runs of such a piece, which special points inside it part."""
         word, order = cylinder.word, self.axis.order
         low, high = (
             None if cut is None else self.orbits.preimage(cut.k, word[: cut.steps])
@@ -299,8 +309,8 @@ class Sweep:
             meeting.value: x
             for meeting in meetings
             if meeting.place == place
-            and (x := meeting.ends[0].x(self.orbits)) is not None
-            and abs(meeting.x) < inf
+            and (x := meeting.ends[0].x) is not None
+            and not isinstance(meeting.value, Infinite)
             and (low is None or order(low, x, place) < 0)
             and (high is None or order(x, high, place) < 0)
         }
@@ -323,73 +333,97 @@ class Sweep:
         groups: dict[tuple[Any, Hashable], list[End]] = defaultdict(list)
         for run in runs:
             for end in self.ends(run):
-                groups[end.place, self._value(end)].append(end)
-        meetings = [
-            Meeting(place, value, self.x(ends[0]), tuple(ends))
+                groups[end.place, end.value].append(end)
+        found = [
+            Meeting(place, value, self._number(ends[0]), tuple(ends))
             for (place, value), ends in groups.items()
         ]
-        return sorted(meetings, key=lambda meeting: (meeting.place, meeting.x))
+        return sorted(found, key=cmp_to_key(self._compared))
+
+    def _compared(self, first: Meeting, second: Meeting) -> int:
+        """-1, 0 or 1: the order of two meetings, by place and then by x."""
+        place = first.place
+        if place != second.place:
+            return -1 if place < second.place else 1
+        values = first.value, second.value
+        sides = [value.side if isinstance(value, Infinite) else 0 for value in values]
+        return sides[0] - sides[1] if any(sides) else self.axis.compare(*values, place)
 
     def ends(self, run: Run) -> tuple[End, End]:
         """Both ends of a run."""
-        along = run.places[0] == run.places[1]
-        first, last = (
-            End(
-                run,
-                which,
-                ALONG if along else side,
-                self._unit_at_end(run, which),
-                self._is_steep(run, run.places[which]),
+        if run not in self._ends:
+            along = run.places[0] == run.places[1]
+            is_steep = self._is_steep(run)
+            first, last = (
+                End(
+                    run,
+                    which,
+                    ALONG if along else side,
+                    self._unit_at_end(run, which),
+                    is_steep,
+                    self._x(run, which),
+                    self._value(run, which),
+                )
+                for which, side in ((0, RIGHT), (1, LEFT))
             )
-            for which, side in ((0, RIGHT), (1, LEFT))
+            self._ends[run] = first, last
+        return self._ends[run]
+
+    def position(self, name: Name) -> Fraction_:
+        """The x of what has a name, as a quotient in lowest terms."""
+        if name not in self._positions:
+            self._positions[name] = name.x(self.orbits)
+        return self._positions[name]
+
+    def _x(self, run: Run, which: int) -> Position:
+        """The x of an end as a quotient."""
+        return self.position(run.name) if run.band is None else run.band[which]
+
+    def _value(self, run: Run, which: int) -> Any:
+        """The x of an end in canonical form; an infinite one with its side."""
+        x, place = self._x(run, which), run.places[which]
+        if x is None:
+            return Infinite(2 * which - 1)
+        value = self.axis.value(x, place)
+        if value != INFINITE:
+            return value
+        one = self.orbits.table.one
+        inside = self.axis.between(*run.places)  # the denominator has no zero there
+        top, bottom = (
+            self.axis.order((number, one), (one - one, one), where)
+            for number, where in zip(x, (place, inside), strict=True)
         )
-        return first, last
+        return Infinite(top * bottom)
 
     def _unit_at_end(self, run: Run, which: int) -> int:
         return 0 if run.band is not None else self.unit_multiplier(run.name, run.places[which])
 
     def unit_multiplier(self, name: Name, place: Any) -> int:
         """+1 or -1 where the multiplier of a fixed point passes through that value, else 0."""
-        slope, one = self.orbits.affine(name.word)[0], self.orbits.table.one
+        slope, one = self.orbits.slope(name.word), self.orbits.table.one
         if name.kind is BranchKind.JUMP or name.cut is not None or is_constant(slope):
             return 0
-        units = (u for u in (1, -1) if self.axis.order((slope, one), (u * one, one), place) == 0)
-        return next(units, 0)
+        if (slope, place) not in self._units:
+            order = self.axis.order
+            units = (u for u in (1, -1) if order((slope, one), (u * one, one), place) == 0)
+            self._units[slope, place] = next(units, 0)
+        return self._units[slope, place]
 
-    def _is_steep(self, run: Run, place: Any) -> bool:
+    def _is_steep(self, run: Run) -> bool:
         if run.name.kind is BranchKind.JUMP or (run.shows is not None and run.shows.isolated):
             return False
-        if run.places[0] != run.places[1]:  # at its end the multiplier may be 1 in size
+        place = run.places[0]
+        if place != run.places[1]:  # at its end the multiplier may be 1 in size
             place = self.axis.between(*run.places)
-        slope, one = self.orbits.affine(run.name.word)[0], self.orbits.table.one
+        slope, one = self.orbits.slope(run.name.word), self.orbits.table.one
         return self.axis.order((slope * slope, one), (one, one), place) > 0
 
-    def x(self, end: End) -> float:
+    def _number(self, end: End) -> float:
         """The x of an end as a float, which may be infinite."""
-        value, x = self._value(end), end.x(self.orbits)
-        if x is None or self._is_infinite(value):
-            return float(value[1]) * inf
-        return self.axis.number(x, end.place)
-
-    def _value(self, end: End) -> Any:
-        """The x of an end in canonical form; an infinite one with its sign."""
-        x, place = end.x(self.orbits), end.place
-        if x is None:
-            return INFINITE, 2 * end.which - 1
-        value = self.axis.value(x, place)
-        if value != INFINITE:
-            return value
-        one = self.orbits.table.one
-        inside = self.axis.between(*end.run.places)  # the denominator has no zero there
-        top, bottom = (
-            self.axis.order((number, one), (one - one, one), where)
-            for number, where in zip(x, (place, inside), strict=True)
-        )
-        return INFINITE, top * bottom
-
-    @staticmethod
-    def _is_infinite(value: Any) -> bool:
-        return isinstance(value, tuple) and value[:1] == (INFINITE,)
+        if isinstance(end.value, Infinite):
+            return end.value.side * inf
+        assert end.x is not None
+        return self.axis.number(end.x, end.place)
 
 
 def _cuts(cylinder: Cylinder, place: Place) -> list[Cut | None]:

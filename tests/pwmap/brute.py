@@ -132,6 +132,38 @@ def period(f: Map, x: Fraction, longest: int) -> int:
     return next(d for d in range(1, longest + 1) if value(f, x, d) == x)
 
 
+def composition(outer: Map, first: Map) -> Map:
+    """The map x -> outer(first(x)), one piece for each pair of pieces; points are flat."""
+
+    def along(x: Fraction, side: int = EXACT) -> tuple[Word, Fraction]:
+        i = letter(first, x, side)
+        slope = first[i].slope
+        y = slope * x + first[i].intercept
+        k = letter(outer, y, side if slope > 0 else -side if slope < 0 else EXACT)
+        return (i, k), outer[k].slope * y + outer[k].intercept
+
+    own = {part.lo for part in first if part.lo is not None}
+    own |= {
+        (part.lo - q.intercept) / q.slope
+        for part in outer
+        for q in first
+        if part.lo is not None and q.slope != 0
+    }
+    cuts = [x for x in sorted(own) if len({along(x, s)[0] for s in (LEFT, EXACT, RIGHT)}) > 1]
+    owners, formulas = [], []
+    for lo, hi in gaps(cuts):
+        points = inner(lo, hi)
+        low, high = (along(x)[1] for x in points)
+        slope = (high - low) / (points[1] - points[0])
+        formulas.append((slope, low - slope * points[0]))
+        if hi is not None:
+            at, left, right = (along(hi, s) for s in (EXACT, LEFT, RIGHT))
+            owners.append({left[0]: "left", right[0]: "right"}.get(at[0], "point"))
+            if owners[-1] == "point":
+                formulas.append((0 * ONE, at[1]))
+    return map_of(cuts, owners, formulas)
+
+
 # --- Pieces of an iterate -------------------------------------------------------------------------
 
 

@@ -23,6 +23,7 @@ from pwmap import (
     ParameterCell,
     PiecewiseLinearMap,
     PointKind,
+    UndecidedError,
     bifurcation_diagram,
     parameter_cells,
 )
@@ -472,6 +473,29 @@ def test_formulas_of_a_cell_hold_inside_it(case: Case) -> None:
                 check_pieces(cell.map, case.at(value), j, value)
 
 
+@pytest.mark.slow
+@every_case
+def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Case) -> None:
+    """Cut for one order only; of the others, what is not refused is true all over the cell."""
+    rng = random.Random(16)
+    cells = parameter_cells(case.map, case.name, orders=(2,), span=case.span)
+    refused = set()
+    for i, cell in enumerate(cells):
+        lo, hi = number(cell.lower), number(cell.upper)
+        values = [lo] if cell.is_edge else [between(rng, lo, hi) for _ in range(5)]
+        for j in case.orders:
+            try:
+                _ = cell.map.iterate(j).fixed_points(), cell.map.iterate(j).jump_crossings()
+            except UndecidedError:
+                refused.add((i, j))
+                continue
+            for value in values:
+                check_diagonal(cell.map, case.at(value), j, value)
+                check_pieces(cell.map, case.at(value), j, value)
+    assert not {(i, j) for i, j in refused if j == 2 or cells.cells[i].is_edge}
+    assert len(refused) < len(cells) * len(case.orders)
+
+
 def structure(f: Map, map_: PiecewiseLinearMap, j: int) -> Record:
     """Words of one iterate's fixed points and crossings, by brute force."""
     j *= map_.order
@@ -585,6 +609,28 @@ def check_diagram(branches: Sequence[Curve], case: Case, value: Any) -> None:
             for c in brute.crossings(f, j * unit)
         }
         assert jumps == expected, (value, j)
+
+
+@pytest.mark.slow
+@every_case
+def test_slices_show_what_the_formulas_hold(case: Case) -> None:
+    """At every edge, algebraic ones too, and between them; sorted, with floats of exact values."""
+    diagram = bifurcation_diagram(case.map, case.name, case.span, case.orders)
+    drawn = curves(diagram)
+    edges = {p.exact["parameter"] for p in diagram.points}
+    for value in [*edges, *samples(case, 25)]:
+        at = number(value) if isinstance(value, sympy.Expr) else value
+        hits = [hit for hit in diagram.at(value) if "x" in hit.branch.exact]
+        expected = [
+            (branch.id, evaluated(curve.x, at))
+            for branch, curve in zip(diagram.branches, drawn, strict=True)
+            if curve.holds(at) and curve.x is not None
+        ]
+        found = [(hit.branch.id, number(hit.exact["x"])) for hit in hits]
+        assert sorted(name for name, _ in found) == sorted(name for name, _ in expected)
+        assert dict(found) == dict(expected)
+        assert not any(after < before for (_, before), (_, after) in pairwise(found))
+        assert [hit.x for hit in hits] == pytest.approx([float(hit.exact["x"]) for hit in hits])
 
 
 def check_fixed_points(

@@ -407,6 +407,70 @@ def test_isolated_cycles_of_maps_with_slopes_of_one(f: Map, j: int) -> None:
         assert brute.value(f, to_fraction(cycle.points[0]), 2 * j) == to_fraction(cycle.points[0])
 
 
+def starts(map_: PiecewiseLinearMap, j: int) -> list[Fraction]:
+    """The points of all cycles of a period, each time the whole map was applied."""
+    points = [x for cycle in map_.cycles(j) for x in cycle.points[:: map_.order]]
+    return sorted(map(to_fraction, points))
+
+
+def isolated(f: Map, j: int) -> list[Fraction]:
+    """Points of minimal period j that end no band, by fractions."""
+    band_ends = {x for ends in brute.bands(f, j) for x in ends}
+    found = [p for p in brute.fixed_points(f, j) if p.period == j]
+    return [p.x for p in found if not (p.x in band_ends and p.multiplier == 1)]
+
+
+@pytest.mark.slow
+@thorough(60)
+@given(unit_maps(), unit_maps())
+def test_cycles_of_iterates_and_compositions(f: Map, g: Map) -> None:
+    """Both maps use the same letters, and are brute force's own map p(q(x)) by itself."""
+    p, q = exact_map(f), exact_map(g)
+    for map_, alone in (
+        (p.iterate(2), brute.composition(f, f)),
+        (p @ q, brute.composition(f, g)),
+    ):
+        for j in (1, 2):
+            assert starts(map_, j) == isolated(alone, j)
+            for cycle in map_.cycles(j):
+                assert cycle.admissible
+                assert map_.cycle(cycle.word) == cycle
+
+
+def test_letters_of_a_composition_belong_to_the_map_at_their_position() -> None:
+    """(-1/2)(x/3 + 1) + 1 on LR: 1/2 - x/6 has the fixed point 3/7, which q sends to 8/7."""
+    p = PiecewiseLinearMap([("2*x - 1", "x <= 0"), ("1 - x/2", "x > 0")])
+    q = PiecewiseLinearMap([("x/3 + 1", "x <= 1"), ("1 - x", "x > 1")])
+    third = sympy.Rational(1, 7)
+    for cycle in ((p @ q).cycle("LR"), *(p @ q).cycles(1)):
+        assert (cycle.word, cycle.points) == ("LR", (3 * third, 8 * third))
+        assert (cycle.multiplier, cycle.admissible) == (-sympy.Rational(1, 6), True)
+    assert (p @ q).cycles(2) == ()
+    assert not (p @ q).cycle("RL").admissible
+    three = PiecewiseLinearMap([("0", "x < 0"), ("1", "Eq(x, 0)"), ("2", "x > 0")])
+    with pytest.raises(ValueError, match=r"'M' is no piece of this map, it has \('L', 'R'\)"):
+        (p @ three).cycle("MM")
+
+
+def test_cycles_of_long_words() -> None:
+    """A letter 3000 times, and L R^1199, whose orbit leaves L at once and comes back."""
+    map_ = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
+    repeated = map_.cycle("R" * 3000)
+    a, r = map_.parameters
+    assert set(repeated.points) == {r / (a + 1)}
+    assert repeated.multiplier == a**3000
+    at = map_.at({"a": "5/4", "r": 1})
+    long = at.cycle("L" + "R" * 1199)
+    x = sympy.Rational(-1)
+    assert long.points[1] == x
+    for point in long.points[1:5]:
+        assert point == x
+        x = 1 - sympy.Rational(5, 4) * x
+    assert (len(long.points), long.multiplier, long.admissible) == (1200, 0, False)
+    turns = PiecewiseLinearMap([("-x", "x <= 0"), ("-2*x", "x > 0")])
+    assert set(turns.cycle("L" * 600).points) == {0}
+
+
 # --- As sympy and back ----------------------------------------------------------------------------
 
 

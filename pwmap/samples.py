@@ -1,0 +1,100 @@
+"""Branches as arrays of floats, for drawing: nothing is decided here.
+
+Along a curved branch x and multiplier are computed in floats, with a bound of what rounding may
+have done; where that is too much (near a pole, or where large terms cancel), from exact numbers.
+"""
+
+from __future__ import annotations
+
+from math import inf, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+from sympy import QQ
+
+from pwmap.axis import Axis
+from pwmap.diagram import BranchKind, FloatArray, SpecialPoint
+from pwmap.exact import Fraction_, Number, to_float
+from pwmap.runs import Run, Sweep
+
+SAMPLES = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
+ROUNDING = 2.0**-53  # of one operation, relative
+TRUSTED = 2.0**-40  # relative error of a value that is drawn; a picture shows 2**-12
+RESOLVED = 2.0**-30  # width of an interval over its ends from which floats can part it
+
+
+class Samples(NamedTuple):
+    """A branch as arrays; where a number is too large for a float it is infinite."""
+
+    parameter: FloatArray
+    x: FloatArray
+    multiplier: FloatArray
+
+
+def samples(sweep: Sweep, run: Run, ends: tuple[SpecialPoint, SpecialPoint]) -> Samples:
+    """Parameter, x and multiplier along a run, few samples where that is enough."""
+    axis, one = sweep.axis, sweep.orbits.table.one
+    slope = sweep.orbits.slope(run.name.word)
+    smooth = run.name.kind is BranchKind.FIXED_POINT and not is_isolated(run)
+    outer = [
+        (end.parameter, end.x, axis.number((slope, one), place) if smooth else nan)
+        for end, place in zip(ends, run.places, strict=True)
+    ]
+    if run.band is not None:
+        return Samples(*np.array(outer).T)
+    if run.places[0] == run.places[1]:
+        return Samples(*np.array(outer[:1]).T)
+    position = sweep.position(run.name)
+    degrees = [axis.degree(number) for number in (*position, slope)]
+    if degrees[0] <= 1 and degrees[1:] == [0, 0]:
+        return Samples(*np.array(outer).T)
+    places, parameter = _spread(axis, run, ends)
+    multiplier = values(axis, (slope, one), places, parameter)
+    inner = np.array(
+        [
+            parameter,
+            values(axis, position, places, parameter),
+            multiplier if smooth else np.full(len(parameter), nan),
+        ]
+    )
+    first, last = (np.array(end)[:, None] for end in outer)
+    return Samples(*np.hstack([first, inner, last]))
+
+
+def is_isolated(run: Run) -> bool:
+    """Whether a run is one of cylinders that are single points: it has no slope."""
+    return run.shows is not None and run.shows.isolated
+
+
+def _spread(
+    axis: Axis, run: Run, ends: tuple[SpecialPoint, SpecialPoint]
+) -> tuple[list[Any], FloatArray]:
+    """Places inside a run, in equal steps, and the same as floats."""
+    low, high = (end.parameter for end in ends)
+    steps = np.arange(1, SAMPLES - 1) / (SAMPLES - 1)
+    parameter = low + (high - low) * steps
+    if RESOLVED * max(abs(low), abs(high)) < high - low < inf:
+        return [axis.place(QQ(*p.as_integer_ratio())) for p in parameter.tolist()], parameter
+    places = axis.spread(*run.places, SAMPLES - 2)
+    return places, np.array([axis.number(axis.identity, place) for place in places])
+
+
+def values(axis: Axis, fraction: Fraction_, places: list[Any], parameter: FloatArray) -> FloatArray:
+    """A quotient at some places, which are also given as floats."""
+    with np.errstate(all="ignore"):
+        (top, loose), (bottom, slack) = (_horner(axis, number, parameter) for number in fraction)
+        found = top / bottom
+        trusted = (loose <= TRUSTED * np.abs(top)) & (slack <= TRUSTED * np.abs(bottom))
+    for i in np.flatnonzero(~(trusted & np.isfinite(found))):
+        found[i] = axis.number(fraction, places[i])
+    return found
+
+
+def _horner(axis: Axis, number: Number, parameter: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A polynomial in floats by Horner's rule, and a bound of the error."""
+    value, size = np.zeros_like(parameter), np.zeros_like(parameter)
+    coefficients = [to_float(c) for c in axis.coefficients(number)]
+    for coefficient in coefficients:
+        value = value * parameter + coefficient
+        size = size * np.abs(parameter) + abs(coefficient)
+    return value, 2 * len(coefficients) * ROUNDING * size

@@ -1,0 +1,236 @@
+"""For which values of the parameters the answers of a map hold.
+
+That of a map as it was written is the region its assumptions leave. The map of a cell is decided
+for the cell only. It was cut for some orders of iterates: whatever else is asked is answered if the
+answer is the same throughout the cell, and refused otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import sympy
+from sympy import QQ
+
+from pwmap.assumptions import Constraint, Region, UndecidedError
+from pwmap.exact import (
+    Fraction_,
+    Number,
+    Packed,
+    constant,
+    dense,
+    fraction_to_sympy,
+    is_constant,
+    packed,
+    sign,
+    to_sympy,
+    unpacked,
+)
+from pwmap.roots import Real, RealRoot, real_roots, sign_at, simplest_between
+
+Orders = tuple[int, ...]
+
+
+class Scope(Protocol):
+    """Values of the parameters; a :class:`Region`, or a cell."""
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Inequalities that hold for all these values."""
+
+    def sign(self, polynomial: Number) -> int:
+        """The one sign of a polynomial; UndecidedError if it has several, or may have."""
+
+    def contains(self, values: Mapping[str, Number]) -> object | None:
+        """What some values break, as far as they are given, or None."""
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """An open cell of the only parameter; an end that is None is infinite."""
+
+    symbol: sympy.Symbol
+    low: Real | None
+    high: Real | None
+    orders: Orders = field(compare=False)
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """None: an algebraic end is no inequality over the rationals."""
+        return ()
+
+    def sign(self, polynomial: Number) -> int:
+        """The sign at an inner point, if there is no root inside."""
+        coefficients = dense(polynomial)
+        for root in real_roots(coefficients) if coefficients else ():
+            if self._holds(root):
+                raise UndecidedError(_refusal(polynomial, self, self.orders))
+        return sign_at(coefficients, simplest_between(self.low, self.high))
+
+    def contains(self, values: Mapping[str, Number]) -> Interval | None:
+        """The cell itself, if the value of the parameter lies outside."""
+        value = values.get(str(self.symbol))
+        return None if value is None or self._holds(value) else self
+
+    def _holds(self, value: Real) -> bool:
+        above = self.low is None or self.low < value
+        return bool(above and (self.high is None or value < self.high))
+
+    def __str__(self) -> str:
+        return _between(_shown(self.low), self.symbol, _shown(self.high))
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """A single value of the only parameter."""
+
+    symbol: sympy.Symbol
+    value: Real
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """None: an algebraic number is no inequality over the rationals."""
+        return ()
+
+    def sign(self, polynomial: Number) -> int:
+        """The sign at this value."""
+        return sign_at(dense(polynomial), self.value)
+
+    def contains(self, values: Mapping[str, Number]) -> Edge | None:
+        """The edge itself, if the parameter has another value."""
+        value = values.get(str(self.symbol))
+        return None if value is None or self.value == value else self
+
+    def __str__(self) -> str:
+        return f"{self.symbol} = {_shown(self.value)}"
+
+
+@dataclass(frozen=True, slots=True)
+class SymbolicInterval:
+    """An open cell of one parameter where others stay symbolic.
+
+    Attributes
+    ----------
+    region
+        Its bounds, and what is assumed of the others, as inequalities.
+    """
+
+    symbol: sympy.Symbol
+    region: Region
+    low: sympy.Expr | None
+    high: sympy.Expr | None
+    orders: Orders = field(compare=False)
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """The bounds, and what is assumed of the others."""
+        return self.region.constraints
+
+    def sign(self, polynomial: Number) -> int:
+        """The sign, if the bounds prove it."""
+        try:
+            return self.region.sign(polynomial)
+        except UndecidedError:
+            raise UndecidedError(_refusal(polynomial, self, self.orders)) from None
+
+    def contains(self, values: Mapping[str, Number]) -> SymbolicInterval | None:
+        """The cell itself, if values break one of its inequalities."""
+        return None if self.region.contains(values) is None else self
+
+    def __str__(self) -> str:
+        return _between(self.low, self.symbol, self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class SymbolicEdge:
+    """A value of one parameter that is a quotient of polynomials in the others.
+
+    Attributes
+    ----------
+    value
+        Numerator and denominator; the denominator has one sign.
+    region
+        What is assumed of the others.
+    """
+
+    symbol: sympy.Symbol
+    value: Fraction_
+    region: Region
+    orders: Orders = field(compare=False)
+
+    def __reduce__(self) -> tuple[Callable[..., SymbolicEdge], tuple[object, ...]]:
+        kept = packed(self.region.ring, self.value)
+        return _symbolic_edge, (self.symbol, kept, self.region, self.orders)
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """The equality as two inequalities, and what is assumed of the others."""
+        top, bottom = self.value
+        difference = self._generator * bottom - top
+        both = (Constraint(side * difference, False) for side in (1, -1))
+        return (*self.region.constraints, *both)
+
+    @property
+    def _generator(self) -> Number:
+        ring = self.region.ring
+        return ring.gens[self._index]
+
+    @property
+    def _index(self) -> int:
+        return [str(s) for s in self.region.ring.symbols].index(str(self.symbol))
+
+    def sign(self, polynomial: Number) -> int:
+        """The sign after the value is put for the parameter, if it follows for all others."""
+        if is_constant(polynomial):
+            return sign(constant(polynomial))
+        top, bottom = self.value
+        degree = max(0, int(polynomial.degree(self._index))) if polynomial else 0
+        total = self.region.ring.zero
+        for exponents, coefficient in polynomial.terms():
+            power = exponents[self._index]
+            others = (*exponents[: self._index], 0, *exponents[self._index + 1 :])
+            rest = self.region.ring.from_dict({others: coefficient})
+            factors = [top] * power + [bottom] * (degree - power)
+            total += math.prod(factors, start=rest)
+        try:
+            return self.region.sign(total) * int(self.region.sign(bottom) ** degree)
+        except UndecidedError:
+            raise UndecidedError(_refusal(polynomial, self, self.orders)) from None
+
+    def contains(self, values: Mapping[str, Number]) -> SymbolicEdge | None:
+        """The edge itself, if values break its equality or what is assumed of the others."""
+        return None if Region(self.region.ring, self.constraints).contains(values) is None else self
+
+    def __str__(self) -> str:
+        return f"{self.symbol} = {fraction_to_sympy(self.value)}"
+
+
+def _symbolic_edge(
+    symbol: sympy.Symbol, kept: Packed, region: Region, orders: Orders
+) -> SymbolicEdge:
+    top, bottom = unpacked(kept)[1]
+    return SymbolicEdge(symbol, (top, bottom), region, orders)
+
+
+def _refusal(polynomial: Number, cell: object, orders: Orders) -> str:
+    names = ", ".join(map(str, orders))
+    more = (*orders, orders[-1] + 1)
+    return (
+        f"{sympy.factor(to_sympy(polynomial))} is not known to keep its sign in the cell {cell}, "
+        f"which was cut for the orders {names} only: ask for all you need, such as "
+        f"parameter_cells(..., orders={more})"
+    )
+
+
+def _shown(end: Real | None) -> sympy.Expr | None:
+    if end is None:
+        return None
+    return end.to_sympy() if isinstance(end, RealRoot) else QQ.to_sympy(end)
+
+
+def _between(low: sympy.Expr | None, symbol: sympy.Symbol, high: sympy.Expr | None) -> str:
+    left, right = ("" if low is None else f"{low} < "), ("" if high is None else f" < {high}")
+    return f"{left}{symbol}{right}" if left or right else f"of all {symbol}"

@@ -1,0 +1,171 @@
+"""What an exact diagram shows at one value of its parameter, in exact numbers.
+
+A formula is evaluated by putting the value for the parameter; no limit, no root is sought. At an
+algebraic value all numbers live in its field, where they are compared by exact signs.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import sympy
+from sympy import QQ
+
+from pwmap.exact import expression, to_float
+from pwmap.roots import Dense, Real, RealRoot, real_roots, sign_at, trimmed
+
+_T = sympy.Symbol("t")
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A formula at one value of the parameter.
+
+    Attributes
+    ----------
+    formula
+        The exact number, or a formula in parameters that stay symbolic.
+    key
+        That number at the sample of these: an element of ``QQ``, one of the field of an algebraic
+        value as its coefficients, or an infinity.
+    number
+        The same as a float.
+    """
+
+    formula: sympy.Expr
+    key: Any
+    number: float
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """One value of the parameter.
+
+    Parameters
+    ----------
+    name
+        The parameter.
+    at
+        Its value.
+    sample
+        Values of parameters that stay symbolic.
+    """
+
+    name: str
+    at: Real
+    sample: Mapping[str, sympy.Expr]
+
+    def meets(self, interval: sympy.Set) -> bool:
+        """Whether an interval of the parameter holds the value."""
+        if isinstance(interval, sympy.FiniteSet):
+            return any(self._end(end) == self.at for end in interval)
+        low, high = self._end(interval.start), self._end(interval.end)
+        above = low is None or low < self.at or (low == self.at and not interval.left_open)
+        below = high is None or self.at < high or (high == self.at and not interval.right_open)
+        return above and below
+
+    def _end(self, end: sympy.Expr) -> Real | None:
+        return None if end.is_infinite else real(self._sampled(end))
+
+    def _sampled(self, expr: sympy.Expr) -> sympy.Expr:
+        values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}
+        return expr.xreplace(values) if values else expr
+
+    def value(self, expr: sympy.Expr) -> Value:
+        """A formula in the parameter at this value."""
+        if expr.is_infinite or expr is sympy.nan:
+            return Value(expr, expr, float(expr))
+        own = next((s for s in expr.free_symbols if s.name == self.name), None)
+        drawn = self._sampled(expr)
+        if not isinstance(self.at, RealRoot) or own is None:
+            point = {own: to_sympy(self.at)} if own is not None else {}
+            key = real(drawn.xreplace(point))
+            return Value(expr.xreplace(point), key, to_float(key))
+        top, bottom = _quotient(drawn, own)
+        coefficients = self.at.quotient(top, bottom)
+        formula = expr.xreplace({own: self.at.to_sympy()})
+        if drawn == expr:
+            formula = self.at.element_to_sympy(coefficients)
+        return Value(formula, coefficients, self.at.to_float(top, bottom))
+
+    def compare(self, first: Value, second: Value) -> int:
+        """-1, 0 or 1: the order of two values."""
+        keys = first.key, second.key
+        infinite = [_side(key) for key in keys]
+        if any(infinite):
+            return infinite[0] - infinite[1]
+        if not any(isinstance(key, tuple) for key in keys):
+            return int(keys[0] > keys[1]) - int(keys[0] < keys[1])
+        one, other = (key if isinstance(key, tuple) else trimmed([key]) for key in keys)
+        n = max(len(one), len(other))
+        padded = ((QQ.zero,) * (n - len(key)) + key for key in (one, other))
+        return sign_at(trimmed(a - b for a, b in zip(*padded, strict=True)), self.at)
+
+
+def _side(key: Any) -> int:
+    return int(key == sympy.oo) - int(key == -sympy.oo)
+
+
+def exact_number(value: object) -> Real:
+    """The exact number that a value of a parameter is; a float is the binary number it holds.
+
+    Raises
+    ------
+    ValueError
+        If it is no finite real number.
+    TypeError
+        If it is neither a number nor text.
+    """
+    if isinstance(value, numbers.Real) and not isinstance(value, numbers.Rational | sympy.Basic):
+        if not math.isfinite(value):
+            raise ValueError(f"a slice needs a finite value of the parameter, got {value}")
+        return QQ(*float(value).as_integer_ratio())
+    if isinstance(value, sympy.Float):
+        value = sympy.Rational(value)
+    if not isinstance(value, str | numbers.Rational | sympy.Basic):
+        raise TypeError(f"a slice needs a number, got {value!r}")
+    found = expression(value)
+    if not (isinstance(found, sympy.Expr) and found.is_number and found.is_real):
+        raise ValueError(f"a slice needs a real number, got {value}")
+    try:
+        return real(found)
+    except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
+        raise ValueError(f"a slice needs a rational or algebraic number, got {value}") from None
+
+
+@lru_cache(maxsize=4096)
+def real(expr: sympy.Expr) -> Real:
+    """A real algebraic number of sympy as one of this package."""
+    if isinstance(expr, sympy.Rational):
+        return QQ(int(expr.p), int(expr.q))
+    if isinstance(expr, sympy.CRootOf):
+        return real_roots(_dense(expr.poly))[expr.index]
+    polynomial = sympy.minimal_polynomial(expr, _T, polys=True)
+    for root in real_roots(_dense(polynomial)):
+        if not isinstance(root, RealRoot):
+            return root
+        low, high = to_sympy(root.low), to_sympy(root.high)
+        if expr > low and expr < high:  # irrational: the digits show it
+            return root
+    raise ValueError(f"{expr} is no real number")
+
+
+def to_sympy(number: Real) -> sympy.Expr:
+    """The number as an expression."""
+    return number.to_sympy() if isinstance(number, RealRoot) else QQ.to_sympy(number)
+
+
+@lru_cache(maxsize=4096)
+def _quotient(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
+    """Coefficients of numerator and denominator of a formula in one symbol."""
+    top, bottom = sympy.fraction(sympy.together(expr))
+    return _dense(sympy.Poly(top, symbol)), _dense(sympy.Poly(bottom, symbol))
+
+
+def _dense(polynomial: sympy.Poly) -> Dense:
+    return trimmed(QQ(int(c.p), int(c.q)) for c in polynomial.all_coeffs())
