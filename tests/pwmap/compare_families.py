@@ -25,7 +25,7 @@ def parameters(case: Case, count: int, draw: random.Random) -> Iterator[tuple[Pl
     """Where to compare, and whether that is an edge: on and beside all edges, and elsewhere."""
     low, high = case.family.span
     done = 0
-    edges = case.edges()
+    edges = list(case.formulas())
     for edge in edges:
         yield edge, True
         centre = rational_near(edge) if isinstance(edge, Root) else edge

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
+from math import inf
 from typing import Any
 
 import sympy
@@ -16,7 +18,6 @@ from readings import (
     DIGITS,
     Curve,
     Place,
-    compared,
     evaluated,
     near,
     number_of,
@@ -25,6 +26,7 @@ from readings import (
 )
 
 from pwmap import Diagram, bifurcation_diagram
+from pwmap.diagram import Hit
 
 
 @dataclass
@@ -55,14 +57,10 @@ class Case:
         diagram = bifurcation_diagram(family.map(), "p", family.span, family.orders)
         return cls(family, diagram, tuple(map(Curve.of, diagram.branches)), report)
 
-    def edges(self) -> list[Place]:
-        """The values of the parameter at which special points lie, with the ends of the span."""
-        found: list[Place] = []
-        for point in self.diagram.points:
-            p = place(point.exact["parameter"])  # type: ignore[arg-type]
-            if not any(p is q or compared(p, q) == 0 for q in found):
-                found.append(p)
-        return found
+    def formulas(self) -> dict[Place, Any]:
+        """The values of the parameter at which special points lie, as the diagram writes them."""
+        found = [point.exact["parameter"] for point in self.diagram.points]
+        return {place(formula): formula for formula in found}
 
 
 def check_at(case: Case, p: Place, *, on_edge: bool) -> None:
@@ -78,8 +76,7 @@ def check_at(case: Case, p: Place, *, on_edge: bool) -> None:
         at_end = p in span
         _check_fixed(case, base, parts, own, at, where, on_edge=on_edge, at_end=at_end)
         _check_jumps(case, parts, own, at, where, at_end=at_end)
-    if isinstance(p, Fraction):
-        _check_hits(case, here, p)
+    _check_hits(case, here, p)
 
 
 def _check_fixed(
@@ -191,24 +188,34 @@ def _check_jumps(
     )
 
 
-def _check_hits(case: Case, here: Sequence[Curve], p: Fraction) -> None:
+def _check_hits(case: Case, here: Sequence[Curve], p: Place) -> None:
     """``Diagram.at`` against the branches that exist there."""
-    try:
-        hits = case.diagram.at(p)
-    except ArithmeticError as error:
-        case.report.check("at", False, lambda e=error: f"at({p}): {type(e).__name__}: {e}")
-        return
-    expected = sorted((c.x(p), c.branch.id) for c in here if not c.is_upright)
-    found = [(_exact_x(hit), hit.branch.id) for hit in hits if "x" in hit.branch.exact]
-    good = sorted(name for _, name in expected) == sorted(name for _, name in found) and [
-        x for x, _ in expected
-    ] == [x for x, _ in found]
-    case.report.check("at", good, lambda: f"at({p}): {found}, but {expected}")
+    at, asked = number_of(p), p if isinstance(p, Fraction) else case.formulas()[p]
+    hits = case.diagram.at(asked)
+    curves = {curve.branch.id: curve for curve in here}
+    expected = sorted(c.branch.id for c in here for _ in range(1 + c.is_upright))
+    good = expected == sorted(hit.branch.id for hit in hits) and all(
+        _is_hit(case, curves[hit.branch.id], hit, at) for hit in hits
+    )
+    positions = [hit.exact["x"] for hit in hits]
+    if isinstance(p, Fraction):
+        good = good and all(x <= y for x, y in pairwise(positions))
+    told = [(hit.branch.id, dict(hit.exact)) for hit in hits]
+    case.report.check("at", good, lambda: f"at({asked}): {told}, but {expected}")
 
 
-def _exact_x(hit: Any) -> Any:
-    exact = getattr(hit, "exact", None)
-    if exact is None:
-        return hit.x
-    x = exact["x"]
-    return Fraction(int(x.p), int(x.q))
+def _is_hit(case: Case, curve: Curve, hit: Hit, at: Number) -> bool:
+    """Whether the values of a hit are those of its branch."""
+    names = hit.exact.keys() - {"x"}
+    same = all(_is_value(evaluated(curve.branch.exact[n], at), hit.exact[n]) for n in names)
+    number, exact = float(sympy.N(hit.exact["x"], 20)), abs(hit.x) != inf
+    if exact and abs(hit.x - number) > 1e-15 * abs(number):  # some units in the last place
+        return False
+    if curve.is_upright:
+        ends = [case.diagram.point(name).exact["x"] for name in curve.branch.ends]
+        return same and hit.exact["x"] in ends
+    return same and near(curve.x(at), hit.exact["x"])
+
+
+def _is_value(number: Number, expr: Any) -> bool:
+    return expr is sympy.nan if number is None else near(number, expr)
