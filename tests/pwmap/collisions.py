@@ -167,7 +167,10 @@ def _varies(tip: Tip) -> bool:
 
 @dataclass(frozen=True)
 class Seen:
-    """How much brute force finds near a point; doubled are jumps of twice the order elsewhere."""
+    """How much brute force finds near a point.
+
+    Doubled are the jumps of twice the order that are no breaks of the order itself.
+    """
 
     fixed: int
     jumps: int
@@ -192,5 +195,6 @@ def _seen(family: Family, order: int, p: Place, side: int, position: Any) -> See
     fixed += [band.lo for band in bands if band.lo_in] + [band.hi for band in bands if band.hi_in]
     fixed = [end for end in fixed if abs(end - x) < size]
     jumps = [c.x for c in crossings(parts) if abs(c.x - x) < size]
-    others = [c.x for c in crossings(doubled) if abs(c.x - x) < size and c.x not in jumps]
+    cuts = [part.lo for part in parts if part.lo is not None]
+    others = [c.x for c in crossings(doubled) if abs(c.x - x) < size and c.x not in cuts]
     return Seen(len(fixed), len(jumps), len(others))
