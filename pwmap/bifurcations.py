@@ -21,7 +21,7 @@ from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.exact import Number, fraction_to_sympy, to_sympy
 from pwmap.maps import PiecewiseLinearMap
 from pwmap.roots import ceiling, whole_part
-from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Run, Sweep
+from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
 from pwmap.samples import is_isolated, samples
 
 
@@ -219,15 +219,23 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     """Kind of a special point, and a note, from the branches that meet there.
 
     With n the lowest order of the fixed points that meet, look at all branches of that order. If
-    one passes with the same word on both sides, its multiplier is +1 (LP) or -1 (PD), or the other
-    side of the border it lies on changes. Otherwise fixed points meet a border (BC): the branches
-    lie on both sides of the parameter (persistence) or on one (fold).
+    one passes with the same word on both sides, its multiplier is +1 (LP) or -1 (PD), or it lies on
+    a border, where its stability changes or other branches end: on both sides (persistence) or on
+    one (fold); where the map is continuous at this parameter only, it can attract here and on
+    neither side. Otherwise fixed points meet a border (BC): the branches lie on both sides of the
+    parameter (persistence) or on one (fold).
 
-    A fold of one branch of fixed points into a jump branch starts a jump branch of order 2n too,
-    and then is a fold-flip (FF), just if the multiplier m has |m| > 1: let F be the distance of the
-    limit on the fixed point's side from the diagonal and D that on the other side, of opposite sign
-    where the jump crosses. The preimage of the jump lies at -F/m from it, there P_2n jumps between
-    F and D, and F - (-F/m) = F (1 + 1/m) has the sign of F.
+    A fold of one branch of fixed points, with multiplier m, into a jump branch is a fold-flip (FF)
+    just if |m| > 1: then a jump branch of order 2n starts at the preimage of the jump. Let F be the
+    distance of the limit on the fixed point's side from the diagonal and D that on the other side,
+    of opposite sign where the jump crosses. The preimage lies at -F/m from the jump; there P_2n
+    jumps between F and D, and F - (-F/m) = F (1 + 1/m) has the sign of F just if |m| > 1.
+
+    A jump branch of order 2n can start at the jump itself too, which is no fold-flip. There the
+    limits of P_2n are at the distances E, to which P_n takes the limit D, and F (1 + m), or about D
+    for those F that P_n takes across the jump. So with |m| < 1 there is one on just one side of the
+    parameter, that of the fold if E and D have the same sign; with |m| > 1 there is one on both
+    sides if these signs differ, otherwise on neither.
     """
     ends = meeting.ends
     if at_span_end:
@@ -249,9 +257,26 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
         return PointKind.PD, "degenerate: points nearby have twice the period" if doubled else ""
     if 1 in units or not fixed:
         return PointKind.LP, "degenerate: an interval of fixed points"
+    staying = {end.run.name for end in fixed if end.run.closed[end.which]} & passing
+    if staying:
+        return PointKind.BC, _staying_note(meeting, own, staying)
     sides = {end.side for end in own} - {ALONG}
     if len(sides) != 1:
-        note = "stability changes at the border" if passing else "persistence"
-        return PointKind.BC, note if sides else "isolated"
+        return PointKind.BC, "persistence" if sides else "isolated"
     flips = len(fixed) == 1 and any(not end.is_fixed for end in own) and fixed[0].is_steep
     return (PointKind.FF if flips else PointKind.BC), "fold"
+
+
+def _staying_note(meeting: Meeting, own: Sequence[End], staying: set[Name]) -> str:
+    """What happens to a branch that stays on a border, and which others end on it."""
+    stable = {end.run.shows.stable for end in own if end.run.name in staying and end.run.shows}
+    sides = {end.side for end in own if end.run.name not in staying} - {ALONG}
+    notes = ["stability changes at the border"] if len(stable) > 1 else []
+    if sides:
+        notes.append(f"{'fold' if len(sides) == 1 else 'persistence'} at a branch on the border")
+    elif len(own) < len(meeting.ends):
+        notes.append("higher orders end at a branch on the border")
+    if meeting.attracts:
+        does = "attracts" if meeting.attracts > 0 else "does not attract"
+        notes.append(f"{does} at this value{' only' * (meeting.attracts > 0)}")
+    return ", ".join(notes)

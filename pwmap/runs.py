@@ -150,12 +150,16 @@ class Meeting:
         The common x in canonical form, or :class:`Infinite`.
     x
         The same as a float, for drawing; it is infinite too where the x is too large for one.
+    attracts
+        +1 if a fixed point attracts here although none of its branches does, -1 if it does not
+        although its branches do, otherwise 0.
     """
 
     place: Any
     value: Any
     x: float
     ends: tuple[End, ...]
+    attracts: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,12 +230,18 @@ class Sweep:
 
     def runs(self) -> list[Run]:
         """All runs: first those over the parameter, then bands along one value of it."""
-        found = list(self._runs())
+        stretches = list(self._stretches())
         bands = list(self._bands())
+        met = self._met(stretches, bands)
+        found = [
+            self._run(name, part)
+            for name, stretch in stretches
+            for part in self._cut(name, stretch, met)
+        ]
         meetings = self.meetings(found) if bands else []
         return found + [run for band in bands for run in self._parted(*band, meetings)]
 
-    def _runs(self) -> Iterator[Run]:
+    def _stretches(self) -> Iterator[tuple[Name, list[int]]]:
         """Maximal stretches of cells with one name; a multiplier of +1 or -1 parts them too."""
         where: dict[Name, list[int]] = defaultdict(list)
         for i, names in enumerate(self.present):
@@ -245,14 +255,56 @@ class Sweep:
                 parted = len(stretch) > 1 and self.cells[i].is_edge and goes_on
                 if not goes_on or (parted and self._changes(name, i)):
                     if len(stretch) > 1 or not (self._is_edge_of_band(name, i) or self._at_end(i)):
-                        yield self._run(name, stretch)
+                        yield name, stretch
                     stretch = [i] if goes_on else []
 
     def _changes(self, name: Name, i: int) -> bool:
         """Whether a fixed point changes its stability at an edge through which it passes."""
-        before, after = self.present[i - 1][name], self.present[i + 1][name]
-        stays = before is None or after is None or before.stable == after.stable
-        return not stays or self.unit_multiplier(name, self.cells[i].lower) != 0
+        stable = {shows.stable for k in (i - 1, i, i + 1) if (shows := self.present[k][name])}
+        return len(stable) > 1 or self.unit_multiplier(name, self.cells[i].lower) != 0
+
+    def _met(
+        self,
+        stretches: Sequence[tuple[Name, list[int]]],
+        bands: Sequence[tuple[Cylinder, Any]],
+    ) -> set[tuple[Any, Any]]:
+        """Place and x of all ends at which a run may be met that passes there."""
+        passed = {self.cells[i].lower for name, s in stretches for i in self._on_borders(name, s)}
+        met = {
+            (end.place, end.value)
+            for name, stretch in stretches
+            for end in self.ends(self._run(name, stretch))
+            if end.place in passed
+        }
+        for cylinder, place in bands:
+            for cut in (cylinder.lower, cylinder.upper):
+                if cut is not None and place in passed:
+                    x = self.orbits.preimage(cut.k, cylinder.word[: cut.steps])
+                    met.add((place, self.axis.value(x, place)))
+        return met
+
+    def _on_borders(self, name: Name, stretch: Sequence[int]) -> Iterator[int]:
+        """Edges through which a run passes while it lies on a border: only there it can be met.
+
+        Inside its cylinder no other fixed point is near, and a jump that crosses has none beside.
+        """
+        for i in stretch[1:-1]:
+            shows = self.present[i][name]
+            if self.cells[i].is_edge and shows is not None and shows.place is not Place.INSIDE:
+                yield i
+
+    def _cut(
+        self, name: Name, stretch: Sequence[int], met: set[tuple[Any, Any]]
+    ) -> Iterator[Sequence[int]]:
+        """The parts of a stretch between the places where other runs end on it."""
+        start = 0
+        for i in self._on_borders(name, stretch):
+            place = self.cells[i].lower
+            if (place, self.axis.value(self.position(name), place)) in met:
+                stop = stretch.index(i)
+                yield stretch[start : stop + 1]
+                start = stop
+        yield stretch[start:]
 
     def _run(self, name: Name, stretch: Sequence[int]) -> Run:
         first, last = self.cells[stretch[0]], self.cells[stretch[-1]]
@@ -335,10 +387,28 @@ class Sweep:
             for end in self.ends(run):
                 groups[end.place, end.value].append(end)
         found = [
-            Meeting(place, value, self._number(ends[0]), tuple(ends))
+            Meeting(place, value, self._number(ends[0]), tuple(ends), self._attracts(place, ends))
             for (place, value), ends in groups.items()
         ]
         return sorted(found, key=cmp_to_key(self._compared))
+
+    def _attracts(self, place: Any, ends: Sequence[End]) -> int:
+        """How the stability of a fixed point differs from that of its branches, as a sign."""
+        i = self._edges.get(place)
+        beside: dict[Name, set[bool]] = defaultdict(set)
+        for end in ends:
+            if end.run.shows is not None and end.run.places[0] != end.run.places[1]:
+                beside[end.run.name].add(end.run.shows.stable)
+        for name, stable in beside.items():
+            here = None if i is None else self.present[i].get(name)
+            if here is not None and stable == {not here.stable}:
+                return 1 if here.stable else -1
+        return 0
+
+    @cached_property
+    def _edges(self) -> dict[Any, int]:
+        """Which cell an edge is."""
+        return {cell.lower: i for i, cell in enumerate(self.cells) if cell.is_edge}
 
     def _compared(self, first: Meeting, second: Meeting) -> int:
         """-1, 0 or 1: the order of two meetings, by place and then by x."""

@@ -887,3 +887,71 @@ def test_a_point_piece_is_no_flip_whatever_the_sample_of_its_slope() -> None:
     diagram = bifurcation_diagram(map_, "r", (-1, 1), orders=(1,))
     inner = [(p.kind, p.exact["parameter"], p.exact["x"]) for p in diagram.points if p.x == 0]
     assert inner == [(PointKind.BC, 0, 0)]
+
+
+# --- Incidence ------------------------------------------------------------------------------------
+
+
+def kept_on_borders(seed: int) -> Case:
+    """One or two breaks, and formulas that often fix one of them, or jump there by r or 2 r."""
+    rng = random.Random(seed)
+    slopes = [Fraction(n, 2) for n in range(-6, 7)]
+    breaks = sorted(rng.sample([Fraction(-1), Fraction(0), Fraction(1)], rng.randint(1, 2)))
+    owners = [rng.choice(["left", "right"]) for _ in breaks]
+    slots = [*breaks, breaks[-1]]
+    rows = [
+        (rng.choice(slopes), rng.choice(slots), Fraction(rng.choice([0, 0, 1, -1, 2])))
+        for _ in range(len(breaks) + 1)
+    ]
+
+    def parts(r: Any) -> Map:
+        return map_of(breaks, owners, [(m, b - m * b + c * r) for m, b, c in rows])
+
+    return Case(
+        map=PiecewiseLinearMap([written(part) for part in parts(R)]),
+        parts=parts,
+        span=(Fraction(-31, 13), Fraction(37, 14)),
+        orders=(1, 2),
+    )
+
+
+def has_in_closure(curve: Curve, at: Any, x: Any) -> bool:
+    """Whether a point of the plane is on a branch or at its end."""
+    lo, _, hi, _ = curve.interval
+    if curve.x is None or not (lo < at < hi or at in (lo, hi)):
+        return False
+    try:
+        return bool(evaluated(curve.x, at) == x)
+    except ZeroDivisionError:  # the branch goes to infinity here
+        return False
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [5, 11, 12, 16, 22, 25, 29, 43, 64, 68, 77, 81, 85, 88])
+def test_points_know_all_branches_in_whose_closure_they_lie(seed: int) -> None:
+    """But for jumps of other orders that go through, which do not change there.
+
+    Where a branch stays on a border, its stability there is that of the branch, or in the note.
+    """
+    case = kept_on_borders(seed)
+    diagram = bifurcation_diagram(case.map, case.name, case.span, case.orders)
+    drawn = dict(zip((b.id for b in diagram.branches), curves(diagram), strict=True))
+    for point in diagram.points:
+        if point.kind == "EP" or point.exact["x"] in (sympy.oo, -sympy.oo):
+            continue
+        at, x = (number(point.exact[name]) for name in ("parameter", "x"))
+        near = {
+            name
+            for name, curve in drawn.items()
+            if has_in_closure(curve, at, x)
+            and (curve.kind is BranchKind.FIXED_POINT or curve.order == point.order)
+        }
+        own = {n for n in point.branches if drawn[n].x is not None}
+        assert near <= own, point
+        assert all(has_in_closure(drawn[n], at, x) for n in own), point
+        if "branch on the border" in point.note or "stability changes" in point.note:
+            shown = [diagram.branch(n) for n in own if drawn[n].holds(at)]
+            told = {b.stable.any() for b in shown if b.order == point.order and b.kind != "jump"}
+            here = [p.stable for p in brute.fixed_points(case.at(at), point.order) if p.x == x]
+            flip = "at this value" in point.note
+            assert any(here) == (any(told) != flip), point

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import random
+from collections import Counter
+from fractions import Fraction
+
+import networkx as nx
 import pytest
 import sympy
 
@@ -99,3 +104,82 @@ def test_open_ends_of_a_band_are_no_fixed_points() -> None:
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - x, True))")
     (band,) = map_.at({"r": "1/2"}).iterate(2).fixed_intervals()
     assert band.interval == sympy.Interval.open(0, sympy.Rational(1, 2))
+
+
+ON_BORDER = {  # right piece beside x/2, which keeps 0: what meets 0 at p = 0, stable there or not
+    "p + x/3": ("fold at a branch on the border, attracts at this value only", 1),
+    "p - 2*x": ("fold at a branch on the border, attracts at this value only", 1),
+    "p**2 + x/3": ("persistence at a branch on the border, attracts at this value only", 2),
+    "p + 2*x": ("fold at a branch on the border", 1),
+}
+
+
+@pytest.mark.parametrize(("right", "expected"), ON_BORDER.items(), ids=ON_BORDER)
+def test_a_branch_on_a_border_is_collided_with(right: str, expected: tuple[str, int]) -> None:
+    """The fixed point 0 of x/2 (x <= 0) stays; that of the right piece ends on it at p = 0.
+
+    Beside p = 0 the map jumps at 0. At p = 0 it is continuous there, and 0 attracts if the right
+    slope n is below 1: with 1/2 on the left, n > 1 leads away.
+    """
+    map_ = PiecewiseLinearMap([("x/2", "x <= 0"), (right, "x > 0")])
+    found = bifurcation_diagram(map_, "p", (-1, 1), (1,))
+    (point,) = (p for p in found.points if p.kind != "EP")
+    note, others = expected
+    assert (str(point.kind), point.note, point.exact) == ("BC", note, {"parameter": 0, "x": 0})
+    kept = [b for b in found.branches if b.exact["x"] == 0]
+    assert [b.exact["interval"] for b in kept] == [sympy.Interval(-1, 0), sympy.Interval(0, 1)]
+    assert not any(b.stable.any() for b in kept)
+    assert len(point.branches) == 2 + others
+    assert {b.id for b in found.component_of(point.id).branches} >= {*point.branches}
+    (zero,) = (p for p in map_.at({"p": 0}).fixed_points() if p.x == 0)
+    assert zero.stable is ("attracts" in note)
+
+
+def test_orbits_of_higher_order_end_at_a_branch_on_a_border() -> None:
+    """-2 x keeps 0; on the right p - x/3. Beside 0 the 2-cycle 3 p, -6 p lives for p < 0."""
+    map_ = PiecewiseLinearMap([("-2*x", "x <= 0"), ("p - x/3", "x > 0")])
+    found = bifurcation_diagram(map_, "p", (-1, 1), (1, 2))
+    (point,) = (p for p in found.points if p.kind != "EP")
+    meeting = {str(found.branch(b).exact["x"]) for b in point.branches}
+    assert meeting == {"0", "3*p/4", "3*p", "-6*p"}
+    assert len(nx.node_connected_component(found.graph(), point.id)) == len(found.points)
+
+
+@pytest.mark.slow
+def test_where_jumps_of_the_second_iterate_start_at_a_fold() -> None:
+    """At the preimage of the jump just if |m| > 1 (FF), and at the jump itself as E D says.
+
+    m x + f r on the left of 0 or on the right, D + k x on the other side: the fixed point meets
+    the jump at r = 0, and E is where that map takes D to.
+    """
+    rng = random.Random(20010101)
+    seen: Counter[tuple[str, bool, int]] = Counter()
+    while sum(seen.values()) < 60:
+        m, k = (Fraction(rng.randint(-9, 9), 4) for _ in range(2))
+        f, d = rng.choice([-1, 1]), Fraction(rng.choice([-3, -2, -1, 1, 2, 3]), 2)
+        side = rng.choice([-1, 1])  # where the fixed point is
+        e = m * d if d * side > 0 else d + k * d  # the limit of P_2 on the other side, at r = 0
+        if abs(m) == 1 or e == 0 or (1 - m) * side * d > 0:  # the fold needs F D < 0 beside it
+            continue
+        relation = "x <= 0" if side < 0 else "x >= 0"
+        other = "x > 0" if side < 0 else "x < 0"
+        map_ = PiecewiseLinearMap([(f"({m})*x + ({f})*r", relation), (f"({d}) + ({k})*x", other)])
+        found = bifurcation_diagram(map_, "r", ("-1/1000", "1/1000"), (1, 2))
+        (point,) = (p for p in found.points if p.exact == {"parameter": 0, "x": 0})
+        branches = [found.branch(name) for name in point.branches]
+        fold = {found.sides(point.id)[0].count(b.id) for b in branches if b.order == 1}
+        second = [b for b in branches if b.order == 2 and b.kind == "jump"]
+        before, after = found.sides(point.id)
+        at_jump = [b.id for b in second if b.exact["x"] == 0]
+        elsewhere = [b.exact["x"] for b in second if b.exact["x"] != 0]
+        assert (str(point.kind), point.note) == ("FF" if abs(m) > 1 else "BC", "fold")
+        r = sympy.Symbol("r")
+        expected = [-f * r / sympy.Rational(m.numerator, m.denominator)] if abs(m) > 1 else []
+        assert elsewhere == expected
+        with_fold = sum(name in (before if fold == {1} else after) for name in at_jump)
+        same = e * d > 0
+        assert len(at_jump) == (1 if abs(m) < 1 else 0 if same else 2), (m, k, f, d, side)
+        assert with_fold == (same if abs(m) < 1 else not same)
+        seen[str(point.kind), same, len(at_jump)] += 1
+    assert {key[0] for key in seen if key[2]} == {"BC", "FF"}
+    assert len(seen) == 4
