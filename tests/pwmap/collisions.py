@@ -88,23 +88,13 @@ def _check_point(case: Case, point: SpecialPoint, tips: Sequence[Tip]) -> None:
     report.check("incidence", ids == set(point.branches), lambda: f"{point} has the branches {ids}")
     if not point.exact["x"].is_finite:  # type: ignore[attr-defined]
         return
-    complete = True
-    for curve in case.curves:
-        if (
-            not curve.is_upright
-            and curve.passes(p)
-            and near(curve.x(number_of(p)), point.exact["x"])
-        ):
-            what = "fixed" if curve.is_fixed else "jump"
-            by = "fixed" if any(t.curve.is_fixed for t in tips) or upright else "jumps"
-            report.check(
-                f"incidence: {what} passes an end of {by}",
-                False,
-                lambda c=curve: f"{c} passes through {_brief(point)} unattached",
-            )
-            complete = False
-    if complete:  # otherwise the kind is that of other branches
-        _check_kind(case, point, p, tips, [c for c in case.curves if c.branch.id in upright])
+    orders = {case.diagram.branch(name).order for name in ids}
+    for curve in case.curves:  # a jump of another order crosses the diagonal, it does not meet it
+        if curve.is_upright or not (curve.is_fixed or curve.branch.order in orders):
+            continue
+        missed = curve.passes(p) and near(curve.x(number_of(p)), point.exact["x"])
+        report.check("passing", not missed, lambda c=curve: f"{c} passes {_brief(point)}")
+    _check_kind(case, point, p, tips, [c for c in case.curves if c.branch.id in upright])
 
 
 def _check_kind(
@@ -148,15 +138,36 @@ def _kind_inside(
             return (kind,)
     left, right = (_seen(case.family, order, p, side, point.exact["x"]) for side in (-1, 1))
     if passing:
-        return PointKind.BC, "stability changes at the border"
+        staying = {word for _, word in passing}
+        return PointKind.BC, _staying(case.family, order, at, staying, (left, right), len(tips))
     if left.any and right.any:
         return PointKind.BC, "persistence"
     if not left.any and not right.any:
         return PointKind.BC, "isolated"
-    beside, other = (left, right) if left.any else (right, left)
-    if beside.fixed == 1 and beside.jumps and beside.doubled > other.doubled:
-        return PointKind.FF, "fold"
-    return PointKind.BC, "fold"
+    beside = left if left.any else right
+    flips = len(beside.fixed) == 1 and beside.jumps and beside.doubled
+    return PointKind.FF if flips else PointKind.BC, "fold"
+
+
+def _staying(
+    family: Family, order: int, at: Number, words: set[str], seen: tuple[Seen, Seen], tips: int
+) -> str:
+    """The note where fixed points stay on a border."""
+    base = family.at(at)
+    parts = iterated(base, order)[-1]
+    here = {f.stable for f in fixed_points(base, parts, order) if f.word in words}
+    beside = [{stable for word, stable in side.fixed if word in words} for side in seen]
+    others = [[word for word, _ in side.fixed if word not in words] for side in seen]
+    ending = [bool(other or side.jumps) for other, side in zip(others, seen, strict=True)]
+    notes = ["stability changes at the border"] if beside[0] != beside[1] else []
+    if any(ending):
+        notes.append(f"{'persistence' if all(ending) else 'fold'} at a branch on the border")
+    elif tips > 2 * len(words):
+        notes.append("higher orders end at a branch on the border")
+    if beside[0] == beside[1] != here:
+        notes.append("attracts at this value only" if True in here else "")
+        notes[-1] = notes[-1] or "does not attract at this value"
+    return ", ".join(notes)
 
 
 def _varies(tip: Tip) -> bool:
@@ -167,12 +178,19 @@ def _varies(tip: Tip) -> bool:
 
 @dataclass(frozen=True)
 class Seen:
-    """How much brute force finds near a point.
+    """What brute force finds near a point.
 
-    Doubled are the jumps of twice the order that are no breaks of the order itself.
+    Attributes
+    ----------
+    fixed
+        Words of the fixed points, and whether they attract.
+    jumps
+        How many jumps cross the diagonal.
+    doubled
+        How many of twice the order do that where the map leads to one of these.
     """
 
-    fixed: int
+    fixed: tuple[tuple[str, bool], ...]
     jumps: int
     doubled: int
 
@@ -190,11 +208,19 @@ def _seen(family: Family, order: int, p: Place, side: int, position: Any) -> See
     at = (rational_near(p) if isinstance(p, Root) else p) + step
     iterates = iterated(family.at(at), 2 * order)
     parts, doubled = iterates[order - 1], iterates[2 * order - 1]
-    fixed = [f.x for f in fixed_points(iterates[0], parts, order) if f.period == order]
-    bands = [part for part in parts if part.is_identity]  # listed are the ends that belong to them
-    fixed += [band.lo for band in bands if band.lo_in] + [band.hi for band in bands if band.hi_in]
-    fixed = [end for end in fixed if abs(end - x) < size]
+    fixed = [
+        (f.x, f.word, f.stable)
+        for f in fixed_points(iterates[0], parts, order)
+        if f.period == order
+    ]
+    for band in (part for part in parts if part.is_identity):  # its ends, if they belong to it
+        fixed += [(band.lo, band.word, False)] * band.lo_in
+        fixed += [(band.hi, band.word, False)] * band.hi_in
     jumps = [c.x for c in crossings(parts) if abs(c.x - x) < size]
-    cuts = [part.lo for part in parts if part.lo is not None]
-    others = [c.x for c in crossings(doubled) if abs(c.x - x) < size and c.x not in cuts]
-    return Seen(len(fixed), len(jumps), len(others))
+    others = [
+        c.x
+        for c in crossings(doubled)
+        if abs(c.x - x) < size and any(q.holds(c.x) and q(c.x) in jumps for q in parts)
+    ]
+    found = tuple((word, stable) for at_x, word, stable in fixed if abs(at_x - x) < size)
+    return Seen(found, len(jumps), len([c for c in others if c not in jumps]))
