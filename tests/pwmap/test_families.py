@@ -13,7 +13,7 @@ from families import Draw
 from independent import Algebraic, Root, iterated, nested
 
 SEED = 1000  # of the suite; ``python tests/pwmap/families.py`` starts at 0
-FAMILIES, PARAMETERS = 30, 20
+FAMILIES, PARAMETERS = 21, 20
 
 
 def test_numbers_of_a_field_of_a_root() -> None:
