@@ -75,7 +75,7 @@ def check_at(case: Case, p: Place, *, on_edge: bool) -> None:
         where = f"order {order} at p = {p if isinstance(p, Fraction) else at!r}"
         at_end = p in span
         _check_fixed(case, base, parts, own, p, where, on_edge=on_edge, at_end=at_end)
-        _check_jumps(case, parts, own, at, where, at_end=at_end)
+        _check_jumps(case, parts, own, p, where, at_end=at_end)
     _check_hits(case, here, p)
 
 
@@ -106,7 +106,7 @@ def _check_fixed(
     surplus = shown.keys() - truth.keys() - ends
     missing = (truth.keys() | ends) - shown.keys()
     if at_end:  # what exists there only is left out
-        missing = set()
+        missing = {(x, word) for x, word in missing if _goes_on(case, p, order, word, x)}
     report.check(
         "fixed points" + (" on edges" if on_edge else ""),
         not surplus and not missing,
@@ -127,6 +127,13 @@ def _check_fixed(
             )
     if on_edge and not at_end:
         _check_upright(case, [c for c in own if c.is_upright], bands, where)
+
+
+def _goes_on(case: Case, p: Place, order: int, word: str, x: Number) -> bool:
+    """Whether a branch of a word ends at an end of the span, at a position."""
+    curves = [c for c in case.curves if c.key == (order, word) and not c.is_upright]
+    ends = [(c, i) for c in curves for i, end in enumerate((c.lo, c.hi)) if end is p or end == p]
+    return any(bool(c.limit(i) == x) for c, i in ends)
 
 
 def _order(parts: Parts) -> int:
@@ -174,15 +181,18 @@ def _inside(band: Part, end: Any) -> bool:
 
 
 def _check_jumps(
-    case: Case, parts: Parts, own: Sequence[Curve], at: Number, where: str, *, at_end: bool
+    case: Case, parts: Parts, own: Sequence[Curve], p: Place, where: str, *, at_end: bool
 ) -> None:
+    at = number_of(p)
     truth = {(c.x, c.left, c.right, c.words) for c in crossings(parts)}
     shown = set()
     for c in own:
         if not c.is_fixed:
             limits = (evaluated(c.branch.exact[side], at) for side in ("left", "right"))
             shown.add((c.x(at), *limits, c.branch.word))
-    missing = set() if at_end else truth - shown
+    missing = truth - shown
+    if at_end:  # what exists there only is left out
+        missing = {c for c in missing if _goes_on(case, p, _order(parts), c[3], c[0])}
     case.report.check(
         "crossings",
         not (shown - truth) and not missing,
