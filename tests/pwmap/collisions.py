@@ -89,12 +89,15 @@ def _check_point(case: Case, point: SpecialPoint, tips: Sequence[Tip]) -> None:
     if not point.exact["x"].is_finite:  # type: ignore[attr-defined]
         return
     orders = {case.diagram.branch(name).order for name in ids}
+    complete = True
     for curve in case.curves:  # a jump of another order crosses the diagonal, it does not meet it
         if curve.is_upright or not (curve.is_fixed or curve.branch.order in orders):
             continue
         missed = curve.passes(p) and near(curve.x(number_of(p)), point.exact["x"])
         report.check("passing", not missed, lambda c=curve: f"{c} passes {_brief(point)}")
-    _check_kind(case, point, p, tips, [c for c in case.curves if c.branch.id in upright])
+        complete = complete and not missed
+    if complete:  # otherwise the kind is that of other branches
+        _check_kind(case, point, p, tips, [c for c in case.curves if c.branch.id in upright])
 
 
 def _check_kind(
@@ -145,7 +148,10 @@ def _kind_inside(
     if not left.any and not right.any:
         return PointKind.BC, "isolated"
     beside = left if left.any else right
-    flips = len(beside.fixed) == 1 and beside.jumps and beside.doubled
+    isolated = all(
+        t.curve.multiplier(at) is None or t.curve.multiplier(at) != 1 for t in own
+    )  # no end of a band
+    flips = len(beside.fixed) == 1 and isolated and beside.jumps and beside.doubled
     return PointKind.FF if flips else PointKind.BC, "fold"
 
 
@@ -164,7 +170,7 @@ def _staying(
         notes.append(f"{'persistence' if all(ending) else 'fold'} at a branch on the border")
     elif tips > 2 * len(words):
         notes.append("higher orders end at a branch on the border")
-    if beside[0] == beside[1] != here:
+    if here and beside[0] == beside[1] != here:  # the ends of bands are not among them
         notes.append("attracts at this value only" if True in here else "")
         notes[-1] = notes[-1] or "does not attract at this value"
     return ", ".join(notes)
