@@ -1,0 +1,80 @@
+"""Many random families of maps, all that the package says of them against brute force.
+
+``python tests/pwmap/compare_families.py 300 100`` compares 300 families at 100 parameters each, and
+at more where their edges are many: on every edge, beside it on both sides, and elsewhere.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from fractions import Fraction
+
+from cell_formulas import check_cells, check_nested
+from collisions import check_points
+from comparisons import Case, Report, check_at
+from families import ONE, Draw, Family
+from independent import Root
+from readings import Place, rational_near
+
+
+def parameters(case: Case, count: int, draw: random.Random) -> Iterator[tuple[Place, bool]]:
+    """Where to compare, and whether that is an edge: on and beside all edges, and elsewhere."""
+    low, high = case.family.span
+    done = 0
+    edges = list(case.formulas())
+    for edge in edges:
+        yield edge, True
+        centre = rational_near(edge) if isinstance(edge, Root) else edge
+        for width in (Fraction(1, 1000), Fraction(1, 10**12)):
+            for side in (-1, 1):
+                p = centre + side * width * max(ONE, abs(centre))
+                if low <= p <= high:
+                    yield p, p in edges
+                    done += 1
+        done += 1
+    for _ in range(count - done):
+        p = low + (high - low) * Fraction(draw.randrange(1, 9973), 9973)
+        yield p, p in edges
+
+
+def compare(family: Family, count: int, seed: int, report: Report) -> int:
+    """Everything about one family; the number of parameters."""
+    draw = random.Random(seed)
+    case = Case.of(family, report)
+    places = list(parameters(case, count, draw))
+    for p, on_edge in places:
+        check_at(case, p, on_edge=on_edge)
+    check_points(case)
+    check_cells(family, report, draw)
+    check_nested(family, report, draw)
+    return len(places)
+
+
+def run(families: int, count: int, seed: int = 0) -> Report:
+    """Compare many families, telling the progress."""
+    draw, report, total = Draw(seed), Report(), 0
+    for i in range(families):
+        family, known, start = draw.family(), len(report.differences), time.monotonic()
+        total += compare(family, count, i, report)
+        new = report.differences[known:]
+        kinds = dict(Counter(subject for subject, _ in new))
+        tell(f"{i}: {time.monotonic() - start:.1f} s, {kinds}")
+        for subject, said in dict(reversed(new)).items():
+            tell(f"   {subject}: {said}\n   {family}")
+    tell(f"{total} parameters, compared {dict(report.compared)}")
+    tell(f"differences {dict(Counter(subject for subject, _ in report.differences))}")
+    return report
+
+
+def tell(line: str) -> None:
+    """Write a line at once."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    run(*map(int, sys.argv[1:]))
