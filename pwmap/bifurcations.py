@@ -19,6 +19,7 @@ from pwmap.admitted import Span
 from pwmap.axis import Axis
 from pwmap.budget import BUDGET, Budget, BudgetError, Progress, Report
 from pwmap.cells import Cell, Stage, checked_orders, checked_span, close, studied_at, with_cells
+from pwmap.cylinders import Place
 from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.drawn import is_isolated, samples
 from pwmap.exact import fraction_to_sympy, quotient_to_sympy
@@ -265,7 +266,7 @@ def _branch(
         multiplier=drawn.multiplier,
         ends=(ends[0].id, ends[1].id),
         exact=exact,
-        attracts=None if run.shows is None else run.shows.stable,
+        attracts=None if run.shows is None or run.shows.place is Place.INSIDE else run.shows.stable,
     )
 
 
@@ -332,7 +333,8 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     if len(sides) != 1:
         alone = all(end.side == ALONG for end in fixed)  # on a jump that passes, or by itself
         return PointKind.BC, "isolated" if alone else "persistence"
-    flips = len(fixed) == 1 and any(not end.is_fixed for end in own) and fixed[0].is_steep
+    folding = [end for end in fixed if end.side != ALONG]  # not a point piece that is met
+    flips = len(folding) == 1 and any(not end.is_fixed for end in own) and folding[0].is_steep
     return (PointKind.FF if flips else PointKind.BC), "fold"
 
 

@@ -102,7 +102,7 @@ def _computed(
     interrupts: list[bool] = []
     bar = Bar(
         TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
-        transient=True,
+        transient=True, disable=not errors.is_terminal,
     )  # fmt: skip
     with bar:
         task = bar.add_task("order 1", total=max(orders, default=1))

@@ -589,9 +589,9 @@ class PiecewiseLinearMap:
                 x = self.cut_to_sympy(right.word, cut)
                 yield Jump(x=x, left=values[0], value=values[1], right=values[2])
 
-    def _differ(self, limits: Sequence[Number]) -> bool:
+    def _differ(self, limits: Sequence[Fraction_]) -> bool:
         """Whether the numbers at a break differ as formulas; at an edge, whether they differ."""
-        return not all(self._is_zero(one - other) for one, other in pairwise(limits))
+        return not all(self._is_zero(a * d - c * b) for (a, b), (c, d) in pairwise(limits))
 
     def _is_zero(self, number: Number) -> bool:
         """Whether a number is zero for all parameters, or at the edge of the map."""

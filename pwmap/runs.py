@@ -22,7 +22,7 @@ from pwmap.diagram import BranchKind
 from pwmap.exact import Fraction_, cancelled, is_constant
 from pwmap.itineraries import Judge, Orbits, Word
 
-Lone = set[tuple[int, int]]  # cell and word length of fixed points that exist at an edge only
+Borders = set[tuple[int, int]]  # edge and word length of fixed points that others may end on
 Position = Fraction_ | None  # an x as a quotient; None is infinite
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
@@ -239,16 +239,18 @@ class Sweep:
         """All runs: first those over the parameter, then bands along one value of it."""
         stretches = list(self._stretches())
         bands = list(self._bands())
-        lone = {
-            (s[0], len(name.word))
+        borders = {
+            (i, len(name.word))
             for name, s in stretches
-            if len(s) == 1 and name.kind is BranchKind.FIXED_POINT
+            if name.kind is BranchKind.FIXED_POINT
+            for i in s
+            if self.cells[i].is_edge and (len(s) == 1 or self._is_on_border(name, i))
         }
-        met = self._met(stretches, bands, lone)
+        met = self._met(stretches, bands, borders)
         found = [
             self._run(name, part)
             for name, stretch in stretches
-            for part in self._cut(name, stretch, lone, met)
+            for part in self._cut(name, stretch, borders, met)
         ]
         meetings = self.meetings(found) if bands else []
         return found + [run for band in bands for run in self._parted(*band, meetings)]
@@ -279,11 +281,11 @@ class Sweep:
         self,
         stretches: Sequence[tuple[Name, list[int]]],
         bands: Sequence[tuple[Cylinder, Any]],
-        lone: Lone,
+        borders: Borders,
     ) -> set[tuple[Any, Any]]:
         """Place and x of all ends at which a run may be met that passes there."""
         passed = {
-            self.cells[i].lower for name, s in stretches for i in self._exposed(name, s, lone)
+            self.cells[i].lower for name, s in stretches for i in self._exposed(name, s, borders)
         }
         met: set[tuple[Any, Any]] = set()
         for name, stretch in stretches if passed else ():
@@ -296,24 +298,28 @@ class Sweep:
                     met.add((place, self.axis.value(x, place)))
         return met
 
-    def _exposed(self, name: Name, stretch: Sequence[int], lone: Lone) -> Iterator[int]:
+    def _exposed(self, name: Name, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
         """Edges that a run passes and at which others of its order can end on it.
 
         A fixed point inside its cylinder has none near; it must lie on a border. A jump that
-        crosses the diagonal has none beside, but its break can be a fixed point at this edge only.
+        crosses the diagonal has none beside, but its break can be a fixed point.
         """
         for i in stretch[1:-1]:
-            shows = self.present[i][name]
-            on_border = shows is not None and shows.place is not Place.INSIDE
-            if self.cells[i].is_edge and (on_border or (i, len(name.word)) in lone):
+            met = self._is_on_border(name, i) or (i, len(name.word)) in borders
+            if self.cells[i].is_edge and met:
                 yield i
 
+    def _is_on_border(self, name: Name, i: int) -> bool:
+        """Whether a fixed point lies at an end of its cylinder, or is one."""
+        shows = self.present[i][name]
+        return shows is not None and shows.place is not Place.INSIDE
+
     def _cut(
-        self, name: Name, stretch: Sequence[int], lone: Lone, met: set[tuple[Any, Any]]
+        self, name: Name, stretch: Sequence[int], borders: Borders, met: set[tuple[Any, Any]]
     ) -> Iterator[Sequence[int]]:
         """The parts of a stretch between the places where other runs end on it."""
         start = 0
-        for i in self._exposed(name, stretch, lone):
+        for i in self._exposed(name, stretch, borders):
             place = self.cells[i].lower
             if (place, self.axis.value(self.position(name), place)) in met:
                 stop = stretch.index(i)

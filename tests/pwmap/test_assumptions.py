@@ -24,8 +24,9 @@ from pwmap import (
     parameter_cells,
     parameter_plane,
 )
+from pwmap.arithmetic import fraction_of
 from pwmap.assumptions import Region, read_constraints
-from pwmap.exact import element, polynomial_ring
+from pwmap.exact import polynomial_ring
 from pwmap.inequalities import Constraint, value_at
 from pwmap.linear import Combination, Separation, combination
 from pwmap.signs import possible_signs
@@ -41,7 +42,7 @@ def region(assumed: Sequence[str], names: str) -> Region:
 
 def sign_of(assumed: Sequence[str], names: str, polynomial: str) -> int:
     within = region(assumed, names)
-    return within.sign(element(within.ring, sympy.sympify(polynomial), "it"))
+    return within.sign(fraction_of(polynomial, within.ring, "it")[0])
 
 
 def relations(assumed: Sequence[str]) -> list[sympy.Basic]:

@@ -112,7 +112,7 @@ def test_slices_with_other_parameters_are_formulas_in_them() -> None:
     [
         (math.nan, ValueError, "finite value of the parameter, got nan"),
         (math.inf, ValueError, "finite value of the parameter, got inf"),
-        ("q", ValueError, "real number, got q"),
+        ("q", ValueError, "expected a rational number, got 'q'"),
         (sympy.I, ValueError, "real number, got I"),
         (sympy.pi, ValueError, "rational or algebraic number, got pi"),
         (None, TypeError, "a slice needs a number, got None"),
