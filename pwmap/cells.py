@@ -69,10 +69,12 @@ class Study:
 
     def agreed(self, *others: Study) -> Study:
         """What this study and others that show the same have in common."""
-        shared = set(self.judge.answers.items())
-        for other in others:
-            shared &= set(other.judge.answers.items())
-        judge = Judge(self.judge.orbits, self.judge.sign, dict(shared))
+        shared = {
+            question: answer
+            for question, answer in self.judge.answers.items()
+            if all(other.judge.answers.get(question) == answer for other in others)
+        }
+        judge = Judge(self.judge.orbits, self.judge.sign, shared)
         return Study(judge, self.shown())
 
 

@@ -243,6 +243,16 @@ def _root_to_sympy(polynomial: Dense, index: int) -> sympy.Expr:
 Real = Number | RealRoot
 
 
+def portable(x: Real | None) -> RealRoot | tuple[int, int] | None:
+    """A number without the type that rationals have here, to be pickled; see :func:`restored`."""
+    return x if x is None or isinstance(x, RealRoot) else pair(x)
+
+
+def restored(kept: RealRoot | tuple[int, int] | None) -> Real | None:
+    """The number that :func:`portable` took apart."""
+    return QQ(*kept) if isinstance(kept, tuple) else kept
+
+
 def bounds(x: Real) -> tuple[Number, Number]:
     """Rationals on both sides of a number, or twice the number itself."""
     return (x.low, x.high) if isinstance(x, RealRoot) else (x, x)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import sympy
 from sympy import QQ
@@ -30,7 +30,15 @@ from pwmap.exact import (
     unpacked,
 )
 from pwmap.inequalities import Constraint
-from pwmap.roots import Real, RealRoot, real_roots, sign_at, simplest_between
+from pwmap.roots import (
+    Real,
+    RealRoot,
+    portable,
+    real_roots,
+    restored,
+    sign_at,
+    simplest_between,
+)
 
 Orders = tuple[int, ...]
 
@@ -58,6 +66,9 @@ class Interval:
     high: Real | None
     orders: Orders = field(compare=False)
 
+    def __reduce__(self) -> tuple[Callable[..., Interval], tuple[object, ...]]:
+        return _interval, (self.symbol, portable(self.low), portable(self.high), self.orders)
+
     @property
     def constraints(self) -> tuple[Constraint, ...]:
         """None: an algebraic end is no inequality over the rationals."""
@@ -84,12 +95,19 @@ class Interval:
         return _between(_shown(self.low), self.symbol, _shown(self.high))
 
 
+def _interval(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> Interval:
+    return Interval(symbol, restored(low), restored(high), orders)
+
+
 @dataclass(frozen=True, slots=True)
 class Edge:
     """A single value of the only parameter."""
 
     symbol: sympy.Symbol
     value: Real
+
+    def __reduce__(self) -> tuple[Callable[..., Edge], tuple[object, ...]]:
+        return _edge, (self.symbol, portable(self.value))
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -107,6 +125,10 @@ class Edge:
 
     def __str__(self) -> str:
         return f"{self.symbol} = {_shown(self.value)}"
+
+
+def _edge(symbol: sympy.Symbol, value: Any) -> Edge:
+    return Edge(symbol, restored(value))
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,7 @@ from pwmap.assumptions import Region, read_constraints
 from pwmap.exact import polynomial_ring
 from pwmap.inequalities import Constraint, value_at
 from pwmap.linear import Combination, Separation, combination
+from pwmap.parsing import term_of
 from pwmap.signs import possible_signs
 
 TWO = polynomial_ring(sympy.symbols("a b"))
@@ -37,7 +38,7 @@ A, B, MU, X = sympy.symbols("a b mu x")
 
 def region(assumed: Sequence[str], names: str) -> Region:
     ring = polynomial_ring(sympy.symbols(names, seq=True))
-    return Region(ring, read_constraints(assumed, ring))
+    return Region(ring, read_constraints([term_of(text, ring.symbols) for text in assumed], ring))
 
 
 def sign_of(assumed: Sequence[str], names: str, polynomial: str) -> int:
