@@ -47,7 +47,9 @@ class Budget:
         """Take note of some work that is about to be done; ValueError if that is too much."""
         self.left -= work
         if self.left < 0:
-            raise ValueError("the formulas are too large to be multiplied out")
+            raise ValueError(
+                "the formulas are too large to be multiplied out, or have too many pieces"
+            )
 
 
 class Arithmetic:

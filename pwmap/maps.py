@@ -41,7 +41,7 @@ from pwmap.itineraries import (
 )
 from pwmap.reading import Model, read, read_formula
 from pwmap.scopes import Edge, Scope, SymbolicEdge
-from pwmap.terms import own_name
+from pwmap.terms import own_name, shortened
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 
@@ -448,7 +448,7 @@ class PiecewiseLinearMap:
                 raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
         if not numbers:
             return self
-        given = ", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items())
+        given = shortened(", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items()))
         broken = model.region.contains(numbers)
         if broken is not None:
             raise ValueError(f"{given} contradicts the assumption {broken}")

@@ -148,19 +148,23 @@ class Line:
     def _larger(self, profiles: Sequence[Profile], sense: int, term: Term) -> Profile:
         """The largest of some profiles, or the smallest for a sense of -1.
 
-        A break at which two are equal goes with the slot on its right, whatever their order.
+        A break at which two are equal goes with the slot on its right, whatever their order; so
+        neighbours can be taken together, and their winners again.
         """
-        best = profiles[0]
-        for other in profiles[1:]:
-            breaks, signs = self._signs(self._difference(best, other), term)
-            sides = [
-                signs[i + 1] or 0 if i % 2 and sign == 0 else sign for i, sign in enumerate(signs)
-            ]
-            best = self._lifted(
-                [Profile(breaks, tuple(sides)), best, other],
-                lambda v: v[1] if sense * v[0] >= 0 else v[2],
-            )
-        return best
+        left = list(profiles)
+        while len(left) > 1:
+            pairs = zip(left[::2], left[1::2], strict=False)
+            odd = left[-1:] if len(left) % 2 else []
+            left = [self._larger_of_two(one, other, sense, term) for one, other in pairs] + odd
+        return left[0]
+
+    def _larger_of_two(self, one: Profile, other: Profile, sense: int, term: Term) -> Profile:
+        breaks, signs = self._signs(self._difference(one, other), term)
+        sides = [signs[i + 1] or 0 if i % 2 and sign == 0 else sign for i, sign in enumerate(signs)]
+        return self._lifted(
+            [Profile(breaks, tuple(sides)), one, other],
+            lambda v: v[1] if sense * v[0] >= 0 else v[2],
+        )
 
     def _difference(self, left: Profile, right: Profile) -> Profile:
         arithmetic = self._arithmetic
@@ -186,6 +190,7 @@ class Line:
         found = dict.fromkeys(b for breaks in several for b in breaks)
         if len(found) > MAX_BREAKS:
             raise ValueError(f"a map may have {MAX_BREAKS} breaks, this one has more")
+        self._arithmetic.budget.spend(4 * len(found))
         ordered = sorted(sorted(found, key=str), key=cmp_to_key(self._order))
         for left, right in pairwise(ordered):
             if self._order(left, right) == 0:
@@ -197,7 +202,7 @@ class Line:
         """The values of a profile on the slots of more breaks."""
         if not profile.breaks:
             return [profile.slots[0]] * (2 * len(breaks) + 1)
-        self._arithmetic.budget.spend(1 + len(breaks) // 4)
+        self._arithmetic.budget.spend(1 + len(breaks) // 50)
         values, own = [profile.slots[0]], 0
         for b in breaks:  # both are sorted
             if own < len(profile.breaks) and profile.breaks[own] == b:

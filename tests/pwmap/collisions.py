@@ -142,11 +142,12 @@ def _kind_inside(
     left, right = (_seen(case.family, order, p, side, point.exact["x"]) for side in (-1, 1))
     if passing:
         staying = {word for _, word in passing}
-        return PointKind.BC, _staying(case.family, order, at, staying, (left, right), len(tips))
-    if left.any and right.any:
-        return PointKind.BC, "persistence"
-    if not left.any and not right.any:
-        return PointKind.BC, "isolated"
+        bands = any(curve.branch.order == order for curve in upright)
+        sides = left, right
+        return PointKind.BC, _staying(case.family, order, at, staying, sides, len(tips), bands)
+    if left.any == right.any:
+        alone = all(t.side == 0 for t in own)  # at this value only, on a jump that passes or not
+        return PointKind.BC, "isolated" if alone else "persistence"
     beside = left if left.any else right
     isolated = all(
         t.curve.multiplier(at) is None or t.curve.multiplier(at) != 1 for t in own
@@ -156,7 +157,13 @@ def _kind_inside(
 
 
 def _staying(
-    family: Family, order: int, at: Number, words: set[str], seen: tuple[Seen, Seen], tips: int
+    family: Family,
+    order: int,
+    at: Number,
+    words: set[str],
+    seen: tuple[Seen, Seen],
+    tips: int,
+    bands: bool,
 ) -> str:
     """The note where fixed points stay on a border."""
     base = family.at(at)
@@ -168,6 +175,8 @@ def _staying(
     notes = ["stability changes at the border"] if beside[0] != beside[1] else []
     if any(ending):
         notes.append(f"{'persistence' if all(ending) else 'fold'} at a branch on the border")
+    elif bands and not notes:
+        notes.append("an interval of fixed points ends at a branch on the border")
     elif tips > 2 * len(words):
         notes.append("higher orders end at a branch on the border")
     if here and beside[0] == beside[1] != here:  # the ends of bands are not among them
