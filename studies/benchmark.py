@@ -25,10 +25,10 @@ from record import Results, command, environ
 
 from pwmap.diagram import Diagram
 from woodpecker import Toy, continuation, first_return, kernel, return_map, shoot
-from woodpecker.arrays import Floats
-from woodpecker.compiled import COMPILED
-from woodpecker.modes import FIXED, model
-from woodpecker.returns import EVENT_LIMIT
+from woodpecker.base.arrays import Floats
+from woodpecker.base.compiled import COMPILED
+from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.simulation.returns import EVENT_LIMIT
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
 GUESS = -0.53  # rad, near the nominal cycle

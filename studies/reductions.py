@@ -41,12 +41,11 @@ from scipy.integrate import DOP853
 from style import STABLE, VIOLET, WIDTH, grid
 
 from woodpecker import Toy, free_frequency, kernel, return_map
-from woodpecker.arrays import Floats, Ints
-from woodpecker.compiled import COMPILED, jit
-from woodpecker.contact import PAIR_ROOM, one_contact, rates, two_contacts
-from woodpecker.guards import bracketed, value
-from woodpecker.lcp import solve_contact_lcp
-from woodpecker.modes import (
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import COMPILED, jit
+from woodpecker.mechanics.impacts import PAIR_ROOM, one_contact, rates, two_contacts
+from woodpecker.mechanics.lcp import solve_contact_lcp
+from woodpecker.mechanics.modes import (
     CONTACT,
     DELASSUS,
     EPS,
@@ -65,6 +64,7 @@ from woodpecker.modes import (
     mode_states,
     model,
 )
+from woodpecker.simulation.guards import bracketed, value
 
 EVENTS = 60  # room for one return
 SHORTEST = 5e-3  # s; a job repeats its work until it lasts about this long
@@ -191,7 +191,7 @@ def beside_edges(toy: Toy, begin: Floats) -> Floats:
 
 
 def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
-    """Phases and events of one return, rows as :func:`woodpecker.kernel.run` leaves them."""
+    """Phases and events of one return, as :func:`woodpecker.simulation.kernel.run` leaves them."""
     phases = np.zeros((EVENTS, kernel.PHASE_COLUMNS))
     happened = np.zeros((EVENTS, kernel.EVENT_COLUMNS))
     z, counts = np.zeros(7), np.zeros(3, np.int64)

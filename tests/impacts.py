@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from woodpecker import mechanics
-from woodpecker.contact import impact, make_pair
-from woodpecker.modes import ANGLE, FIXED, SIGN, model
-from woodpecker.toy import ExpansionFriction, Toy
+from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics.impacts import impact, make_pair
+from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
+from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
