@@ -72,11 +72,12 @@ def first_return_ode(
 
     At an event the project's contact problem is solved
     (:func:`woodpecker.simulation.kernel.arrive`) and the integration starts anew in the next mode.
-    The guard that has just fired is zero there, some of its derivatives may be too, and ``solve_ivp`` compares only the signs at both ends of a step:
-    it would fire again at once, or not, as rounding has it. So every phase begins with one Taylor
-    step of third order over 1e-6 s, after which all guards are positive; the step is halved while
-    one is not. Two events closer than 1e-6 s / 2^12 raise. A guard that dips below zero and
-    comes back within one step of the solver is missed: that is the solver's nature, and the word
+    The guard that has just fired is zero there, some of its derivatives may be too, and
+    ``solve_ivp`` compares only the signs at both ends of a step: it would fire again at once, or
+    not, as rounding has it. So every phase begins with one Taylor step of third order over 1e-6 s,
+    after which all guards are positive; the step is halved while one is not. Two events closer than
+    1e-6 s / 2^12 raise. A guard that dips below zero and comes back within one step of the solver
+    is missed: that is the solver's nature, and the word
     shows it.
 
     Parameters
