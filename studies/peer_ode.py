@@ -22,7 +22,7 @@ import numpy as np
 from peers import LostError, PeerReturn
 from scipy.integrate import solve_ivp
 
-from woodpecker import Toy, kernel
+from woodpecker import Toy
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.mechanics.impacts import SOLVED
 from woodpecker.mechanics.modes import (
@@ -44,6 +44,7 @@ from woodpecker.mechanics.modes import (
     mode_index,
     model,
 )
+from woodpecker.simulation import kernel
 from woodpecker.simulation.words import word
 
 PHI_S = -0.52947197  # the nominal cycle at eps_N1 = 0.5, to eight digits

@@ -40,7 +40,7 @@ from record import Results, command
 from scipy.integrate import DOP853
 from style import STABLE, VIOLET, WIDTH, grid
 
-from woodpecker import Toy, free_frequency, kernel, return_map
+from woodpecker import Toy, free_frequency, return_map
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import COMPILED, jit
 from woodpecker.mechanics.impacts import PAIR_ROOM, one_contact, rates, two_contacts
@@ -64,6 +64,7 @@ from woodpecker.mechanics.modes import (
     mode_states,
     model,
 )
+from woodpecker.simulation import kernel
 from woodpecker.simulation.guards import bracketed, value
 
 EVENTS = 60  # room for one return

@@ -40,8 +40,9 @@ from impacts import directions, frictions, laws, restitutions, scenes, strike
 from scipy.optimize import brentq
 from thoroughness import thorough
 
-from woodpecker import Status, first_return, mechanics, simulate
+from woodpecker import Status, first_return, simulate
 from woodpecker.base.compiled import COMPILED
+from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.impacts import INDETERMINATE, SOLVED
 from woodpecker.mechanics.lcp import enumerate_contacts, solve_contact_lcp
 from woodpecker.mechanics.modes import ANGLE, SIGN
