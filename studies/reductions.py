@@ -199,7 +199,7 @@ def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
     z[1], z[2] = -table[CONTACT + 1, 0], phi_s
     kernel.run(
         table, FIXED, z, np.zeros((0, 7)), np.zeros((0, 3)), np.array([0, 1, 0]), True, math.inf,
-        np.zeros(EVENTS, np.int16), phases, happened, counts,
+        np.zeros(EVENTS, np.int16), phases, kernel.NO_PATH, happened, counts,
     )  # fmt: skip
     return phases[: counts[1]], happened[: counts[2]]
 
@@ -483,7 +483,8 @@ def land(table: Floats, z: Floats, tangents: npt.ArrayLike = ()) -> tuple[Floats
     while not away:
         kernel.run(
             table, FIXED, state, v, np.zeros((len(v), 3)), states, True, math.inf, codes,
-            np.zeros((0, kernel.PHASE_COLUMNS)), np.zeros((0, kernel.EVENT_COLUMNS)), counts,
+            np.zeros((0, kernel.PHASE_COLUMNS)), kernel.NO_PATH,
+            np.zeros((0, kernel.EVENT_COLUMNS)), counts,
         )  # fmt: skip
         away = int(np.bitwise_or.reduce(codes[: counts[0]] % 8)) & 0b101
     return state[1:6], v[:, 1:6]

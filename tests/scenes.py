@@ -71,7 +71,7 @@ def run(
     events = np.zeros((limit, kernel.EVENT_COLUMNS))
     code = kernel.run(
         model(toy), FIXED, state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end,
-        codes, phases, events, counts,
+        codes, phases, kernel.NO_PATH, events, counts,
     )  # fmt: skip
     return Run(
         code=code,

@@ -338,9 +338,49 @@ def halts(mark: int) -> bool:
 @jit
 def impact(
     model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
-    case: Ints, impulses: Floats, marks: Ints, pair: Pair,
+    choice: Ints, case: Ints, impulses: Floats, marks: Ints, pair: Pair,
 ) -> int:  # fmt: skip
     """Poisson impact with Coulomb friction: compression, then expansion.
+
+    The index combinations are decided first, and then carried out: see :func:`decide` and
+    :func:`carry_out` for the parameters.
+    """
+    status = decide(model, contacts, z, choice, marks, pair)
+    if status in (SOLVED, INDETERMINATE):
+        carry_out(model, change, contacts, choice, z, tangents, seed, case, impulses, pair)
+    return status
+
+
+@jit
+def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair) -> int:
+    """Find the index combinations of an impact.
+
+    Parameters
+    ----------
+    contacts
+        (n,) the one or two contacts (0-based) with zero gap, ascending.
+    z
+        State (7,) before the impact.
+    choice
+        Output (3,): combinations c_1 + 6 c_2 of the compression, twice (if it is indeterminate both
+        ends of its segment), and of the expansion, or UNSOLVED if there is none.
+    marks
+        Output: a mark (2,) for each contact: between equal marks the impact depends smoothly on the
+        state.
+    pair
+        Room for an impact at two contacts.
+    """
+    if len(contacts) == 1:
+        return _decide_single(model, contacts[0], z, choice, marks)
+    return _decide_double(model, contacts, z, choice, marks, pair)
+
+
+@jit
+def carry_out(
+    model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
+    seed: Floats, case: Ints, impulses: Floats, pair: Pair,
+) -> None:  # fmt: skip
+    """Change the velocities as given index combinations say: a smooth map of the state.
 
     Derivatives need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at
     contacts that slide, the derivative of Lambda solves the same equations as Lambda with
@@ -350,40 +390,37 @@ def impact(
     ----------
     change
         Derivative of the model along the last tangent, or of length 0 if it stays.
-    contacts
-        (n,) the one or two contacts (0-based) with zero gap, ascending.
+    contacts, choice
+        As :func:`decide` takes and gives them.
     z, tangents
         State (7,) and derivatives of states (m, 7); their velocities are updated in place.
     seed
         (m, 3) derivative of eps_N along each tangent.
-    case, impulses, marks
-        Output: index combination after the expansion (2,), impulses (2, 4) of both phases, and a
-        mark (2,) for each contact: between equal marks the impact depends smoothly on the state.
+    case, impulses
+        Output: the last index combination of each contact (2,), impulses (2, 4) of both phases.
     pair
         Room for an impact at two contacts.
     """
+    for k in range(4):
+        impulses[0, k] = impulses[1, k] = 0.0
+    last = choice[2] if choice[2] != UNSOLVED else choice[0]
+    case[0], case[1] = last % 6, last // 6
     if len(contacts) == 1:
-        status = _single_impact(
-            model, change, contacts[0], z, tangents, seed, case, impulses, marks
-        )
+        _carry_out_single(model, change, contacts[0], choice, z, tangents, seed, impulses)
     else:
-        status = _double_impact(
-            model, change, contacts, z, tangents, seed, case, impulses, marks, pair
-        )
-    if status in (SOLVED, INDETERMINATE):
-        _clear(model, contacts, case, z)
-        for m in range(len(tangents)):
-            bounce = 0.0
-            for k in range(len(contacts)):
-                i = contacts[k]
-                if seed[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
-                    bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
-            _clear(model, contacts, case, tangents[m])
-            if len(change) > 0 and m == len(tangents) - 1:
-                _clear_change(change, contacts, case, z, tangents[m])
-            if bounce != 0.0:  # a larger eps_N makes this contact bounce
-                tangents[m, 3 + ANGLE[contacts[0]]] = bounce
-    return status
+        _carry_out_double(model, change, contacts, choice, z, tangents, seed, case, impulses, pair)
+    _clear(model, contacts, case, z)
+    for m in range(len(tangents)):
+        bounce = 0.0
+        for k in range(len(contacts)):
+            i = contacts[k]
+            if seed[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
+                bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
+        _clear(model, contacts, case, tangents[m])
+        if len(change) > 0 and m == len(tangents) - 1:
+            _clear_change(change, contacts, case, z, tangents[m])
+        if bounce != 0.0:  # a larger eps_N makes this contact bounce
+            tangents[m, 3 + ANGLE[contacts[0]]] = bounce
 
 
 @jit
@@ -414,26 +451,43 @@ def _set_gap_rate(model: Floats, i: int, rate: float, z: Floats) -> None:
 
 
 @jit
-def _single_impact(
-    model: Floats, change: Floats, i: int, z: Floats, tangents: Floats, seed: Floats, case: Ints,
-    impulses: Floats, marks: Ints,
-) -> int:  # fmt: skip
+def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) -> int:
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
     mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
     free_n, free_t = rates(model, i, z)
     status, first, c_n, c_t = one_contact(g_nn, g_nt, g_tt, free_n, free_t, mu, 0.0)
+    choice[0], choice[1], choice[2] = first, first, UNSOLVED
     if status != SOLVED:
         return status
-    v_n = 0.0 if first // 3 == REST else free_n
-    v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
-    floor = eps * c_n
-    second, e_n, e_t = first, 0.0, 0.0
+    floor, second = eps * c_n, first
     if floor > 0.0:  # otherwise the compression was all
-        status, second, e_n, e_t = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
+        v_n = 0.0 if first // 3 == REST else free_n
+        v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
+        status, second, _, _ = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
+        choice[2] = second
         if status != SOLVED:
             return status
-    case[0], marks[0] = second, _mark(first, second, floor > 0.0, floor)
+    marks[0] = _mark(first, second, floor > 0.0, floor)
+    return SOLVED
+
+
+@jit
+def _carry_out_single(
+    model: Floats, change: Floats, i: int, choice: Ints, z: Floats, tangents: Floats, seed: Floats,
+    impulses: Floats,
+) -> None:  # fmt: skip
+    first, second, expands = choice[0], choice[2], choice[2] != UNSOLVED
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
+    free_n, free_t = rates(model, i, z)
+    c_n, c_t = one_contact_case(first, g_nn, g_nt, g_tt, free_n, free_t, mu, 0.0)
+    v_n = 0.0 if first // 3 == REST else free_n
+    v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
+    floor, e_n, e_t = eps * c_n, 0.0, 0.0
+    if expands:
+        e_n, e_t = one_contact_case(second, g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     for m in range(len(tangents)):
         along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
@@ -446,8 +500,8 @@ def _single_impact(
         )
         dfloor = eps * dc_n + seed[m, i] * c_n
         de_n = de_t = 0.0
-        if floor > 0.0 or dfloor != 0.0:
-            case_e = second if floor > 0.0 else 3 * FREE + second % 3
+        if expands or dfloor != 0.0:
+            case_e = second if expands else 3 * FREE + first % 3
             de_n, de_t, _, _ = _one_change(
                 model, change, along, i, case_e, e_n, e_t, dv_n, dv_t, dfloor
             )
@@ -456,7 +510,6 @@ def _single_impact(
         _kick(model, i, dc_n + de_n, dc_t + de_t, tangents[m])
     _kick(model, i, c_n + e_n, c_t + e_t, z)
     _set_gap_rate(model, i, v_n + g_nn * e_n + g_nt * e_t, z)
-    return SOLVED
 
 
 @jit
@@ -483,52 +536,79 @@ def _one_change(
 
 
 @jit
-def _double_impact(
-    model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
-    case: Ints, impulses: Floats, marks: Ints, pair: Pair,
-) -> int:  # fmt: skip
-    delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
-    feeds, free, middle = pair.feeds, pair.free, pair.middle
-    first, second, after = pair.first, pair.second, pair.after
+def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
+    """Write what an impact at two contacts starts from into its room."""
     fill_pair(model, contacts[1])
     for a in range(4):
         for b in range(4):
             row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
-            delassus[a, b] = model[DELASSUS + row, column]
+            pair.delassus[a, b] = model[DELASSUS + row, column]
     for k in range(2):
         i = contacts[k]
-        mu[k], eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
+        pair.mu[k], pair.eps[k] = model[CONTACT + i, MU], model[CONTACT + i, EPS]
+        pair.free[2 * k], pair.free[2 * k + 1] = rates(model, i, z)
+        pair.floor[k] = 0.0
+
+
+@jit
+def _decide_double(
+    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair
+) -> int:
+    prepare(model, contacts, z, pair)
+    delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
+    feeds, middle, impulse = pair.feeds, pair.middle, pair.end
+    first, second = pair.first, pair.second
+    for k in range(2):
         feeds[k] = 1 if eps[k] > 0.0 else 0
-        free[2 * k], free[2 * k + 1] = rates(model, i, z)
-        floor[k] = 0.0
     table = PAIR + 36 * (contacts[1] - 1)
     outcome = two_contacts(
-        model, table, delassus, free, mu, 0.0, floor, feeds, first, impulses[0], pair
+        model, table, delassus, pair.free, mu, 0.0, floor, feeds, first, impulse, pair
     )
     if outcome in (NO_SOLUTION, AMBIGUOUS):
         return outcome
-    begun = first[0, 0] + 6 * first[0, 1]
-    velocity_of(begun, delassus, free, impulses[0], middle)
+    choice[0], choice[1] = first[0, 0] + 6 * first[0, 1], first[1, 0] + 6 * first[1, 1]
+    choice[2] = UNSOLVED
+    velocity_of(choice[0], delassus, pair.free, impulse, middle)
     expands = False
     for k in range(2):
-        floor[k] = eps[k] * impulses[0, 2 * k]
+        floor[k] = eps[k] * impulse[2 * k]
         expands = expands or floor[k] > 0.0
-        case[k] = first[0, k]
+        second[0, k] = first[0, k]
         feeds[k] = 0
     if expands:
         status = two_contacts(
             model, table + EXPANSION, delassus, middle, mu, model[FORCE, SUMMED], floor, feeds,
-            second, impulses[1], pair,
+            second, impulse, pair,
         )  # fmt: skip
         if status != SOLVED:
             return status
-        for k in range(2):
-            case[k] = second[0, k]
-    velocity_of(case[0] + 6 * case[1], delassus, middle, impulses[1], after)
+        choice[2] = second[0, 0] + 6 * second[0, 1]
     for k in range(2):
-        marks[k] = _mark(first[0, k], case[k], expands, floor[k])
+        marks[k] = _mark(first[0, k], second[0, k], expands, floor[k])
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
+    return outcome
+
+
+@jit
+def _carry_out_double(
+    model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
+    seed: Floats, case: Ints, impulses: Floats, pair: Pair,
+) -> None:  # fmt: skip
+    prepare(model, contacts, z, pair)
+    free, floor, middle, after, end = pair.free, pair.floor, pair.middle, pair.after, pair.end
+    table, expands = PAIR + 36 * (contacts[1] - 1), choice[2] != UNSOLVED
+    for side in range(2):
+        pair.first[side, 0], pair.first[side, 1] = choice[side] % 6, choice[side] // 6
+        impulse_of(model, table + choice[side], free, floor, end)
+        for k in range(4):
+            impulses[0, k] += 0.5 * end[k]
+    velocity_of(choice[0], pair.delassus, free, impulses[0], middle)
+    for k in range(2):
+        floor[k] = pair.eps[k] * impulses[0, 2 * k]
+    if expands:
+        impulse_of(model, table + EXPANSION + choice[2], middle, floor, impulses[1])
+    velocity_of(case[0] + 6 * case[1], pair.delassus, middle, impulses[1], after)
     for m in range(len(tangents)):
         along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
         _pair_tangent(
@@ -540,7 +620,6 @@ def _double_impact(
         _kick(model, contacts[k], p_n, p_t, z)
     for k in range(2):
         _set_gap_rate(model, contacts[k], after[2 * k], z)
-    return outcome
 
 
 @jit
@@ -655,10 +734,17 @@ def hold(model: Floats, i: int, z: Floats) -> None:
 
 @jit
 def rest_is_possible(model: Floats, k: int, d: float) -> bool:
-    """Whether contacts 1 and k + 1 can hold the toy at rest: some forces lie in both cones.
+    """Whether contacts 1 and k + 1 can hold the toy at rest: some forces lie in both cones."""
+    low, high = rest_range(model, k, d)
+    return low <= high
+
+
+@jit
+def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
+    """The interval of lambda_T1 with which contacts 1 and k + 1 hold the toy at rest.
 
     Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is
-    linear in s.
+    linear in s. Where there is none the lower end is above the upper one.
     """
     low, high = -math.inf, math.inf
     h_y = model[FORCE, 0] + model[FORCE, 3] * d
@@ -675,7 +761,7 @@ def rest_is_possible(model: Floats, k: int, d: float) -> bool:
         constant = scale * (h_m - model[sleeve, TANGENT + 1] * h_y) - cone * h_y
         rate = scale * (model[beak, TANGENT + 1] - model[sleeve, TANGENT + 1]) - cone
         low, high = _half_line(constant, rate, low, high)
-    return low <= high
+    return low, high
 
 
 @jit

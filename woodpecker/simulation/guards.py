@@ -238,3 +238,44 @@ def _root_or_later(
             return math.inf
         high = horizon
     return bracketed(f0, f1, f2, f3, kappa, omega, low, high)
+
+
+@jit
+def lowest(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
+) -> float:
+    """Least value of f among its minima strictly between 0 and ``end``; inf if there are none."""
+    if kappa < 0.0:
+        return _lowest_trigonometric(f0, f1, f2, f3, kappa, omega, end)
+    first, second = _critical_points(f1, f2, f3, kappa, omega)
+    best = math.inf
+    for t in (first, second):
+        if t < end:
+            c0, s1, _, _, _ = stumpff(kappa, omega, t)
+            if f2 * c0 + f3 * s1 > 0.0:  # f'' there
+                best = min(best, value(f0, f1, f2, f3, kappa, omega, t)[0])
+    return best
+
+
+@jit
+def _lowest_trigonometric(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
+) -> float:
+    """The same for kappa < 0: minima repeat, so the first or the last one is the lowest.
+
+    A guard that begins with a zero derivative has its first minimum there, where it is none.
+    """
+    a, b = -f2 / kappa, -f3 / (kappa * omega)
+    drift, fastest = f1 - f3 / kappa, omega * math.hypot(a, b)
+    if abs(drift) >= fastest * (1.0 - 8.0 * EPSILON):
+        return math.inf
+    beta = math.asin(drift / fastest)
+    theta = (math.atan2(b, a) - beta) % TWO_PI
+    if f1 == 0.0 and theta < 1.0:
+        theta += TWO_PI
+    first = theta / omega
+    if first >= end:
+        return math.inf
+    last = first + math.floor((end - first) * omega / TWO_PI) * TWO_PI / omega
+    t = first if drift >= 0.0 else last
+    return value(f0, f1, f2, f3, kappa, omega, t)[0] if t < end else math.inf

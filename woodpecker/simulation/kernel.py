@@ -80,6 +80,15 @@ PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
 EVENT_COLUMNS = 16  # t, code, u before, u after, impulses (N, T) x (beak, sleeve) of both phases
 
 
+STEP_COLUMNS = 8  # of a path: what one event decided, and the phase after it. Columns:
+MODE, GUARD, STRUCK, FIRST, OTHER, SECOND, CLOSED, HELD = range(8)
+# MODE of the phase; GUARD that ends it; STRUCK, mask of the contacts that take part in an impact,
+# or 0; FIRST and OTHER, index combinations of its compression (two ends of a segment, if it is
+# indeterminate), SECOND, that of the expansion (-1: none); CLOSED, mask of the contacts at which
+# impacts have accumulated; HELD, mask of the contacts whose slip is exactly zero
+
+NO_PATH: Ints = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
+
 ROOM = np.dtype(
     (
         np.record,
@@ -94,10 +103,12 @@ ROOM = np.dtype(
             ("closed", "i8", (3,)),  # contacts that touch and stay
             ("before", "i8", (3,)),  # states before an event
             ("touching", "i8", (2,)),  # contacts with zero gap
-            ("case", "i8", (2,)),  # their index combinations
+            ("choice", "i8", (3,)),  # index combinations of an impact
+            ("case", "i8", (2,)),  # the last ones of each contact
             ("marks", "i8", (2,)),  # see contact.MARKS
             ("impulses", "f8", (2, 4)),
             ("trial", "i8", (3,)),  # states that are tried
+            ("decided", "i8", (STEP_COLUMNS,)),  # what an event decides, see STEP_COLUMNS
             ("pair", PAIR_ROOM),
         ],
     )
@@ -542,6 +553,9 @@ def arrive(
     closed, before, case, impulses = room.closed, room.before, room.case, room.impulses
     for i in range(3):
         closed[i], before[i] = 0, states[i]
+    decided = room.decided
+    for k in range(STEP_COLUMNS):
+        decided[k] = 0
     n, striking = _touching(model, z, gaps, states, fired, closed, room.touching)
     contacts = room.touching[:n]
     for k in range(EVENT_COLUMNS):
@@ -552,7 +566,17 @@ def arrive(
         for k in range(4):
             impulses[0, k] = impulses[1, k] = 0.0
         status = impact(
-            model, change, contacts, z, tangents, seed, case, impulses, marks, room.pair
+            model,
+            change,
+            contacts,
+            z,
+            tangents,
+            seed,
+            room.choice,
+            case,
+            impulses,
+            marks,
+            room.pair,
         )
         if status in (NO_SOLUTION, AMBIGUOUS):
             return status
@@ -569,6 +593,9 @@ def arrive(
                 event[column + 4 * phase] = impulses[phase, 2 * k]
                 event[column + 4 * phase + 1] = impulses[phase, 2 * k + 1]
         _append(word, counts, 64 * (marks[0] + MARKS * marks[1]) + 8 * kind + mask)
+        decided[STRUCK] = mask
+        for k in range(3):
+            decided[FIRST + k] = room.choice[k]
         for i in range(3):
             before[i] = before[i] if before[i] != OPEN or not closed[i] else SLIP_POSITIVE
         fired = typed(-1)
@@ -584,15 +611,26 @@ def arrive(
     for j in range(3):
         event[5 + j] = z[3 + j]
     status = settle(model, z, gaps, closed, slips, fired, states, room.trial)
+    decided[HELD] = _held(closed, slips)
     if status == SOLVED:
         _append_transitions(before, states, fired, word, counts)
         if striking:
-            _still_contacts(states, tangents)
+            still_contacts(states, tangents)
     return status
 
 
 @jit
-def _still_contacts(states: Ints, tangents: Floats) -> None:
+def _held(closed: Ints, slips: Ints) -> int:
+    """Mask of the closed contacts whose slip is exactly zero."""
+    mask = 0
+    for i in range(3):
+        if closed[i] and slips[i] == 0:
+            mask += 1 << i
+    return mask
+
+
+@jit
+def still_contacts(states: Ints, tangents: Floats) -> None:
     """Where a larger eps_N would make a closed contact bounce, the derivative is unknown.
 
     The bounces that it begins are not in this flow.
@@ -661,7 +699,8 @@ def _append_transitions(before: Ints, after: Ints, fired: int, word: Codes, coun
 @jit
 def run(
     model: Floats, change: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints,
-    to_section: bool, t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints,
+    to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints, events: Floats,
+    counts: Ints,
 ) -> int:  # fmt: skip
     """Follow the toy from event to event until it returns to the section or a limit is met.
 
@@ -677,24 +716,25 @@ def run(
         Stop at the next minimum of phi_S on the jammed sleeve; stop at this time.
     word
         Buffer of event codes; its length is the event limit.
-    phases, events
-        Buffers for the trajectory, (n, 8) and (n, 16); of length 0 if it is not wanted.
+    phases, path, events
+        Buffers for the trajectory, (n, 8), (n, 8) and (n, 16); of length 0 if it is not wanted. The
+        path says what was decided before each phase, see STEP_COLUMNS.
     counts
         (3,) output: symbols, phases, events. Symbols already in the word are kept.
     """
     memory, owner = np.zeros((len(tangents), 7)), np.zeros(1, dtype=ROOM)
     return _follow(
         borrowed(model), borrowed(change), borrowed(z), borrowed(tangents), borrowed(seed),
-        borrowed(states), to_section, t_end, borrowed(word), borrowed(phases), borrowed(events),
-        borrowed(counts), borrowed(memory), owner[0], owner, memory,
+        borrowed(states), to_section, t_end, borrowed(word), borrowed(phases), borrowed(path),
+        borrowed(events), borrowed(counts), borrowed(memory), owner[0], owner, memory,
     )  # fmt: skip
 
 
 @jit
 def _follow(
     model: Floats, change: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints,
-    to_section: bool, t_end: float, word: Codes, phases: Floats, events: Floats, counts: Ints,
-    memory: Floats, room: Room, owner: Any, owner_of_memory: Floats,
+    to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints, events: Floats,
+    counts: Ints, memory: Floats, room: Room, owner: Any, owner_of_memory: Floats,
 ) -> int:  # fmt: skip
     """The same with borrowed arrays, and those that own ``room`` and ``memory``.
 
@@ -724,24 +764,26 @@ def _follow(
             return EVENT_LIMIT
         mode = mode_of(states)
         if len(phases) > 0:
-            _record_phase(phases, counts, z, mode)
+            _record_phase(phases, path, counts, z, mode, room.decided)
         horizon = t_end - z[6]
         t, fired = next_event(model, mode, z, gaps, states, to_section, horizon, fired, none)
         if t == math.inf:
             sticks = states[0] == STICK or states[1] == STICK or states[2] == STICK
             return AT_REST if sticks else FREE_FALL
+        if len(path) > 0:
+            path[counts[1] - 1, GUARD] = fired
         advance(model, change, mode, fired, t, z, gaps, tangents, work)
         if z[0] < -model[FORCE, POLE]:
             return POLE_END
         if fired == SECTION:
-            _put_on_section(model, change, z, tangents)
+            put_on_section(model, change, z, tangents)
             return RETURNED
         if fired < 0:
             return TIME_REACHED
 
 
 @jit
-def _put_on_section(model: Floats, change: Floats, z: Floats, tangents: Floats) -> None:
+def put_on_section(model: Floats, change: Floats, z: Floats, tangents: Floats) -> None:
     """Make exact what the section says: the sleeve at its lower contact, everything at rest."""
     z[1] = -model[CONTACT + 1, LIMIT]
     z[3] = z[4] = z[5] = 0.0
@@ -855,11 +897,27 @@ def _close_chatter(
 ) -> int:  # fmt: skip
     """Sum the accumulating impacts at contact i and close it.
 
-    Laps shrink by ``ratio``, so the state tends to z + (z - mark) ratio / (1 - ratio). In the word
-    the run of equal impacts becomes the one symbol of the accumulation.
+    In the word the run of equal impacts becomes the one symbol of the accumulation.
     """
-    mark, j = room.mark, 3 + ANGLE[i]
-    rest = ratio / (1.0 - ratio)
+    sum_bounces(z, gaps, tangents, memory, room.mark, ratio, i)
+    last = word[counts[0] - 1]
+    while counts[0] > 0 and word[counts[0] - 1] == last:
+        counts[0] -= 1
+    return _close(
+        model, change, z, gaps, tangents, 1 << i, states, slips, word, counts, events, room
+    )
+
+
+@jit
+def sum_bounces(
+    z: Floats, gaps: Floats, tangents: Floats, memory: Floats, mark: Floats, ratio: float, i: int
+) -> None:
+    """The state in which bounces at contact i end, which shrink by a ratio.
+
+    With ``mark`` (and ``memory`` of the tangents) after the bounce before and z after the last one,
+    it is z + (z - mark) ratio / (1 - ratio).
+    """
+    j, rest = 3 + ANGLE[i], ratio / (1.0 - ratio)
     for m in range(len(tangents)):
         change_of_ratio = SIGN[i] * (tangents[m, j] - ratio * memory[m, j]) / mark[7]
         change_of_rest = change_of_ratio / ((1.0 - ratio) * (1.0 - ratio))
@@ -870,12 +928,31 @@ def _close_chatter(
         gaps[k] += SIGN[k] * (z[ANGLE[k]] - mark[ANGLE[k]]) * rest
     for k in range(7):
         z[k] += (z[k] - mark[k]) * rest
-    last = word[counts[0] - 1]
-    while counts[0] > 0 and word[counts[0] - 1] == last:
-        counts[0] -= 1
-    return _close(
-        model, change, z, gaps, tangents, 1 << i, states, slips, word, counts, events, room
-    )
+
+
+@jit
+def shut(
+    model: Floats, change: Floats, mask: int, z: Floats, gaps: Floats, tangents: Floats
+) -> None:
+    """Make exact that the contacts of a mask are closed and stay so."""
+    for k in range(3):
+        if mask >> k & 1:
+            j = ANGLE[k]
+            z[j], z[3 + j], gaps[k] = -SIGN[k] * model[CONTACT + k, LIMIT], 0.0, 0.0
+            for m in range(len(tangents)):
+                tangents[m, j] = tangents[m, 3 + j] = 0.0
+            if len(change) > 0:
+                tangents[len(tangents) - 1, j] = -SIGN[k] * change[CONTACT + k, LIMIT]
+
+
+@jit
+def stop(model: Floats, change: Floats, k: int, z: Floats, tangents: Floats) -> None:
+    """Make the slip of contact k exactly zero, and that of the tangents."""
+    hold(model, k, z)
+    for m in range(len(tangents)):
+        hold(model, k, tangents[m])
+    if len(change) > 0:
+        tangents[len(tangents) - 1, 3] -= rates(change, k, z)[1]
 
 
 @jit
@@ -895,23 +972,15 @@ def _close(
     for k in range(3):
         if mask >> k & 1:
             before[k] = SLIP_POSITIVE
-            j = ANGLE[k]
-            z[j], z[3 + j], gaps[k] = -SIGN[k] * model[CONTACT + k, LIMIT], 0.0, 0.0
-            for m in range(len(tangents)):
-                tangents[m, j] = tangents[m, 3 + j] = 0.0
-            if len(change) > 0:
-                tangents[len(tangents) - 1, j] = -SIGN[k] * change[CONTACT + k, LIMIT]
+    shut(model, change, mask, z, gaps, tangents)
     for k in range(3):
         if not closed[k] or states[k] == STICK:
             continue
         slips[k] = 0 if room.stopped[k] else _sign(rates(model, k, z)[1])
         if room.stopped[k]:
-            hold(model, k, z)
-            for m in range(len(tangents)):
-                hold(model, k, tangents[m])
-            if len(change) > 0:
-                tangents[len(tangents) - 1, 3] -= rates(change, k, z)[1]
+            stop(model, change, k, z, tangents)
     status = settle(model, z, gaps, closed, slips, typed(-1), states, room.trial)
+    room.decided[CLOSED], room.decided[HELD] = mask, _held(closed, slips)
     symbols = counts[0]
     _append(word, counts, 8 * CHATTER_END + mask)
     for k in range(3):  # that they close is in the symbol
@@ -926,11 +995,17 @@ def _close(
 
 
 @jit
-def _record_phase(phases: Floats, counts: Ints, z: Floats, mode: int) -> None:
+def _record_phase(
+    phases: Floats, path: Ints, counts: Ints, z: Floats, mode: int, decided: Ints
+) -> None:
     if counts[1] < len(phases):
         for k in range(7):
             phases[counts[1], k] = z[k]
         phases[counts[1], 7] = mode
+        if len(path) > 0:
+            for k in range(STEP_COLUMNS):
+                path[counts[1], k] = decided[k]
+            path[counts[1], MODE] = mode
         counts[1] += 1
 
 
@@ -983,6 +1058,7 @@ def sweep(
             seeds[1 + k, i] = seed[k, i]
     counts, separator = np.zeros(3, dtype=np.int64), typed(0)
     nothing, no_events = np.zeros((0, PHASE_COLUMNS)), np.zeros((0, EVENT_COLUMNS))
+    no_path = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
     memory, owner = np.zeros((len(tangents), 7)), np.zeros(1, dtype=ROOM)
     for n in range(len(starts)):
         for k in range(7):
@@ -1000,8 +1076,8 @@ def sweep(
             status[n] = _follow(
                 borrowed(model), borrowed(change), borrowed(z), borrowed(tangents),
                 borrowed(seeds), borrowed(states), True, math.inf, borrowed(words[n]),
-                borrowed(nothing), borrowed(no_events), borrowed(counts), borrowed(memory),
-                owner[0], owner, memory,
+                borrowed(nothing), borrowed(no_path), borrowed(no_events), borrowed(counts),
+                borrowed(memory), owner[0], owner, memory,
             )  # fmt: skip
             if status[n] != RETURNED:
                 break

@@ -173,7 +173,20 @@ def simulate(
     none = np.zeros((0, 7)), np.zeros((0, 3))
     announce(kernel.run)
     reason = status(
-        kernel.run(numbers, FIXED, z, *none, states, False, t_end, codes, phases, rows, counts)
+        kernel.run(
+            numbers,
+            FIXED,
+            z,
+            *none,
+            states,
+            False,
+            t_end,
+            codes,
+            phases,
+            kernel.NO_PATH,
+            rows,
+            counts,
+        )
     )
     phases = phases[: max(1, counts[1])].copy()
     if counts[1] == 0:

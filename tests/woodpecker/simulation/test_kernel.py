@@ -464,7 +464,7 @@ def follow(
     code = kernel.run(
         model(TOY.replace(eps_n1=eps_n1)), FIXED, z, tangents, SEED[: len(tangents)], states,
         False, t_end, np.zeros(50, dtype=np.int16), np.zeros((0, kernel.PHASE_COLUMNS)),
-        np.zeros((0, kernel.EVENT_COLUMNS)), counts,
+        kernel.NO_PATH, np.zeros((0, kernel.EVENT_COLUMNS)), counts,
     )  # fmt: skip
     assert code == kernel.TIME_REACHED
     return z[:6], np.append(z[3:6], accelerations(tuple(states), z[2] - z[1]))
