@@ -81,11 +81,12 @@ NO_ROOT = -1  # a guard of the path has no root here
 NEWTON = 40  # steps from a neighbour's event time; three are usual
 
 # What a margin watches: code = 1000 * phase + 100 * kind + item.
-LEAST, SPEED, START, COMPRESSION, EXPANDING, SWING, RESTING, BOUNCES = range(8)
-# LEAST: least value of a guard in a phase; SPEED: of the guard that fires, squared; START: of a
-# guard where the phase begins; COMPRESSION, EXPANDING: slack 4 * contact + inequality of an impact;
-# SWING: time from and to the minima beside that on the section; RESTING: what friction leaves to
-# two contacts that hold the toy; BOUNCES: 1 - ratio of bounces that accumulate
+MEETING, DIP, SPEED, START, COMPRESSION, EXPANDING, SWING, RESTING, BOUNCES = range(9)
+# MEETING: a guard where another one fires; DIP: least value of a guard at its minima in a phase;
+# SPEED: of the guard that fires, squared; START: of a guard where the phase begins; COMPRESSION,
+# EXPANDING: slack 4 * contact + inequality of an impact; SWING: time between the minimum of phi_S
+# that counts and the neighbouring ones; RESTING: what friction leaves to two contacts that hold
+# the toy; BOUNCES: 1 - ratio of bounces that accumulate
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 
 MARGINS = 1024  # room for the margins of one return
@@ -307,9 +308,9 @@ def _phase_margins(
         if guard == fired:
             _note(margins, causes, found, slope * slope, 1000 * k + 100 * SPEED + guard)
         else:
-            least = min(least, end)
+            _note(margins, causes, found, end, 1000 * k + 100 * MEETING + guard)
         if least < math.inf:
-            _note(margins, causes, found, least, 1000 * k + 100 * LEAST + guard)
+            _note(margins, causes, found, least, 1000 * k + 100 * DIP + guard)
 
 
 @jit
