@@ -426,7 +426,7 @@ from woodpecker.simulation.returns import first_return
 from woodpecker.mechanics.toy import Toy
 print(first_return(Toy(**{changes}), {phi_s}).status.name)
 """
-    reason = in_another_process(code, timeout=60.0, NUMBA_DISABLE_JIT="0").strip()
+    reason = in_another_process(code, timeout=300.0, NUMBA_DISABLE_JIT="0").strip()
     assert reason in ("EVENT_LIMIT", "FREE_FALL", "RETURNED")
 
 
