@@ -24,11 +24,12 @@ from peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from record import Results, command, environ
 
 from pwmap.diagram import Diagram
-from woodpecker import Toy, continuation, first_return, kernel, return_map, shoot
-from woodpecker.arrays import Floats
-from woodpecker.compiled import COMPILED
-from woodpecker.modes import FIXED, model
-from woodpecker.returns import EVENT_LIMIT
+from woodpecker import Toy, continuation, first_return, return_map, shoot
+from woodpecker.base.arrays import Floats
+from woodpecker.base.compiled import COMPILED
+from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.simulation import kernel
+from woodpecker.simulation.returns import EVENT_LIMIT
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
 GUESS = -0.53  # rad, near the nominal cycle

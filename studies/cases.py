@@ -25,7 +25,7 @@ from peer_ode import IMAGE, PERIOD, PHI_S
 from reference_mpmath import first_return
 
 from woodpecker import Toy, parameters
-from woodpecker.arrays import Floats
+from woodpecker.base.arrays import Floats
 
 DIGITS = 30  # of every decimal below
 PLACES = 40  # printed, so that the last of the thirty is not touched by rounding

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from cases import plain
 
 ROUNDING = 2.0**-53  # relative, of one operation
-PROMISE, PROMISE_SLOPE = 1e-12, 1e-13  # rad; what tests/woodpecker/test_reference.py asserts
+PROMISE, PROMISE_SLOPE = 1e-12, 1e-13  # rad; asserted in simulation/test_reference.py
 USELESS = 1e-2  # rad; an image further away than this is another motion
 
 

@@ -15,7 +15,7 @@ from peer_ode import first_return_ode
 from peers import LostError, Peer, PeerReturn
 
 from woodpecker import Status, Toy, first_return
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 OPEN_IMPULSE = "I~"  # how a word marks an impact whose impulses are not unique
 

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.arrays import Floats
-from woodpecker.labelled import LabelledMap
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.maps import LabelledMap
 
 Plain = Callable[[float, float], float]  # (x, p) -> image; nan where there is none
 

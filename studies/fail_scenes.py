@@ -20,7 +20,7 @@ from laws import CONTACT_BY_CONTACT, SUMMED
 from mpmath import mp, mpf, nstr
 
 from woodpecker import Toy, equilibrium, first_return, jam_limit, parameters, toy_map
-from woodpecker.edges import Edge, edge_between
+from woodpecker.piecewise.borders import Edge, edge_between
 
 DIGITS = 30
 STEP = 4e-3  # s, of the reference's Taylor series: longer ones are quicker, and change no digit

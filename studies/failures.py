@@ -38,7 +38,7 @@ from laws import CONTACT_BY_CONTACT
 from record import Results, command
 
 from woodpecker import Resolution, partition, toy_samples
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 DIPS = ((-1.2255, -1.2242), (-0.2665, -0.2653))  # rad, around the two dips at eps_N1 = 0.5
 COARSE = 1e-6  # rad; pieces narrower than this are not looked for

@@ -20,8 +20,8 @@ from record import Results, command
 from style import GREY, WIDTH, canvas
 
 from woodpecker import Trajectory
-from woodpecker.arrays import Floats
-from woodpecker.plot import plot_time_history
+from woodpecker.base.arrays import Floats
+from woodpecker.plot.figures import plot_time_history
 
 PERIODS = 2  # as in the paper
 

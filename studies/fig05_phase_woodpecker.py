@@ -20,7 +20,7 @@ from record import Results, command
 from style import GREY, UNSTABLE, canvas
 
 from woodpecker import Trajectory
-from woodpecker.plot import QUANTITIES, plot_phase_portrait
+from woodpecker.plot.figures import QUANTITIES, plot_phase_portrait
 
 Side = tuple[float, float] | None  # where a number stands, in points from its event
 

@@ -19,7 +19,7 @@ from record import Results, command
 from style import GREY, canvas
 
 from woodpecker import Trajectory
-from woodpecker.plot import plot_phase_portrait
+from woodpecker.plot.figures import plot_phase_portrait
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:

@@ -2,8 +2,8 @@
 
     python studies/fig07_frames.py [--fast] [--out DIR]
 
-The frames are drawn to scale, with the gaps of the model (:mod:`woodpecker.drawing`). The paper
-names eight events; the word of the motion has eleven. D3 follows the first I3 at once, D2 the
+The frames are drawn to scale, with the gaps of the model (:mod:`woodpecker.plot.drawing`). The
+paper names eight events; the word of the motion has eleven. D3 follows the first I3 at once, D2 the
 first I2 at once, and a second I2 follows 2.7 ms later, after which the sleeve slides: the paper's
 frame 7 covers both impacts of the lower edge.
 """
@@ -19,7 +19,7 @@ from record import Results, command
 from style import WIDTH
 
 from woodpecker import Event, PeriodicOrbit, Toy, Trajectory, shoot, simulate
-from woodpecker.drawing import animate, draw_frames
+from woodpecker.plot.drawing import animate, draw_frames
 
 GUESS = -0.53  # rad, the paper's value of the stable cycle at eps_N1 = 0.5
 SAMPLES = 4001  # two periods hold some forty swings of the free sleeve

@@ -35,8 +35,8 @@ from woodpecker import (
     toy_map,
     toy_samples,
 )
-from woodpecker.edges import Edge, bisect
-from woodpecker.plot import plot_return_map
+from woodpecker.piecewise.borders import Edge, bisect
+from woodpecker.plot.figures import plot_return_map
 
 WINDOW = (-2.5, 0.11)  # rad, the paper's
 SEEN = 0.02  # rad: a jump that shows in the picture

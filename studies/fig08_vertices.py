@@ -37,8 +37,8 @@ from record import ROOT, Results, command
 from style import GREY, JUMP, PALE, RED, STABLE, UNSTABLE, WIDTH
 
 from woodpecker import ExpansionFriction, ReturnMap, Toy, equilibrium, return_map
-from woodpecker.arrays import Floats
-from woodpecker.plot import plot_return_map
+from woodpecker.base.arrays import Floats
+from woodpecker.plot.figures import plot_return_map
 
 VERTICES = ROOT / "studies" / "data" / "figure08.csv"
 UNIT = (4.8745e-4, 6.1789e-4)  # rad: the grid of the graphic, sideways and upwards

@@ -38,8 +38,8 @@ from whole import Part, examined, searched, tally
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
 from woodpecker import ExpansionFriction, Search, first_return, shoot
-from woodpecker.atlas import passes
-from woodpecker.labelled import SEPARATOR
+from woodpecker.piecewise.maps import SEPARATOR
+from woodpecker.piecewise.network import passes
 
 SAME = 1e-6  # rad: a place that has a name
 POINT_C = (0.1851270, -0.7577873)  # eps_N1, phi_S [rad], under both laws

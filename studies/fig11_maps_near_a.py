@@ -37,7 +37,7 @@ from woodpecker import (
     slice_of,
     toy_samples,
 )
-from woodpecker.edges import Edge
+from woodpecker.piecewise.borders import Edge
 
 POINT_A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S [rad], with the sum
 PAPER = 0.125  # where the paper draws P_1 and P_2

@@ -51,7 +51,7 @@ from woodpecker import (
     slice_of,
     toy_map,
 )
-from woodpecker.plot import plot_local
+from woodpecker.plot.figures import plot_local
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))  # [Leine2001, Eq. 14]

@@ -42,9 +42,9 @@ from woodpecker import (
     toy_map,
     toy_samples,
 )
-from woodpecker.edges import Edge, nearest_edge
+from woodpecker.piecewise.borders import Edge, nearest_edge
 
-CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/test_reference.py)"
+CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/simulation/test_reference.py)"
 SIGNS, EXACT = "bisection to neighbouring doubles", "exact arithmetic"
 HEAVY = "left out of the fast run"
 READ = "read off Figure {}"

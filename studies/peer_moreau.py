@@ -51,10 +51,9 @@ from peers import LostError, PeerReturn, contact_by_contact
 from record import Results, command
 
 from woodpecker import Toy, first_return
-from woodpecker.arrays import Codes, Floats, Ints
-from woodpecker.compiled import COMPILED, jit
-from woodpecker.kernel import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
-from woodpecker.mechanics import (
+from woodpecker.base.arrays import Codes, Floats, Ints
+from woodpecker.base.compiled import COMPILED, jit
+from woodpecker.mechanics.equations import (
     force_at_rest,
     force_per_stretch,
     gap_offsets,
@@ -62,8 +61,9 @@ from woodpecker.mechanics import (
     normal_directions,
     tangential_directions,
 )
-from woodpecker.modes import ANGLE, SIGN
-from woodpecker.words import word
+from woodpecker.mechanics.modes import ANGLE, SIGN
+from woodpecker.simulation.kernel import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
+from woodpecker.simulation.words import word
 
 SchemeName = Literal["theta", "midpoint"]
 SolverName = Literal["lcp", "pgs"]

@@ -22,10 +22,10 @@ import numpy as np
 from peers import LostError, PeerReturn
 from scipy.integrate import solve_ivp
 
-from woodpecker import Toy, kernel
-from woodpecker.arrays import Floats, Ints
-from woodpecker.contact import SOLVED
-from woodpecker.modes import (
+from woodpecker import Toy
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.mechanics.impacts import SOLVED
+from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
     CONTACT,
@@ -44,7 +44,8 @@ from woodpecker.modes import (
     mode_index,
     model,
 )
-from woodpecker.words import word
+from woodpecker.simulation import kernel
+from woodpecker.simulation.words import word
 
 PHI_S = -0.52947197  # the nominal cycle at eps_N1 = 0.5, to eight digits
 # To thirty digits by studies/reference_mpmath.py, from the double nearest to PHI_S:
@@ -70,13 +71,14 @@ def first_return_ode(
 ) -> PeerReturn:
     """Start at rest on the section and follow the toy for one return with ``solve_ivp``.
 
-    At an event the project's contact problem is solved (:func:`woodpecker.kernel.arrive`) and the
-    integration starts anew in the next mode. The guard that has just fired is zero there, some of
-    its derivatives may be too, and ``solve_ivp`` compares only the signs at both ends of a step:
-    it would fire again at once, or not, as rounding has it. So every phase begins with one Taylor
-    step of third order over 1e-6 s, after which all guards are positive; the step is halved while
-    one is not. Two events closer than 1e-6 s / 2^12 raise. A guard that dips below zero and
-    comes back within one step of the solver is missed: that is the solver's nature, and the word
+    At an event the project's contact problem is solved
+    (:func:`woodpecker.simulation.kernel.arrive`) and the integration starts anew in the next mode.
+    The guard that has just fired is zero there, some of its derivatives may be too, and
+    ``solve_ivp`` compares only the signs at both ends of a step: it would fire again at once, or
+    not, as rounding has it. So every phase begins with one Taylor step of third order over 1e-6 s,
+    after which all guards are positive; the step is halved while one is not. Two events closer than
+    1e-6 s / 2^12 raise. A guard that dips below zero and comes back within one step of the solver
+    is missed: that is the solver's nature, and the word
     shows it.
 
     Parameters
@@ -141,7 +143,7 @@ class _Mode(NamedTuple):
     """What the solver is given in one mode."""
 
     derivative: Callable[[float, Floats], list[float]]
-    names: tuple[int, ...]  # guards as numbered in woodpecker.modes
+    names: tuple[int, ...]  # guards as numbered in woodpecker.mechanics.modes
     guards: tuple[Guard, ...]
     rates: Callable[[Floats], tuple[Floats, Floats, Floats]]
 

@@ -29,8 +29,8 @@ from peers import LostError, PeerReturn, contact_by_contact
 from record import Results, command
 
 from woodpecker import Toy
-from woodpecker.arrays import Floats
-from woodpecker.mechanics import (
+from woodpecker.base.arrays import Floats
+from woodpecker.mechanics.equations import (
     force_at_rest,
     force_per_stretch,
     gap_offsets,

@@ -40,13 +40,12 @@ from record import Results, command
 from scipy.integrate import DOP853
 from style import STABLE, VIOLET, WIDTH, grid
 
-from woodpecker import Toy, free_frequency, kernel, return_map
-from woodpecker.arrays import Floats, Ints
-from woodpecker.compiled import COMPILED, jit
-from woodpecker.contact import PAIR_ROOM, one_contact, rates, two_contacts
-from woodpecker.guards import bracketed, value
-from woodpecker.lcp import solve_contact_lcp
-from woodpecker.modes import (
+from woodpecker import Toy, free_frequency, return_map
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import COMPILED, jit
+from woodpecker.mechanics.impacts import PAIR_ROOM, one_contact, rates, two_contacts
+from woodpecker.mechanics.lcp import solve_contact_lcp
+from woodpecker.mechanics.modes import (
     CONTACT,
     DELASSUS,
     EPS,
@@ -65,6 +64,8 @@ from woodpecker.modes import (
     mode_states,
     model,
 )
+from woodpecker.simulation import kernel
+from woodpecker.simulation.guards import bracketed, value
 
 EVENTS = 60  # room for one return
 SHORTEST = 5e-3  # s; a job repeats its work until it lasts about this long
@@ -191,14 +192,14 @@ def beside_edges(toy: Toy, begin: Floats) -> Floats:
 
 
 def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
-    """Phases and events of one return, rows as :func:`woodpecker.kernel.run` leaves them."""
+    """Phases and events of one return, as :func:`woodpecker.simulation.kernel.run` leaves them."""
     phases = np.zeros((EVENTS, kernel.PHASE_COLUMNS))
     happened = np.zeros((EVENTS, kernel.EVENT_COLUMNS))
     z, counts = np.zeros(7), np.zeros(3, np.int64)
     z[1], z[2] = -table[CONTACT + 1, 0], phi_s
     kernel.run(
         table, FIXED, z, np.zeros((0, 7)), np.zeros((0, 3)), np.array([0, 1, 0]), True, math.inf,
-        np.zeros(EVENTS, np.int16), phases, happened, counts,
+        np.zeros(EVENTS, np.int16), phases, kernel.NO_PATH, happened, counts,
     )  # fmt: skip
     return phases[: counts[1]], happened[: counts[2]]
 
@@ -482,7 +483,8 @@ def land(table: Floats, z: Floats, tangents: npt.ArrayLike = ()) -> tuple[Floats
     while not away:
         kernel.run(
             table, FIXED, state, v, np.zeros((len(v), 3)), states, True, math.inf, codes,
-            np.zeros((0, kernel.PHASE_COLUMNS)), np.zeros((0, kernel.EVENT_COLUMNS)), counts,
+            np.zeros((0, kernel.PHASE_COLUMNS)), kernel.NO_PATH,
+            np.zeros((0, kernel.EVENT_COLUMNS)), counts,
         )  # fmt: skip
         away = int(np.bitwise_or.reduce(codes[: counts[0]] % 8)) & 0b101
     return state[1:6], v[:, 1:6]

@@ -32,8 +32,8 @@ from woodpecker import (
     toy_samples,
 )
 from woodpecker.diagram import MARGIN
-from woodpecker.labelled import SEPARATOR, evaluate, minimal_period, windowed
-from woodpecker.slices import Slicer
+from woodpecker.piecewise.maps import SEPARATOR, evaluate, minimal_period, windowed
+from woodpecker.piecewise.slices import Slicer
 
 ASKED = 1e-11  # rad: the residual that is asked for
 ROUNDING = 2.0**-52  # relative

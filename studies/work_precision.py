@@ -60,7 +60,7 @@ from record import Results, command
 from style import GREY, METHODS, WIDTH, grid
 
 from woodpecker import ReturnMap, Toy, return_map, shoot
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 KERNEL, PLAIN, TWIN = "kernel, compiled", "kernel, plain Python", "kernel, mpmath"
 OURS = (KERNEL, PLAIN, TWIN)

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from woodpecker import mechanics
-from woodpecker.contact import impact, make_pair
-from woodpecker.modes import ANGLE, FIXED, SIGN, model
-from woodpecker.toy import ExpansionFriction, Toy
+from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics.impacts import impact, make_pair
+from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
+from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -50,7 +50,10 @@ def strike(
     seeds = np.array(seed, dtype=float).reshape(-1, 3)
     hit = np.array(contacts, dtype=np.int64)
     marks = np.zeros(2, dtype=np.int64)
-    outcome = impact(model(toy), FIXED, hit, z, rows, seeds, case, impulses, marks, make_pair())
+    choice = np.zeros(3, dtype=np.int64)
+    outcome = impact(
+        model(toy), FIXED, hit, z, rows, seeds, choice, case, impulses, marks, make_pair()
+    )
     return Blow(
         outcome=outcome, u=z[3:6], tangents=rows[:, 3:6], case=case[: len(hit)], impulses=impulses
     )

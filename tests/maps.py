@@ -1,7 +1,7 @@
 """Labelled maps of the line that can be solved by hand, for the tests of continuation.
 
-Each maker returns a map (x, p) -> :class:`woodpecker.labelled.Evaluation`. Its docstring gives the
-solution; words are "L" (left of the edge) and "R" (right of it) unless said otherwise.
+Each maker returns a map (x, p) -> :class:`woodpecker.piecewise.maps.Evaluation`. Its docstring
+gives the solution; words are "L" (left of the edge) and "R" (right of it) unless said otherwise.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct
+from woodpecker.piecewise.maps import Cycle, Evaluation, LabelledMap, correct
 
 Formula = Callable[[float, float], tuple[float, float, float]]  # value, slope, rate
 

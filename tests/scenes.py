@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from woodpecker import kernel
-from woodpecker.arrays import Codes, Floats, Ints
-from woodpecker.modes import FIXED, model
-from woodpecker.toy import Toy
-from woodpecker.words import word
+from woodpecker.base.arrays import Codes, Floats, Ints
+from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.mechanics.toy import Toy
+from woodpecker.simulation import kernel
+from woodpecker.simulation.words import word
 
 ROOT = Path(__file__).parents[1]
 
@@ -43,7 +43,7 @@ def in_another_process(code: str, *, timeout: float, **environment: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What :func:`woodpecker.kernel.run` leaves behind."""
+    """What :func:`woodpecker.simulation.kernel.run` leaves behind."""
 
     code: int
     z: Floats
@@ -71,7 +71,7 @@ def run(
     events = np.zeros((limit, kernel.EVENT_COLUMNS))
     code = kernel.run(
         model(toy), FIXED, state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end,
-        codes, phases, events, counts,
+        codes, phases, kernel.NO_PATH, events, counts,
     )  # fmt: skip
     return Run(
         code=code,

@@ -7,7 +7,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from woodpecker import Toy, first_return, return_map, shoot
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 PHI_S = -0.52947197  # the nominal cycle
 POINTS = 1000 if COMPILED else 20

@@ -16,7 +16,7 @@ from fail_methods import kernel, ode
 from fail_scenes import STEP, exact, image_from_end, slips_at_once, with_lengths, with_masses
 
 from woodpecker import Toy, equilibrium, first_return, jam_limit
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 TOY = Toy(expansion_friction="separate")  # as in all scenes
 WORD = "S2 D2 I3s I1+3 J2"

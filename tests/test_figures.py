@@ -10,8 +10,8 @@ import pytest
 
 mpl.use("Agg")
 from woodpecker import Toy, equilibrium, shoot
-from woodpecker.compiled import COMPILED
-from woodpecker.plot import plot_phase_portrait
+from woodpecker.base.compiled import COMPILED
+from woodpecker.plot.figures import plot_phase_portrait
 
 fig04, fig05, fig06, fig07, fig08, vertices, sensitivities, paper_numbers = (
     importlib.import_module(name)

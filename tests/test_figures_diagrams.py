@@ -23,7 +23,7 @@ from woodpecker import (
     toy_map,
     toy_samples,
 )
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 fig09, fig10, fig11, fig12, order_three, whole = (
     importlib.import_module(name)

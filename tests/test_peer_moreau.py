@@ -31,10 +31,10 @@ from peers import LostError
 from scenes import plain
 
 from woodpecker import Toy, first_return
-from woodpecker.arrays import Floats
-from woodpecker.compiled import COMPILED
-from woodpecker.lcp import solve_contact_lcp
-from woodpecker.mechanics import energy, equilibrium
+from woodpecker.base.arrays import Floats
+from woodpecker.base.compiled import COMPILED
+from woodpecker.mechanics.equations import energy, equilibrium
+from woodpecker.mechanics.lcp import solve_contact_lcp
 
 TOY = Toy(expansion_friction="separate")  # Coulomb's law, the only one that the scheme knows
 EVERY_WAY = [(scheme, solver) for scheme in SCHEMES for solver in SOLVERS]

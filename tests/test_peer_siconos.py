@@ -9,7 +9,7 @@ from peer_siconos import available, first_return_siconos, main, simulate_siconos
 from peers import LostError
 
 from woodpecker import Toy
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 WHY_NOT = available()
 TOY = Toy(expansion_friction="separate")  # Coulomb's law, the only one that Siconos knows

@@ -9,8 +9,8 @@ import reductions as study
 from laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
 
 from woodpecker import ExpansionFriction, Toy
-from woodpecker.compiled import COMPILED
-from woodpecker.kernel import SECTION
+from woodpecker.base.compiled import COMPILED
+from woodpecker.simulation.kernel import SECTION
 
 STARTS = np.array([cases.CYCLE.phi_s, cases.DOUBLE.phi_s, cases.TWO_SWINGS.phi_s])
 

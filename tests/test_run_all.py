@@ -9,7 +9,7 @@ import readme
 import record
 import run_all
 
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, first_return
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
 benchmark, peer_ode = map(importlib.import_module, ("benchmark", "peer_ode"))

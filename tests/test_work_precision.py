@@ -13,7 +13,7 @@ from laws import CONTACT_BY_CONTACT
 from peer_ode import first_return_ode
 
 from woodpecker import Toy, first_return
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 LAST_DIGITS = Decimal("1e-28")  # thirty digits were asked for; two are left to rounding
 ROUNDING = 1e-13  # rad; some spacings of doubles, times slopes up to ten, over twenty events

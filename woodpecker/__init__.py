@@ -1,6 +1,5 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations."""
 
-from woodpecker.complete import Report, Search
 from woodpecker.diagram import (
     Found,
     bifurcation_diagram,
@@ -10,14 +9,19 @@ from woodpecker.diagram import (
     saved_diagram,
     whole_diagram,
 )
-from woodpecker.explore import Stage
-from woodpecker.follow import PathPoint, follow
-from woodpecker.jumps import JumpPoint, follow_jump
-from woodpecker.labelled import Cycle, Evaluation, LabelledMap, correct, iterate
-from woodpecker.local import LocalModel, Start, local_model
-from woodpecker.mechanics import Equilibrium, energy, equilibrium, free_frequency, jam_limit
-from woodpecker.orbits import Orbit, OrbitDiagram, orbit_diagram, unexplained
-from woodpecker.pieces import (
+from woodpecker.mechanics.equations import (
+    Equilibrium,
+    energy,
+    equilibrium,
+    free_frequency,
+    jam_limit,
+)
+from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
+from woodpecker.piecewise.explore import Stage
+from woodpecker.piecewise.jumps import JumpPoint, follow_jump
+from woodpecker.piecewise.local import LocalModel, Start, local_model
+from woodpecker.piecewise.maps import Cycle, Evaluation, LabelledMap, correct, iterate
+from woodpecker.piecewise.partition import (
     Partition,
     Piece,
     Resolution,
@@ -28,14 +32,15 @@ from woodpecker.pieces import (
     sampled,
     slice_of,
 )
-from woodpecker.returns import Return, ReturnMap, first_return, return_map
-from woodpecker.settings import Settings
+from woodpecker.piecewise.search import Report, Search
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
+from woodpecker.piecewise.stepping import PathPoint, follow
+from woodpecker.piecewise.tolerances import Tolerances
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
-from woodpecker.status import Status
-from woodpecker.tolerances import Tolerances
-from woodpecker.toy import ExpansionFriction, Toy, parameters
-from woodpecker.toymaps import toy_map, toy_samples
-from woodpecker.trajectory import (
+from woodpecker.simulation.returns import Return, ReturnMap, first_return, return_map
+from woodpecker.simulation.status import Status
+from woodpecker.simulation.trajectory import (
     EnergyBalance,
     Event,
     Impulse,
@@ -44,7 +49,8 @@ from woodpecker.trajectory import (
     energy_balance,
     simulate,
 )
-from woodpecker.words import EventKind
+from woodpecker.simulation.words import EventKind
+from woodpecker.toymaps import toy_map, toy_samples
 
 __all__ = [
     "Cycle",

@@ -11,20 +11,20 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from pwmap.diagram import BranchKind, Diagram
-from woodpecker.atlas import Atlas
-from woodpecker.checks import whole
-from woodpecker.complete import Report, Search, complete
-from woodpecker.executors import Serial, scheduler, worker_count
-from woodpecker.explore import Explorer, Progress, Start, restore
-from woodpecker.journal import START, Entry, Journal, read_journal
-from woodpecker.labelled import Cycle, LabelledMap, correct, windowed
-from woodpecker.pieces import SampledMap
-from woodpecker.returns import RESTITUTIONS
-from woodpecker.settings import Settings
+from woodpecker.base.checks import whole
+from woodpecker.base.executors import Serial, scheduler, worker_count
+from woodpecker.mechanics.toy import LAW, Toy, parameters
+from woodpecker.piecewise.checkpoint import START, Entry, Journal, read_journal
+from woodpecker.piecewise.explore import Explorer, Progress, Start, restore
+from woodpecker.piecewise.maps import Cycle, LabelledMap, correct, windowed
+from woodpecker.piecewise.network import Atlas
+from woodpecker.piecewise.partition import SampledMap
+from woodpecker.piecewise.search import Report, Search, complete
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Worker
 from woodpecker.shooting import PeriodicOrbit, cycle_of
-from woodpecker.toy import LAW, Toy, parameters
+from woodpecker.simulation.returns import RESTITUTIONS
 from woodpecker.toymaps import toy_map, toy_samples
-from woodpecker.worker import Worker
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
 MARGIN = 0.05  # rad; a map is followed a little beyond its window, to find where a branch leaves it
@@ -137,7 +137,8 @@ def bifurcation_diagram(
     """Every branch of some iterates in a window, and how they hang together.
 
     Slices of the parameter are taken until they show nothing that no branch explains; see
-    :mod:`woodpecker.complete`. An iterate P_j counts orbits all of whose returns lie in the window.
+    :mod:`woodpecker.piecewise.search`. An iterate P_j counts orbits all of whose returns lie in
+    the window.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ def bifurcation_diagram(
         Go on with the run in that file.
     workers
         How many processes do the work, by default one for each core; see
-        :func:`woodpecker.executors.scheduler`. The result does not depend on it.
+        :func:`woodpecker.base.executors.scheduler`. The result does not depend on it.
     executor
         Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) to do the work
         instead; it is not shut down.

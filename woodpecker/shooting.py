@@ -8,18 +8,18 @@ from enum import Enum
 
 import numpy as np
 
-from woodpecker.checks import whole
-from woodpecker.edges import nearest_edge
-from woodpecker.labelled import (
+from woodpecker.base.checks import whole
+from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.borders import nearest_edge
+from woodpecker.piecewise.maps import (
     Cycle,
     LabelledMap,
     correct,
     evaluate,
     minimal_period,
 )
-from woodpecker.returns import first_return
-from woodpecker.tolerances import DEFAULT, Tolerances
-from woodpecker.toy import Toy
+from woodpecker.piecewise.tolerances import DEFAULT, Tolerances
+from woodpecker.simulation.returns import first_return
 from woodpecker.toymaps import toy_map
 
 

@@ -10,11 +10,9 @@ from functools import partial
 
 import numpy as np
 
-from woodpecker import kernel
-from woodpecker.arrays import Codes, Floats
-from woodpecker.compiled import announce
-from woodpecker.labelled import Evaluation
-from woodpecker.modes import (
+from woodpecker.base.arrays import Codes, Floats
+from woodpecker.base.compiled import announce
+from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
     EPS,
@@ -27,11 +25,13 @@ from woodpecker.modes import (
     model,
     parameters_of,
 )
-from woodpecker.pieces import Samples, WordBook
-from woodpecker.returns import EVENT_LIMIT
-from woodpecker.status import status
-from woodpecker.toy import Toy, known_parameter, limits
-from woodpecker.words import word
+from woodpecker.mechanics.toy import Toy, known_parameter, limits
+from woodpecker.piecewise.maps import Evaluation
+from woodpecker.piecewise.partition import Samples, WordBook
+from woodpecker.simulation import kernel
+from woodpecker.simulation.returns import EVENT_LIMIT
+from woodpecker.simulation.status import status
+from woodpecker.simulation.words import word
 
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
 # to bounce: the cube root of the kernel's rounding
@@ -44,7 +44,8 @@ class Table:
     Attributes
     ----------
     numbers, change
-        As :func:`woodpecker.kernel.sweep` takes them, for the value of the last :meth:`at`.
+        As :func:`woodpecker.simulation.kernel.sweep` takes them, for the value of the last
+        :meth:`at`.
     seed
         (1, 3), derivatives of the restitution coefficients.
     """

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, bifurcation_diagram, continuation, parameters, shoot
-from woodpecker.complete import Search
-from woodpecker.modes import (
+from woodpecker.mechanics.modes import (
     CHANGE,
     FORCE,
     LEVER,
@@ -17,7 +16,8 @@ from woodpecker.modes import (
     change,
     model,
 )
-from woodpecker.toy import ExpansionFriction, limits
+from woodpecker.mechanics.toy import ExpansionFriction, limits
+from woodpecker.piecewise.search import Search
 from woodpecker.toymaps import toy_map, toy_samples
 
 LAWS = list(ExpansionFriction)

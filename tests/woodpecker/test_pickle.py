@@ -22,8 +22,8 @@ from woodpecker import (
     toy_map,
     toy_samples,
 )
-from woodpecker.labelled import LabelledMap, windowed
-from woodpecker.pieces import SampledMap
+from woodpecker.piecewise.maps import LabelledMap, windowed
+from woodpecker.piecewise.partition import SampledMap
 
 
 def pickled(value: Any) -> Any:

@@ -9,12 +9,12 @@ import pytest
 
 from pwmap.diagram import PointKind
 from woodpecker.diagram import continuation
-from woodpecker.labelled import Cycle, Evaluation, iterate
-from woodpecker.mechanics import equilibrium
-from woodpecker.returns import first_return
+from woodpecker.mechanics.equations import equilibrium
+from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.maps import Cycle, Evaluation, iterate
 from woodpecker.shooting import ShootingStatus, _closed, cycle_of, shoot
-from woodpecker.status import Status
-from woodpecker.toy import Toy
+from woodpecker.simulation.returns import first_return
+from woodpecker.simulation.status import Status
 from woodpecker.toymaps import toy_map
 
 TOY = Toy()

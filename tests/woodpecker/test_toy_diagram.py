@@ -12,7 +12,7 @@ import pytest
 
 from pwmap import BranchKind, Diagram, PointKind
 from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
-from woodpecker.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED
 
 pytestmark = [
     pytest.mark.slow,

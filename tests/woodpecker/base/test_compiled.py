@@ -1,0 +1,138 @@
+"""With numba and without: which kernel runs, and who is told that it is compiled."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from scenes import ROOT, in_another_process
+
+from woodpecker.base import compiled
+from woodpecker.mechanics.toy import Toy
+from woodpecker.simulation.returns import first_return
+
+ASK = """
+from woodpecker.base.compiled import COMPILED
+from woodpecker.simulation.returns import first_return
+from woodpecker.mechanics.toy import Toy
+result = first_return(Toy(), -0.53)
+print(COMPILED, repr(result.phi_s), repr(result.word))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("start", "environment"),
+    [("import sys; sys.modules['numba'] = None", {}), ("", {"NUMBA_DISABLE_JIT": "1"})],
+    ids=["not installed", "switched off"],
+)
+def test_without_numba_the_kernel_is_plain_python(start: str, environment: dict[str, str]) -> None:
+    flag, phi_s, word = in_another_process(start + ASK, timeout=300.0, **environment).split(" ", 2)
+    here = first_return(Toy(), -0.53)
+    assert flag == "False"
+    assert abs(float(phi_s) - here.phi_s) < 1e-14  # roundings of sines
+    assert word.strip() == repr(here.word)
+
+
+USE = """
+from woodpecker.base import compiled
+from woodpecker.simulation import guards
+from woodpecker.simulation import kernel
+compiled.announce(kernel.sweep)  # as the first return does
+print(guards.stumpff(0.0, 0.0, 2.0)[1], type(kernel.sweep.stats.cache_path).__name__)
+"""
+
+
+def without_cache(tmp_path: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run a copy of the packages beside which nothing can be written, not even by root.
+
+    A file stands where each folder of the cache should be, beside the code and for the user.
+    """
+    for package in ("pwmap", "woodpecker"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=ignored)
+    for code in (tmp_path / "woodpecker").rglob("__init__.py"):
+        code.with_name("__pycache__").touch()
+    blocked = str(tmp_path / "woodpecker" / "diagram.py" / "cache")
+    places = {"HOME": blocked, "XDG_CACHE_HOME": blocked, "NUMBA_CACHE_DIR": ""}
+    own = {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", USE],
+        capture_output=True, text=True, timeout=120.0, cwd=tmp_path,
+        env=os.environ | places | own | environment,
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
+def test_without_a_folder_for_the_cache_the_kernel_is_compiled_anew(tmp_path: Path) -> None:
+    done = without_cache(tmp_path)
+    assert (done.stdout, done.returncode) == ("2.0 NoneType\n", 0)
+    assert done.stderr.count("NUMBA_CACHE_DIR") == 1
+    assert done.stderr.strip().count("\n") == 0
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
+def test_a_folder_for_the_cache_can_be_given(tmp_path: Path) -> None:
+    done = without_cache(tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "given"))
+    assert (done.stdout, done.returncode) == ("2.0 str\n", 0)
+    assert "NUMBA_CACHE_DIR" not in done.stderr
+
+
+@pytest.fixture
+def function(tmp_path: Path) -> SimpleNamespace:
+    """What numba's dispatcher shows of a function ``sweep`` in a file kernel.py."""
+    code = SimpleNamespace(co_filename="/somewhere/kernel.py")
+    python = SimpleNamespace(__name__="sweep", __code__=code)
+    return SimpleNamespace(stats=SimpleNamespace(cache_path=str(tmp_path)), py_func=python)
+
+
+def test_compilation_is_announced_once(
+    function: SimpleNamespace, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(compiled, "_announced", False)
+    with caplog.at_level(logging.WARNING, logger="woodpecker"):
+        compiled.announce(function)
+        compiled.announce(function)
+    assert caplog.messages == ["compiling the kernel; this happens once and takes some seconds"]
+
+
+def test_a_cached_kernel_is_not_announced(
+    function: SimpleNamespace,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setattr(compiled, "_announced", False)
+    (tmp_path / "kernel.sweep-750.py311.nbi").touch()
+    compiled.announce(function)
+    assert caplog.messages == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
+def test_a_change_in_one_file_renews_what_others_have_cached_of_it(tmp_path: Path) -> None:
+    """A small package with this one's way to compile: outer calls inner, of another file."""
+    package = tmp_path / "small"
+    package.mkdir()
+    shutil.copy(compiled.__file__, package / "compiled.py")
+    (package / "__init__.py").touch()
+    inner = "from small.compiled import jit\n\n@jit\ndef inner(x):\n    return {} * x\n"
+    outer = "from small.inner import inner\n\n@jit\ndef outer(x):\n    return inner(x)\n"
+    (package / "outer.py").write_text("from small.compiled import jit\n" + outer)
+
+    def called(factor: int) -> str:
+        (package / "inner.py").write_text(inner.format(factor))
+        environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+        command = [sys.executable, "-c", "from small.outer import outer; print(outer(1.0))"]
+        run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        return run.stdout.strip()
+
+    assert [called(factor) for factor in (2, 2, 3)] == ["2.0", "2.0", "3.0"]

@@ -1,0 +1,401 @@
+"""The commands: results, help, and one clear sentence for a wrong value."""
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from pwmap import read_graph
+from pwmap.cli import app as pwmap_app
+from woodpecker.base.compiled import COMPILED
+from woodpecker.cli import maps as cli_map
+from woodpecker.cli.app import app
+from woodpecker.mechanics.toy import Toy, description, parameters
+from woodpecker.plot import figures as plot
+from woodpecker.plot.curve import Curve, Detail
+from woodpecker.simulation.returns import first_return, return_map
+
+runner = CliRunner()
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    result = runner.invoke(app, list(arguments))
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.exit_code, result.output
+
+
+# --- help ----------------------------------------------------------------------------------------
+
+COMMANDS = [
+    *(("woodpecker", app, name) for name in ("simulate", "animate", "map", "diagram")),
+    ("pwmap", pwmap_app, "analyse"),
+]
+UNITS = {  # of what is not a parameter of the toy
+    "phi_s": "[rad]", "window": "[rad]", "t_end": "[s]", "fps": "[1/s]",
+}  # fmt: skip
+LEAST = {"samples": 2, "points": 2, "order": 1, "workers": 1}
+
+
+def shown(application: typer.Typer, command: str, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A help page as one line, without its frame."""
+    for name in ("COLUMNS", "TERMINAL_WIDTH"):
+        monkeypatch.setenv(name, "200")
+    found = CliRunner().invoke(application, [command, "--help"])
+    assert found.exit_code == 0
+    return " ".join(re.sub("[─│╭╮╰╯]", " ", found.output).split())
+
+
+def options(application: typer.Typer, command: str) -> list[Any]:
+    """What a command can be given, but for --help."""
+    group: Any = typer.main.get_command(application)
+    return [each for each in group.commands[command].params if each.name != "help"]
+
+
+@pytest.mark.parametrize(("program", "application", "command"), COMMANDS)
+def test_help_explains_every_option(
+    program: str, application: typer.Typer, command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = shown(application, command, monkeypatch)
+    assert f"{program} {command}" in page  # the example
+    for each in options(application, command):
+        assert each.help, each.name
+        text = " ".join(each.help.replace("\\[", "[").split())
+        assert text in page, each.name
+        if each.param_type_name == "option":
+            assert each.opts[0] in page
+        if UNITS.get(each.name) is not None:
+            assert UNITS[each.name] in text
+        default = each.default
+        if each.show_default and default is not None and not isinstance(default, bool):
+            parts = default if isinstance(default, list | tuple) else [default]
+            assert f"[default: {', '.join(map(str, parts))}]" in page, each.name
+        if application is app and each.name in LEAST:
+            assert re.search(rf"{each.opts[0]} [^-]*\[x>={LEAST[each.name]}\]", page)
+
+
+@pytest.mark.parametrize("command", ["simulate", "animate", "map", "diagram"])
+def test_help_describes_the_toy(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Meaning, unit and range of every parameter are those of :class:`woodpecker.Toy`."""
+    page, own = shown(app, command, monkeypatch), {each.name for each in options(app, command)}
+    for name in parameters():
+        assert name in own
+        meaning, unit, domain = description(name)
+        assert f"{meaning[1:]} [{unit}]; must {domain.value}" in page
+    assert "expansion_friction" in own
+    assert "summed|separate" in page
+    assert "[default: summed]" in page
+
+
+def test_units_of_the_toy_are_those_of_the_readme() -> None:
+    table = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+    found = set()
+    for name, units in re.findall(r"\| ((?:`\w+`(?:, )?)+) \| ([^|]+) \|", table):
+        names = set(re.findall(r"`(\w+)`", name))
+        if names <= set(parameters()):
+            found |= names
+            allowed = units.replace("²", "^2").replace("–", "-").strip().split(", ")
+            assert {description(each).unit for each in names} <= set(allowed)
+    assert found == set(parameters())
+
+
+# --- wrong values --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--m-s", "-1"], "m_s must be positive and finite, got -1.0"),
+        (["--eps-n1", "1.5"], "eps_n1 must lie in [0, 1], got 1.5"),
+        (["--r-m", "0.002"], "r_m must exceed r_0 = 0.0025"),
+        (["--mu-2", "nan"], "mu_2 must be at least 0 and finite, got nan"),
+        (["--pole", "0"], "pole must be positive, got 0.0"),
+        (["--expansion-friction", "both"], "'both' is not one of 'summed', 'separate'"),
+        (["--out", "/dev/null/x"], "/dev/null/x"),
+    ],
+)
+@pytest.mark.parametrize("command", ["simulate", "map", "diagram"])
+def test_wrong_value_gets_one_sentence_and_status_2(
+    command: str, arguments: list[str], sentence: str, tmp_path: Path
+) -> None:
+    out = [] if "--out" in arguments else ["--out", str(tmp_path / "out")]
+    status, text = run(command, *arguments, *out)
+    assert status == 2
+    assert sentence in unframed(text)
+    assert "Traceback" not in text
+    assert not (tmp_path / "out").exists()
+
+
+def unframed(text: str) -> str:
+    """What a frame holds, as one line."""
+    return " ".join(re.sub("[─│╭╮╰╯]", " ", text).split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["diagram", "--parameter", "eps_n9"], "unknown parameter 'eps_n9'"),
+        (["diagram", "--span", "0.6", "0.9"], "span must hold eps_n1 = 0.5"),
+        (["diagram", "--span", "0.9", "0.1"], "span must ascend"),
+        (["map", "--window", "-0.2", "-0.3"], "window must ascend"),
+        (["map", "--window", "-0.2", "0.3"], "where the beak touches the pole"),
+        (["map", "--window", "-inf", "0.1"], "window must be finite, got (-inf, 0.1)"),
+        (["map", "--window", "nan", "0.1"], "window must ascend, got (nan, 0.1)"),
+        (["map", "--points", "1"], "--points"),
+        (["map", "--order", "0"], "--order"),
+        (["diagram", "--orders", "1", "--workers", "1000"], "one for each core, got 1000"),
+        (["diagram", "--orders", "1", "--workers", "0"], "--workers"),
+        (["simulate", "--samples", "-5"], "--samples"),
+        (["simulate", "--phi-s", "0.2", "--t-end", "1"], "the start penetrates contact 1"),
+        (["simulate", "--phi-s", "-0.5", "--t-end", "-1"], "t_end must be positive"),
+    ],
+)
+def test_wrong_request_gets_one_sentence(arguments: list[str], sentence: str) -> None:
+    status, text = run(*arguments)
+    assert status == 2
+    assert sentence in text
+
+
+def test_unknown_option_and_unreadable_number_have_status_2() -> None:
+    assert run("simulate", "--mass", "1")[0] == 2
+    assert run("simulate", "--g", "heavy")[0] == 2
+
+
+def test_a_motion_that_does_not_exist_has_status_1(tmp_path: Path) -> None:
+    status, text = run("diagram", "--phi-s", "-0.05", "--out", str(tmp_path))
+    assert status == 1
+    assert "no periodic motion near phi_S = -0.05" in text
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", ["simulate", "animate", "diagram"])
+def test_rest_is_no_periodic_motion(command: str, tmp_path: Path) -> None:
+    status, text = run(command, "--phi-s", "-0.22", "--out", str(tmp_path))
+    assert status == 1
+    assert "no periodic motion near phi_S = -0.22: the sleeve stays jammed" in text
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> None:
+    arguments = ("--span", "0.45", "0.5", "--order", "2", "--out", str(tmp_path))
+    status, text = run("diagram", *arguments)
+    assert status == 0
+    assert "a periodic solution was found: one of period 1, 2 times over" in text
+    assert {row["order"] for row in rows(tmp_path / "branches.csv")} == {"1"}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes a minute without numba")
+def test_a_motion_that_ends_at_the_event_limit_fails_after_it_was_written(tmp_path: Path) -> None:
+    """Eleven events in 0.146 s: 20000 of them take 265 s."""
+    status, text = run("simulate", "--t-end", "300", "--out", str(tmp_path))
+    assert status == 1
+    assert "Failed: the motion was followed to t = 265." in text
+    assert "after 20000 events: the event limit was reached" in text
+    assert len(rows(tmp_path / "events.csv")) == 20_000
+    assert (tmp_path / "time_history.png").stat().st_size > 10_000
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_simulate_writes_two_periods(tmp_path: Path) -> None:
+    status, text = run("simulate", "--out", str(tmp_path))
+    assert status == 0
+    assert "D2" in text
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *("time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv")
+    }
+    events = rows(tmp_path / "events.csv")
+    assert len(events) == 22  # two periods of 11 events
+    assert float(events[0]["t"]) == pytest.approx(0.028410, abs=1e-6)
+    last = rows(tmp_path / "trajectory.csv")[-1]
+    assert float(last["t"]) == pytest.approx(2 * 0.14597607, abs=2e-8)
+    assert float(last["y"]) == pytest.approx(-2 * 19.4454e-3, abs=2e-7)
+
+
+def test_map_writes_the_map(tmp_path: Path) -> None:
+    status, text = run("map", "--points", "200", "--out", str(tmp_path), "--window", "-2", "-0.3")
+    assert status == 0
+    assert "returned" in text
+    table = rows(tmp_path / "return_map.csv")
+    assert len(table) == 200
+    assert float(table[0]["phi_s_start"]) == -2.0
+    assert table[0]["status"] == "returned"
+    assert (tmp_path / "return_map.png").stat().st_size > 10_000
+
+
+def test_the_law_of_expansion_is_an_option(tmp_path: Path) -> None:
+    """At this start the beak strikes while the upper sleeve contact is closed."""
+    images = {}
+    for law in ("summed", "separate"):
+        out = ("--out", str(tmp_path / law), "--expansion-friction", law)
+        status, _ = run("map", "--points", "2", "--window", "-2.5", "-2.49", *out)
+        assert status == 0
+        images[law] = [float(row["phi_s"]) for row in rows(tmp_path / law / "return_map.csv")]
+        toy = Toy(expansion_friction=law)  # type: ignore[arg-type]
+        expected = [first_return(toy, phi_s).phi_s for phi_s in (-2.5, -2.49)]
+        assert images[law] == expected
+    assert images["summed"] != images["separate"]
+
+
+def left_open(text: str) -> int:
+    """At how many places a picture of the map is not resolved."""
+    found = re.search(r"only steep at (\d+) places", " ".join(text.split()))
+    return int(found[1]) if found else 0
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--order", "2"),
+        ("--order", "3", "--points", "200"),
+        ("--window", "-50", "0.1"),
+        ("--order", "10"),
+    ],
+)
+def test_the_map_is_drawn_for_every_order_and_window(
+    arguments: tuple[str, ...], tmp_path: Path
+) -> None:
+    """Halved down to neighbouring doubles wherever it is steep, none of these would end."""
+    status, text = run("map", *arguments, "--out", str(tmp_path))
+    assert status == 0
+    assert (tmp_path / "return_map.png").stat().st_size > 10_000
+    table = rows(tmp_path / "return_map.csv")
+    assert len(table) == (200 if "200" in arguments else 4000)
+    if "10" in arguments:
+        assert left_open(text) > 100
+        spent = re.search(r"(\d+) of at most (\d+) returns", " ".join(text.split()))
+        assert spent is not None
+        assert int(spent[1]) <= int(spent[2]) == Detail().budget
+    else:
+        assert left_open(text) == 0  # the budget does for all of it
+
+
+def test_ctrl_c_while_the_picture_is_refined(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    curves = plot.curves
+
+    def interrupted(*arguments: Any) -> Iterator[Curve]:
+        yield next(curves(*arguments))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(plot, "curves", interrupted)
+    status, text = run("map", "--points", "50", "--out", str(tmp_path))
+    assert status == 130
+    assert "Interrupted: 50 of 50 starts are kept" in text
+    assert left_open(text) > 0
+    assert len(rows(tmp_path / "return_map.csv")) == 50
+    assert (tmp_path / "return_map.png").stat().st_size > 10_000
+
+
+def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def interrupted(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli_map, "return_map", interrupted)
+    status, text = run("map", "--points", "50", "--out", str(tmp_path))
+    assert status == 1
+    assert "Failed: interrupted before the first returns were there" in text
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="the first starts take long without numba")
+def test_an_interrupted_map_keeps_what_there_is(tmp_path: Path) -> None:
+    """Ctrl-C as a terminal sends it, while a million starts would take minutes."""
+    return_map(Toy(), np.linspace(-1.0, -0.9, 1024))  # compiles, if that was not done before
+    command = [sys.executable, "-m", "woodpecker.cli.app", "map", "--order", "10"]
+    folder = tmp_path / "out"
+    process = subprocess.Popen(
+        [*command, "--points", "1000000", "--out", str(folder)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[3],
+        env={**os.environ, "COLUMNS": "200"},
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # if it was ignored
+    )  # fmt: skip
+    try:
+        for _ in range(600):
+            if folder.exists():  # made right before the first starts
+                break
+            time.sleep(0.1)
+        time.sleep(5.0)
+        process.send_signal(signal.SIGINT)
+        text, complaint = process.communicate(timeout=120.0)
+    finally:
+        process.kill()
+    assert process.returncode == 130, complaint
+    kept = re.search(r"Interrupted: (\d+) of 1000000 starts are kept", complaint)
+    assert kept is not None
+    assert "wrote" in text
+    table = rows(folder / "return_map.csv")
+    assert 0 < len(table) == int(kept[1]) < 1_000_000
+    assert float(table[0]["phi_s_start"]) == -2.5
+    assert (folder / "return_map.png").stat().st_size > 10_000
+    assert {path.name for path in folder.iterdir()} == {"return_map.png", "return_map.csv"}
+
+
+@pytest.mark.slow
+def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
+    status, text = run("diagram", "--span", "0.4", "0.7", "--out", str(tmp_path))
+    assert status == 0
+    assert "flip" in text
+    first, second = (read_graph(tmp_path / name) for name in ("graph.graphml", "graph.json"))
+    assert dict(first.nodes(data=True)) == dict(second.nodes(data=True))
+    points = rows(tmp_path / "points.csv")
+    assert {row["id"] for row in points} == set(first.nodes)
+    flips = [float(row["eps_n1"]) for row in points if row["kind"] == "PD"]
+    assert flips == pytest.approx([0.6485492], abs=1e-6)
+    assert len({row["id"] for row in rows(tmp_path / "branches.csv")}) == len(first.edges)
+    assert (tmp_path / "diagram.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+def test_every_branch_with_pictures_of_each_order_and_of_fold_flips(tmp_path: Path) -> None:
+    """Order 1 and 2 next to A: diagram, one picture for each order, and A beside its model."""
+    arguments = [
+        "diagram", "--orders", "1,2", "--span", "0.1115", "0.1125", "--window", "-0.9", "-0.87",
+        "--out", str(tmp_path),
+    ]  # fmt: skip
+    status, text = run(*arguments)
+    assert status == 0, text
+    pictures = {path.name for path in tmp_path.glob("*.png")}
+    assert {"diagram.png", "order_1.png", "order_2.png"} < pictures
+    assert any(name.startswith("local_FF") for name in pictures)
+    assert "P_1 was evaluated" in text
+    status, again = run(*arguments, "--resume")
+    assert status == 0
+    assert [line for line in again.splitlines() if "FF" in line] == [
+        line for line in text.splitlines() if "FF" in line
+    ]
+    status, text = run(*arguments[:-3], "-0.86", "--out", str(tmp_path), "--resume")
+    assert status == 2
+    assert "cannot resume" in " ".join(text.split())
+
+
+@pytest.mark.slow
+def test_animate_writes_a_picture_that_moves(tmp_path: Path) -> None:
+    status, text = run("animate", "--slow", "4", "--fps", "10", "--out", str(tmp_path))
+    assert status == 0, text
+    assert (tmp_path / "woodpecker.gif").stat().st_size > 10_000
+    status, text = run("animate", "--file", "toy.bmp", "--out", str(tmp_path))
+    assert status == 2
+    assert ".gif" in text

@@ -1,0 +1,638 @@
+"""The direct contact solvers against Lemke, closed forms, linear programs and differences."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import hypothesis.strategies as st
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given
+from impacts import (
+    LAWS,
+    SCENES,
+    UNITS,
+    approach,
+    coupling_of,
+    directions,
+    frictions,
+    laws,
+    random_toy,
+    restitutions,
+    scenes,
+    strike,
+)
+from scipy.optimize import linprog
+from thoroughness import thorough
+
+from woodpecker.base.compiled import COMPILED
+from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, case_table, impulse_of
+from woodpecker.mechanics.impacts import (
+    AMBIGUOUS,
+    INDETERMINATE,
+    NO_SOLUTION,
+    SOLVED,
+    make_pair,
+    one_contact,
+    one_contact_case,
+    rest_is_possible,
+    two_contacts,
+)
+from woodpecker.mechanics.lcp import (
+    ContactLcp,
+    LcpStatus,
+    contact_residual,
+    enumerate_contacts,
+    solve_contact_lcp,
+)
+from woodpecker.mechanics.modes import model
+from woodpecker.mechanics.toy import ExpansionFriction, Toy
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+MANY = 2000 if COMPILED else 60  # plain Python is a hundred times slower
+often = thorough(300 if COMPILED else 30)
+
+# Elimination with condition below 1e4 or so: four digits less than doubles have.
+SOLVES = 1e-11
+# Lemke breaks ties of 1e-11, hence its residual; see test_lcp.
+RESIDUAL = 1e-10
+# Closed forms with condition near 1: some roundings of 1e-16.
+EXACT = 1e-14
+
+ORDER = {2: [0, 1], 4: [0, 2, 1, 3]}  # (N, T) of each contact in turn <-> normals first
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """Data in the order of this module, (N, T) of each contact in turn."""
+
+    delassus: FloatArray
+    free: FloatArray
+    mu: FloatArray
+    floor: FloatArray
+    coupling: float = 0.0  # 1: the bound of friction is the sum of both normal impulses
+
+    @property
+    def friction(self) -> FloatArray:
+        """The matrix F of the bound F Lambda_N."""
+        return self.mu[:, None] * np.where(np.eye(len(self.mu)) == 1.0, 1.0, self.coupling)
+
+    @property
+    def lcp(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """The same data, normals first."""
+        order = ORDER[len(self.free)]
+        return self.delassus[np.ix_(order, order)], self.free[order], self.friction, self.floor
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    outcome: int
+    cases: IntArray
+    impulse: FloatArray
+
+
+def solve(problem: Problem) -> Answer:
+    n, g = len(problem.mu), problem.delassus
+    cases, impulse = np.full((2, n), -1), np.full(2 * n, np.nan)
+    if n == 1:
+        outcome, cases[:], impulse[0], impulse[1] = one_contact(
+            g[0, 0], g[0, 1], g[1, 1], *problem.free, problem.mu[0], problem.floor[0]
+        )
+        return Answer(outcome=outcome, cases=cases, impulse=impulse)
+    feeds, table = np.ones(n, dtype=np.int64), case_table(g, problem.friction)
+    outcome = two_contacts(
+        table, 0, g, problem.free, problem.mu, problem.coupling, problem.floor, feeds, cases,
+        impulse, make_pair(),
+    )  # fmt: skip
+    return Answer(outcome=outcome, cases=cases, impulse=impulse)
+
+
+def residual(problem: Problem, impulse: FloatArray) -> float:
+    """Violation of the contact laws, read as projections by :mod:`woodpecker.mechanics.lcp`."""
+    order, n = ORDER[len(problem.free)], len(problem.mu)
+    gamma = (problem.delassus @ impulse + problem.free)[order]
+    solution = ContactLcp(
+        impulse_n=impulse[order][:n],
+        impulse_t=impulse[order][n:],
+        gamma_n=gamma[:n],
+        gamma_t=gamma[n:],
+        status=LcpStatus.SOLVED,
+    )
+    return contact_residual(solution, *problem.lcp)
+
+
+def distinct(points: list[FloatArray]) -> int:
+    kept: list[FloatArray] = []
+    for point in points:
+        # Enumerated solutions are good to 1e-9; different ones differ by whole numbers' ratios.
+        if all(np.abs(point - other).max() > 1e-6 for other in kept):
+            kept.append(point)
+    return len(kept)
+
+
+def expected_outcome(problem: Problem) -> int:
+    """From all solutions that brute force finds: do velocities, do normal impulses differ?"""
+    every = enumerate_contacts(*problem.lcp)
+    if not every:
+        return NO_SOLUTION
+    if distinct([np.append(each.gamma_n, each.gamma_t) for each in every]) > 1:
+        return AMBIGUOUS
+    return SOLVED if distinct([each.impulse_n for each in every]) == 1 else INDETERMINATE
+
+
+def random_problem(rng: np.random.Generator, n: int, coupling: float = 0.0) -> Problem:
+    """A body with n contacts, of mass 1e-3 to 1e3, in compression or expansion."""
+    freedoms = 2 * n + 1
+    w, root = rng.normal(size=(freedoms, 2 * n)), rng.normal(size=(freedoms, freedoms))
+    mass = 10.0 ** rng.uniform(-3.0, 3.0) * (root @ root.T + 0.1 * np.eye(freedoms))
+    delassus = w.T @ np.linalg.solve(mass, w)
+    delassus = 0.5 * (delassus + delassus.T)
+    free = w.T @ rng.normal(size=freedoms)
+    floor = rng.uniform(0.0, 2.0, size=n) * np.abs(free / np.diag(delassus))[::2]
+    return Problem(
+        delassus=delassus,
+        free=free,
+        mu=rng.uniform(0.0, 1.5, size=n),
+        floor=floor if rng.random() < 0.5 else np.zeros(n),
+        coupling=coupling,
+    )
+
+
+def integer_problem(
+    rng: np.random.Generator, n: int, freedoms: int, coupling: float = 0.0
+) -> Problem:
+    """Small integers: velocities that are zero, forces on the cone, singular combinations."""
+    while True:
+        w = rng.integers(-2, 3, size=(freedoms, 2 * n)).astype(float)
+        delassus = w.T @ w
+        pairs = [delassus[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] for k in range(n)]
+        if all(np.linalg.det(pair) > 0.5 for pair in pairs):
+            break
+    return Problem(
+        delassus=delassus,
+        free=w.T @ rng.integers(-1, 2, size=freedoms),
+        mu=rng.choice([0.0, 0.5, 1.0], size=n),
+        floor=rng.choice([0.0, 0.0, 1.0], size=n),
+        coupling=coupling,
+    )
+
+
+# --- Against Lemke and enumeration ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("n", "coupling"), [(1, 0.0), (2, 0.0), (2, 1.0)])
+def test_random_problems_agree_with_lemke(n: int, coupling: float) -> None:
+    """Where there is one solution it is Lemke's; where not, enumeration sees several too."""
+    rng, outcomes = np.random.default_rng(n), []
+    for _ in range(MANY):
+        problem = random_problem(rng, n, coupling)
+        answer, lemke = solve(problem), solve_contact_lcp(*problem.lcp)
+        outcomes.append(answer.outcome)
+        assert lemke.success
+        if answer.outcome == SOLVED:
+            assert residual(problem, answer.impulse) < SOLVES
+            expected = np.append(lemke.impulse_n, lemke.impulse_t)
+            scale = np.abs(expected).max()
+            np.testing.assert_allclose(
+                answer.impulse[ORDER[2 * n]], expected, rtol=0.0, atol=RESIDUAL * scale
+            )
+        else:
+            assert answer.outcome == expected_outcome(problem) == AMBIGUOUS
+    assert outcomes.count(SOLVED) > 0.9 * MANY
+    if COMPILED:  # otherwise the sample is small
+        assert outcomes.count(AMBIGUOUS) > 0.005 * MANY  # Painleve: mu goes up to 1.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("coupling", [0.0, 1.0])
+@pytest.mark.parametrize(("n", "freedoms"), [(1, 2), (1, 3), (2, 3), (2, 4), (2, 5)])
+def test_degenerate_problems_have_the_outcome_of_brute_force(
+    n: int, freedoms: int, coupling: float
+) -> None:
+    """The toy has 4 impulses for 3 freedoms; its indeterminate problems appear here too."""
+    rng, outcomes = np.random.default_rng(10 * n + freedoms), []
+    for _ in range(MANY // 5):
+        problem = integer_problem(rng, n, freedoms, coupling)
+        answer = solve(problem)
+        outcomes.append(answer.outcome)
+        assert answer.outcome == expected_outcome(problem)
+        if answer.outcome in (SOLVED, INDETERMINATE):
+            assert residual(problem, answer.impulse) < SOLVES
+    if COMPILED:  # otherwise the sample is small
+        assert (INDETERMINATE in outcomes) == (freedoms < 5 and n == 2)
+
+
+def test_the_case_that_one_contact_reports_gives_its_impulses() -> None:
+    """Random and degenerate data, to the last bit."""
+    rng = np.random.default_rng(3)
+    for k in range(MANY):
+        problem = random_problem(rng, 1) if k % 2 else integer_problem(rng, 1, 2)
+        answer, g = solve(problem), problem.delassus
+        if answer.outcome == SOLVED:
+            again = one_contact_case(
+                answer.cases[0, 0], g[0, 0], g[0, 1], g[1, 1], *problem.free, problem.mu[0],
+                problem.floor[0],
+            )  # fmt: skip
+            assert again == tuple(answer.impulse)
+
+
+# --- One contact in closed form -------------------------------------------------------------------
+
+G = (2.0, 0.5, 1.0)  # g_nn, g_nt, g_tt: coupled, determinant 1.75, 1/kg
+
+
+@pytest.mark.parametrize(
+    ("free", "mu", "floor", "case", "impulse"),
+    [
+        # Stick: -G^-1 (-7, 0) = (4, -2).
+        ((-7.0, 0.0), 0.6, 0.0, 3 * REST + HOLD, (4.0, -2.0)),
+        # Slip forward: Lambda_N = 7 / (2 - 0.5 mu).
+        ((-7.0, 5.0), 0.5, 0.0, 3 * REST + FORWARD, (4.0, -2.0)),
+        # Slip backward: Lambda_N = 9 / (2 + 0.5 mu).
+        ((-9.0, -8.0), 0.5, 0.0, 3 * REST + BACKWARD, (4.0, 2.0)),
+        # Separation, sliding either way: no impulse.
+        ((1.0, -3.0), 0.5, 0.0, 3 * FREE + BACKWARD, (0.0, 0.0)),
+        ((1.0, 3.0), 0.5, 0.0, 3 * FREE + FORWARD, (0.0, 0.0)),
+        # Expansion from rest with Lambda_N = 1: gamma_T = 0.5 + Lambda_T, held by mu >= 0.5.
+        ((0.0, 0.0), 0.6, 1.0, 3 * FREE + HOLD, (1.0, -0.5)),
+        ((0.0, 0.0), 0.4, 1.0, 3 * FREE + FORWARD, (1.0, -0.4)),
+        ((0.0, -2.0), 0.4, 1.0, 3 * FREE + BACKWARD, (1.0, 0.4)),
+        # The floor is too low to keep the contact from closing: 4 > 1 as in the first case.
+        ((-7.0, 0.0), 0.6, 1.0, 3 * REST + HOLD, (4.0, -2.0)),
+    ],
+)
+def test_closed_forms(
+    free: tuple[float, float],
+    mu: float,
+    floor: float,
+    case: int,
+    impulse: tuple[float, float],
+) -> None:
+    outcome, found, p_n, p_t = one_contact(*G, *free, mu, floor)
+    assert (outcome, found) == (SOLVED, case)
+    np.testing.assert_allclose([p_n, p_t], impulse, atol=EXACT)
+
+
+@often
+@given(free_n=st.floats(-5.0, 5.0), free_t=st.floats(-5.0, 5.0), floor=st.floats(0.0, 3.0))
+def test_without_friction(free_n: float, free_t: float, floor: float) -> None:
+    """mu = 0: Lambda_N = max(floor, -free_N / G_NN), nothing tangential."""
+    outcome, _, p_n, p_t = one_contact(*G, free_n, free_t, 0.0, floor)
+    assert outcome == SOLVED
+    # Solutions within 1e-11 of a boundary may be taken for the other side's, see SLACK.
+    assert p_n == pytest.approx(max(floor, -free_n / G[0]), abs=RESIDUAL)
+    assert p_t == pytest.approx(0.0, abs=RESIDUAL)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("eps", [0.0, 0.25, 1.0])
+def test_poisson_at_an_uncoupled_contact(eps: float, mu: float) -> None:
+    """G_NT = 0: expansion returns eps_N of the compression, the contact opens with eps_N v."""
+    _, _, c_n, c_t = one_contact(2.0, 0.0, 1.0, -3.0, 10.0, mu, 0.0)
+    _, _, e_n, e_t = one_contact(2.0, 0.0, 1.0, 0.0, 10.0 + c_t, mu, eps * c_n)
+    np.testing.assert_allclose([c_n, c_t, e_n, e_t], [1.5, -1.5 * mu, 1.5 * eps, -1.5 * eps * mu])
+    assert 2.0 * e_n == pytest.approx(3.0 * eps)
+
+
+# --- Painleve: several solutions, none ------------------------------------------------------------
+
+
+def test_a_rod_that_may_separate_slide_or_stick() -> None:
+    """G = [[1.6, -1.2], [-1.2, 3.4]], free (1, -8), mu = 2: three lawful answers, see test_lcp."""
+    delassus = np.array([[1.6, -1.2], [-1.2, 3.4]])
+    problem = Problem(
+        delassus=delassus, free=np.array([1.0, -8.0]), mu=np.array([2.0]), floor=np.zeros(1)
+    )
+    assert expected_outcome(problem) == AMBIGUOUS
+    assert solve(problem).outcome == AMBIGUOUS
+
+
+def test_no_solution_is_reported() -> None:
+    """A positive definite G always has one; this G, of no body, presses against every friction."""
+    delassus = np.array([[1.0, 2.0], [2.0, 1.0]])
+    problem = Problem(
+        delassus=delassus, free=np.array([-1.0, 0.0]), mu=np.ones(1), floor=np.zeros(1)
+    )
+    assert expected_outcome(problem) == NO_SOLUTION
+    assert solve(problem).outcome == NO_SOLUTION
+
+
+def test_friction_without_stiffness_is_skipped() -> None:
+    """G_NN - mu G_NT = 0: sliding forward cannot stop the approach, sticking can."""
+    outcome, case, p_n, p_t = one_contact(1.0, 0.5, 1.0, -3.0, 0.0, 2.0, 0.0)
+    assert (outcome, case) == (SOLVED, 3 * REST + HOLD)
+    np.testing.assert_allclose([p_n, p_t], [4.0, -2.0], rtol=EXACT)
+
+
+# --- Impacts of the toy ---------------------------------------------------------------------------
+
+
+@scenes
+def test_impulses_balance_momentum(contacts: tuple[int, ...]) -> None:
+    """M (u_after - u_before) = W Lambda, and the gaps do not close any more."""
+    rng = np.random.default_rng(20)
+    for _ in range(MANY // 10):
+        toy, u = random_toy(rng, 0.4), approach(rng, contacts)
+        blow = strike(toy, contacts, u)
+        mass, w = np.array(mechanics.mass_matrix(toy)), directions(toy, contacts)
+        impulse = blow.impulses.sum(axis=0)[: w.shape[1]]
+        size = np.abs(mass) @ (np.abs(u) + np.abs(blow.u)) + np.abs(w) @ np.abs(impulse)
+        assert (np.abs(mass @ (blow.u - u) - w @ impulse) <= SOLVES * size).all()
+        gap_rates = (w.T @ blow.u)[::2]
+        assert (gap_rates >= -SOLVES * np.abs(w.T).sum() * np.abs(u).max()).all()
+
+
+@laws
+@scenes
+def test_both_phases_satisfy_the_contact_laws(
+    contacts: tuple[int, ...], law: ExpansionFriction
+) -> None:
+    """Compression with floor 0, expansion with floor eps_N Lambda_NC; read as projections."""
+    rng = np.random.default_rng(21)
+    for _ in range(MANY // 10):
+        toy, u = random_toy(rng, 0.4, law), approach(rng, contacts)
+        blow, w = strike(toy, contacts, u), directions(toy, contacts)
+        assert blow.outcome in (SOLVED, INDETERMINATE)
+        delassus = w.T @ np.linalg.solve(mechanics.mass_matrix(toy), w)
+        mu, eps = frictions(toy, contacts), restitutions(toy, contacts)
+        pressed, released = blow.impulses[:, : w.shape[1]]
+        free = w.T @ u
+        compression = Problem(delassus=delassus, free=free, mu=mu, floor=0.0 * mu)
+        assert residual(compression, pressed) < SOLVES
+        between = delassus @ pressed + free
+        # Velocities that the compression made zero are so up to rounding of the largest one.
+        between[np.abs(between) < SOLVES * np.abs(free).max()] = 0.0
+        expansion = Problem(
+            delassus=delassus, free=between, mu=mu, floor=eps * pressed[::2],
+            coupling=coupling_of(toy, contacts),
+        )  # fmt: skip
+        assert residual(expansion, released) < RESIDUAL
+
+
+@scenes
+def test_impacts_are_those_of_lemke(contacts: tuple[int, ...]) -> None:
+    """Both phases by the general solver, under both laws: the velocities after the impact."""
+    rng, differ = np.random.default_rng(26), 0
+    for _ in range(MANY // 20):
+        toy, u = random_toy(rng, 0.4), approach(rng, contacts)
+        after = [impact_by_lemke(toy.replace(expansion_friction=law), contacts, u) for law in LAWS]
+        for law, expected in zip(LAWS, after, strict=True):
+            blow = strike(toy.replace(expansion_friction=law), contacts, u)
+            if blow.outcome == SOLVED:
+                np.testing.assert_allclose(blow.u / UNITS, expected / UNITS, atol=RESIDUAL)
+        differ += np.abs((after[0] - after[1]) / UNITS).max() > 1e-3
+    assert (differ > 0.1 * (MANY // 20)) == (len(contacts) == 2)  # the laws differ there only
+
+
+def impact_by_lemke(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> FloatArray:
+    """Velocities after compression and expansion."""
+    w, mu = directions(toy, contacts), frictions(toy, contacts)
+    response = np.linalg.solve(mechanics.mass_matrix(toy), w)
+    pressed = solve_contact_lcp(*Problem(
+        delassus=w.T @ response, free=w.T @ u, mu=mu, floor=0.0 * mu
+    ).lcp)  # fmt: skip
+    back = np.argsort(ORDER[2 * len(contacts)])
+    between = np.append(pressed.gamma_n, pressed.gamma_t)[back]
+    released = solve_contact_lcp(*Problem(
+        delassus=w.T @ response, free=between, mu=mu, coupling=coupling_of(toy, contacts),
+        floor=restitutions(toy, contacts) * pressed.impulse_n,
+    ).lcp)  # fmt: skip
+    impulse = np.append(
+        pressed.impulse_n + released.impulse_n, pressed.impulse_t + released.impulse_t
+    )[back]
+    return np.asarray(u + response @ impulse)
+
+
+@pytest.mark.parametrize("i", [0, 1, 2])
+@pytest.mark.parametrize("eps", [0.0, 0.3, 1.0])
+def test_one_contact_without_friction_reflects(i: int, eps: float) -> None:
+    """g_N' after = -eps_N g_N' before, and the energy lost is (1 - eps^2) g_N'^2 / (2 G_NN)."""
+    rng = np.random.default_rng(22)
+    toy = Toy(mu_1=0, mu_2=0, mu_3=0, eps_n1=eps, eps_n2=eps, eps_n3=eps)
+    mass, w = np.array(mechanics.mass_matrix(toy)), directions(toy, (i,))[:, 0]
+    g_nn = w @ np.linalg.solve(mass, w)
+    for _ in range(50):
+        u = approach(rng, (i,))
+        after = strike(toy, (i,), u).u
+        np.testing.assert_allclose(w @ after, -eps * (w @ u), rtol=SOLVES)
+        before, left = 0.5 * u @ mass @ u, 0.5 * after @ mass @ after
+        lost = (1.0 - eps**2) * (w @ u) ** 2 / (2.0 * g_nn)
+        np.testing.assert_allclose(before - left, lost, rtol=0.0, atol=SOLVES * before)
+
+
+def expected_impact(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> int:
+    """Outcome of both phases by brute force."""
+    w = directions(toy, contacts)
+    delassus, mu = w.T @ np.linalg.solve(mechanics.mass_matrix(toy), w), frictions(toy, contacts)
+    problem = Problem(delassus=delassus, free=w.T @ u, mu=mu, floor=0.0 * mu)
+    outcome, pressed = expected_outcome(problem), solve(problem).impulse
+    if outcome not in (SOLVED, INDETERMINATE):
+        return outcome
+    between = problem.free + delassus @ pressed
+    between[np.abs(between) < SOLVES * np.abs(problem.free).max()] = 0.0
+    released = expected_outcome(Problem(
+        delassus=delassus, free=between, mu=mu, floor=pressed[::2] * restitutions(toy, contacts),
+        coupling=coupling_of(toy, contacts),
+    ))  # fmt: skip
+    return outcome if released in (SOLVED, INDETERMINATE) else released
+
+
+@laws
+@pytest.mark.slow
+def test_impacts_with_much_friction_are_ambiguous(law: ExpansionFriction) -> None:
+    """mu = 3: compression or expansion has several answers, and brute force sees them too."""
+    rng, outcomes = np.random.default_rng(24), []
+    toy = Toy(
+        mu_1=3.0, mu_2=3.0, mu_3=3.0, eps_n1=0.8, eps_n2=0.5, eps_n3=0.5, expansion_friction=law
+    )  # fmt: skip
+    for k in range(150):
+        contacts = list(SCENES.values())[k % 5]
+        u = approach(rng, contacts)
+        outcomes.append(strike(toy, contacts, u).outcome)
+        assert outcomes[-1] == expected_impact(toy, contacts, u)
+    assert {SOLVED, AMBIGUOUS} <= set(outcomes)
+
+
+# --- Derivatives of an impact ---------------------------------------------------------------------
+
+
+@laws
+@pytest.mark.parametrize("along", ["velocities", "restitution"])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@scenes
+def test_derivative_of_an_impact(
+    contacts: tuple[int, ...], friction: float, along: str, law: ExpansionFriction
+) -> None:
+    """Within one index combination u_after is linear in u and in eps_N: differences are exact."""
+    rng, step, compared = np.random.default_rng(25), 1e-3, 0
+    for _ in range(MANY // 20):
+        toy, u = random_toy(rng, friction, law), approach(rng, contacts)
+        du, seed = UNITS * rng.normal(size=3), rng.uniform(-1.0, 1.0, size=3)
+        if along == "velocities":
+            seed[:] = 0.0
+        else:
+            du[:] = 0.0
+        blows = []
+        for s in (-step, 0.0, step):
+            eps = np.clip([toy.eps_n1, toy.eps_n2, toy.eps_n3], 0.01, 0.99) + s * seed
+            other = toy.replace(eps_n1=eps[0], eps_n2=eps[1], eps_n3=eps[2])
+            blows.append(strike(other, contacts, u + s * du, du, seed))
+        before, middle, after = blows
+        bend = np.abs(before.u - 2.0 * middle.u + after.u) / UNITS
+        if bend.max() > 1e-9:  # another combination, in compression or expansion, in between
+            continue
+        compared += 1
+        slope = (after.u - before.u) / (2.0 * step)
+        # Rounding of u, 1e-14 of its unit, over the step.
+        np.testing.assert_allclose(middle.tangents[0] / UNITS, slope / UNITS, atol=1e-10)
+    assert compared > 0.7 * (MANY // 20)
+
+
+# --- Indeterminate impulses -----------------------------------------------------------------------
+
+# The upper edge of the sleeve rests on the pole while the beak strikes; all comes to rest.
+ALL_AT_REST = np.array([-0.1727, 0.0, 16.4])
+BOTH = (0, 2)
+
+
+def wedge(toy: Toy) -> Problem:
+    """Compression at beak and upper sleeve contact from ALL_AT_REST."""
+    w = directions(toy, BOTH)
+    return Problem(
+        delassus=w.T @ np.linalg.solve(mechanics.mass_matrix(toy), w),
+        free=w.T @ ALL_AT_REST,
+        mu=np.array([toy.mu_1, toy.mu_3]),
+        floor=np.zeros(2),
+    )
+
+
+def extreme_impulse(toy: Toy, sign: float) -> FloatArray:
+    """Impulses W Lambda = -M u in both cones with the largest sign * Lambda_N1."""
+    w, load = directions(toy, BOTH), -np.array(mechanics.mass_matrix(toy)) @ ALL_AT_REST
+    units = np.array([1.0, toy.h_m, toy.h_s])[:, None]  # rows in N s
+    scale = np.abs(load / units[:, 0]).max()
+    cones = np.array(
+        [[-toy.mu_1, s, 0, 0] for s in (1, -1)] + [[0, 0, -toy.mu_3, s] for s in (1, -1)]
+    )
+    result = linprog(
+        [-sign, 0.0, 0.0, 0.0],
+        A_ub=cones,
+        b_ub=np.zeros(4),
+        A_eq=w / units,
+        b_eq=load / units[:, 0] / scale,
+        bounds=(None, None),
+    )
+    assert result.success
+    return np.asarray(result.x * scale)
+
+
+def test_the_segment_of_indeterminate_impulses() -> None:
+    """Its ends are those of a linear program; the middle is taken; all of it is lawful."""
+    toy = Toy(eps_n1=0.79)
+    problem = wedge(toy)
+    answer = solve(problem)
+    assert answer.outcome == INDETERMINATE
+    ends = np.zeros((2, 4))
+    table = case_table(problem.delassus, problem.friction)
+    for case, end in zip(answer.cases, ends, strict=True):
+        impulse_of(table, case[0] + 6 * case[1], problem.free, problem.floor, end)
+    ends = ends[np.argsort(ends[:, 0])]
+    expected = [extreme_impulse(toy, sign) for sign in (-1.0, 1.0)]
+    # linprog's own feasibility is 1e-7, in units of the load.
+    np.testing.assert_allclose(ends, expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
+    assert ends[1, 0] > 1.005 * ends[0, 0]  # a segment, not a point
+    np.testing.assert_allclose(answer.impulse, ends.mean(axis=0), rtol=EXACT)
+    for part in (0.0, 0.3, 0.5, 1.0):
+        assert residual(problem, (1.0 - part) * ends[0] + part * ends[1]) < SOLVES
+
+
+@laws
+def test_an_indeterminate_impact_goes_on_from_the_middle(law: ExpansionFriction) -> None:
+    """The expansion from that middle has one solution, under both laws."""
+    toy = Toy(eps_n1=0.79, expansion_friction=law)
+    blow = strike(toy, BOTH, ALL_AT_REST)
+    assert blow.outcome == INDETERMINATE
+    middle = solve(wedge(toy)).impulse
+    # The table of the modes and numpy round G differently, amplified by its condition.
+    np.testing.assert_allclose(blow.impulses[0], middle, rtol=SOLVES)
+    # The beak expands with eps_N1 of the middle; the sleeve has eps_N3 = 0.
+    assert blow.impulses[1, 0] == pytest.approx(0.79 * blow.impulses[0, 0], rel=EXACT)
+    mass, w = np.array(mechanics.mass_matrix(toy)), directions(toy, BOTH)
+    floor = np.array([0.79, 0.0]) * middle[::2]
+    expansion = Problem(
+        delassus=wedge(toy).delassus, free=np.zeros(4), mu=wedge(toy).mu, floor=floor,
+        coupling=coupling_of(toy, BOTH),
+    )  # fmt: skip
+    assert expected_outcome(expansion) == SOLVED
+    assert residual(expansion, blow.impulses[1]) < RESIDUAL
+    balance = mass @ (blow.u - ALL_AT_REST) - w @ blow.impulses.sum(axis=0)
+    assert (np.abs(balance) <= SOLVES * np.abs(mass) @ np.abs(ALL_AT_REST)).all()
+
+
+def test_without_expansion_the_impulses_do_not_matter() -> None:
+    blow = strike(Toy(eps_n1=0.0), BOTH, ALL_AT_REST)
+    assert blow.outcome == SOLVED
+    assert blow.u.tolist() == [0.0, 0.0, 0.0]
+
+
+@laws
+def test_derivative_of_an_indeterminate_impact(law: ExpansionFriction) -> None:
+    """The middle moves with half of each end, linearly in u, and eps_N1 scales the expansion."""
+    step, toy = 1e-4, Toy(eps_n1=0.79, expansion_friction=law)
+    for du, seed in ((UNITS * [1.0, 0.0, 1.0], np.zeros(3)), (np.zeros(3), np.eye(3)[0])):
+        blow = strike(toy, BOTH, ALL_AT_REST, du, seed)
+        sides = [
+            strike(toy.replace(eps_n1=0.79 + s * seed[0]), BOTH, ALL_AT_REST + s * du)
+            for s in (step, -step)
+        ]
+        slope = (sides[0].u - sides[1].u) / (2.0 * step)
+        # Rounding of u over the step.
+        np.testing.assert_allclose(blow.tangents[0] / UNITS, slope / UNITS, atol=1e-9)
+
+
+# --- Rest on two contacts -------------------------------------------------------------------------
+
+
+def some_forces_hold(toy: Toy, k: int, d: float) -> bool:
+    """Linear program: 0 = h + W lambda with lambda in both cones."""
+    w = directions(toy, (0, k))
+    h = np.array(mechanics.force_at_rest(toy)) + np.array(mechanics.force_per_stretch(toy)) * d
+    units = np.array([1.0, toy.h_m, toy.h_s])
+    mu_k = (toy.mu_1, toy.mu_2, toy.mu_3)[k]
+    cones = [[-toy.mu_1, s, 0, 0] for s in (1, -1)] + [[0, 0, -mu_k, s] for s in (1, -1)]
+    result = linprog(
+        np.zeros(4),
+        A_ub=cones,
+        b_ub=np.zeros(4),
+        A_eq=w / units[:, None],
+        b_eq=-h / units / np.abs(h / units).max(),
+        bounds=(None, None),
+    )
+    return bool(result.success)
+
+
+@pytest.mark.parametrize(
+    ("k", "mu_max", "stretch", "share"),
+    [(1, 1.0, (-1.5, 1.5), 0.3), (2, 2.0, (-10.0, 0.0), 0.05)],  # contact 3 needs huge friction
+)
+def test_rest_is_possible_as_a_linear_program_says(
+    k: int, mu_max: float, stretch: tuple[float, float], share: float
+) -> None:
+    """Random stretches and frictions; nothing within 1e-7, linprog's tolerance, of a boundary."""
+    rng, verdicts = np.random.default_rng(30 + k), []
+    for _ in range(300):
+        mu = 10.0 ** rng.uniform(-1.5, mu_max, size=3)
+        toy, d = Toy(mu_1=mu[0], mu_2=mu[1], mu_3=mu[2]), rng.uniform(*stretch)
+        verdicts.append(rest_is_possible(model(toy), k, d))
+        assert verdicts[-1] == some_forces_hold(toy, k, d)
+    assert share < np.mean(verdicts) < 1.0 - share
+
+
+def test_rest_without_friction_is_impossible() -> None:
+    """Nothing carries the weight, whatever the spring does."""
+    numbers = model(Toy(mu_1=0.0, mu_2=0.0, mu_3=0.0))
+    assert not any(rest_is_possible(numbers, k, d) for k in (1, 2) for d in (-0.3, 0.0, 0.1, 0.5))

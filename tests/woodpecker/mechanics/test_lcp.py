@@ -1,0 +1,892 @@
+"""Lemke against brute force and closed forms; contact laws of one to three contacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import hypothesis.strategies as st
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given
+from thoroughness import thorough
+
+from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics import lcp
+from woodpecker.mechanics.lcp import (
+    ContactLcp,
+    LcpStatus,
+    contact_lcp,
+    contact_residual,
+    enumerate_contacts,
+    enumerate_lcp,
+    lemke,
+    solve_contact_lcp,
+)
+from woodpecker.mechanics.toy import Toy
+
+FloatArray = npt.NDArray[np.float64]
+
+# Ties closer than 1e-11 are broken as if exact, so a solution may miss by that; a margin of 10.
+RESIDUAL = 1e-10
+# Unique solutions of problems with condition below 1e4, each found with RESIDUAL or better.
+SAME = 1e-6
+# Closed forms with condition near 1: some roundings of 1e-16.
+EXACT = 1e-13
+
+
+def violation(a: FloatArray, b: FloatArray, x: FloatArray) -> float:
+    """|min(x, A x + b)|, which is 0 at solutions only, relative to the terms it is made of."""
+    scale = max(1.0, float(np.abs(b).max()), float((np.abs(a) @ np.abs(x)).max()))
+    return float(np.abs(np.minimum(x, a @ x + b)).max()) / scale
+
+
+def assert_agrees(a: FloatArray, b: FloatArray) -> LcpStatus:
+    """Lemke's result satisfies the problem and is among the enumerated ones."""
+    result, solutions = lemke(a, b), enumerate_lcp(a, b)
+    assert result.status is not LcpStatus.PIVOT_LIMIT
+    for x in solutions:
+        # 1e-9 is what the enumeration itself allows, in scaled units; a margin of 10.
+        assert violation(a, b, x) < 1e-8
+    if result.success:
+        assert violation(a, b, result.x) < RESIDUAL
+        assert (np.minimum(result.x, result.y) == 0.0).all()  # complementary without rounding
+        assert solutions
+    return result.status
+
+
+# --- Lemke against enumeration -------------------------------------------------------------------
+
+
+def p_matrix(rng: np.random.Generator, n: int) -> FloatArray:
+    """Positive definite with a skew part: all principal minors are positive."""
+    root, skew = rng.normal(size=(2, n, n))
+    return np.asarray(root @ root.T + 0.1 * np.eye(n) + skew - skew.T)
+
+
+def semidefinite(rng: np.random.Generator, n: int) -> FloatArray:
+    """Integer Gram matrix, rank-deficient, so that singular bases are exactly singular."""
+    root = rng.integers(-2, 3, size=(n, max(1, n - 1))).astype(float)
+    return np.asarray(root @ root.T)
+
+
+def copositive(rng: np.random.Generator, n: int) -> FloatArray:
+    """Nonnegative plus skew: x.A x >= 0 for x >= 0, with a positive diagonal."""
+    skew = rng.integers(-2, 3, size=(n, n))
+    return (rng.integers(0, 3, size=(n, n)) + np.eye(n) + skew - skew.T).astype(float)
+
+
+def anything(rng: np.random.Generator, n: int) -> FloatArray:
+    return rng.integers(-2, 3, size=(n, n)).astype(float)
+
+
+def smooth(rng: np.random.Generator, n: int) -> FloatArray:
+    return rng.normal(size=n)
+
+
+def zeros_and_ties(rng: np.random.Generator, n: int) -> FloatArray:
+    return rng.integers(-1, 2, size=n).astype(float)
+
+
+Make = Callable[[np.random.Generator, int], FloatArray]
+
+
+@pytest.mark.parametrize("right", [smooth, zeros_and_ties])
+def test_p_matrices_have_the_one_solution_lemke_finds(right: Make) -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(700):
+        n = int(rng.integers(1, 6))
+        a, b = p_matrix(rng, n), right(rng, n)
+        (only,) = enumerate_lcp(a, b)
+        result = lemke(a, b)
+        assert result.success
+        # Condition of the bases is at most about 1e4 here, see SAME.
+        np.testing.assert_allclose(result.x, only, atol=SAME, rtol=SAME)
+
+
+@pytest.mark.parametrize("right", [smooth, zeros_and_ties])
+@pytest.mark.parametrize("matrix", [semidefinite, copositive, anything])
+def test_lemke_agrees_with_enumeration(matrix: Make, right: Make) -> None:
+    rng = np.random.default_rng(2)
+    statuses = []
+    for _ in range(400):
+        n = int(rng.integers(1, 6))
+        statuses.append(assert_agrees(matrix(rng, n), right(rng, n)))
+    assert statuses.count(LcpStatus.SOLVED) > 100  # the sample is not vacuous
+
+
+def test_a_ray_proves_infeasibility_if_a_is_semidefinite() -> None:
+    rng = np.random.default_rng(3)
+    rays = 0
+    for _ in range(700):
+        n = int(rng.integers(1, 6))
+        a, b = semidefinite(rng, n), zeros_and_ties(rng, n)
+        rays += not lemke(a, b).success
+        assert lemke(a, b).success == bool(enumerate_lcp(a, b))
+    assert rays > 20
+
+
+def test_copositive_plus_is_always_solved() -> None:
+    """Strictly copositive: the path cannot end in a ray (positive matrices, any b)."""
+    rng = np.random.default_rng(4)
+    for _ in range(500):
+        n = int(rng.integers(1, 9))
+        a, b = rng.uniform(0.0, 1.0, size=(n, n)) + 0.1 * np.eye(n), zeros_and_ties(rng, n)
+        result = lemke(a, b)
+        assert result.success
+        assert violation(a, b, result.x) < RESIDUAL
+
+
+@thorough(200)
+@given(st.data())
+def test_degenerate_integer_problems_end_with_a_verdict(data: st.DataObject) -> None:
+    n = data.draw(st.integers(1, 4))
+    entries = st.integers(-1, 1)
+    a = np.array(data.draw(st.lists(entries, min_size=n * n, max_size=n * n)), dtype=float)
+    b = np.array(data.draw(st.lists(entries, min_size=n, max_size=n)), dtype=float)
+    assert_agrees(a.reshape(n, n), b)
+
+
+@thorough(200)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 5))
+def test_units_do_not_matter(seed: int, n: int) -> None:
+    """Rows in other units, columns in other units, and b a thousand times larger."""
+    rng = np.random.default_rng(seed)
+    a, b = p_matrix(rng, n), smooth(rng, n)
+    row, column = 10.0 ** rng.uniform(-6, 6, size=(2, n))
+    expected = lemke(a, b)
+    result = lemke(row[:, None] * a * column, 1e3 * row * b)
+    assert result.success
+    scale = np.abs(expected.x).max(initial=1.0)
+    np.testing.assert_allclose(result.x * column / 1e3, expected.x, atol=SAME * scale)
+    np.testing.assert_allclose(result.y / row / 1e3, expected.y, atol=SAME * scale)
+
+
+def test_small_units_are_not_zeros() -> None:
+    np.testing.assert_allclose(lemke([[1e-14]], [-1e-14]).x, 1.0, rtol=EXACT)
+    np.testing.assert_allclose(lemke([[1e14]], [-1e-14]).x, 1e-28, rtol=EXACT)
+
+
+# --- Classical problems --------------------------------------------------------------------------
+
+
+def linear_program(
+    c: list[float], f: list[list[float]], h: list[float]
+) -> tuple[FloatArray, FloatArray]:
+    """Optimality conditions of min c.x with F x <= h, x >= 0; unknowns x and multipliers."""
+    rows = np.array(f)
+    m, n = rows.shape
+    a = np.block([[np.zeros((n, n)), rows.T], [-rows, np.zeros((m, m))]])
+    return a, np.array(c + h)
+
+
+KOSTREVA = np.array([[1.0, 2.0, 0.0], [0.0, 1.0, 2.0], [2.0, 0.0, 1.0]])
+
+
+def first_of_ties(rows: FloatArray) -> int:
+    return int(rows[:, 0].argmin())
+
+
+def last_of_ties(rows: FloatArray) -> int:
+    return len(rows) - 1 - int(rows[::-1, 0].argmin())
+
+
+@pytest.mark.parametrize(
+    ("a", "naive"), [(KOSTREVA, first_of_ties), (KOSTREVA.T, last_of_ties)], ids=["a", "transposed"]
+)
+def test_cycling_without_lexicographic_order(
+    a: FloatArray, naive: Callable[[FloatArray], int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Kostreva's matrix, all ratios tied: the naive rule goes round, the order does not."""
+    b = -np.ones(3)
+    result = lemke(a, b)
+    assert result.pivots <= 8  # no basis recurs: there are only 8 complementary ones
+    np.testing.assert_allclose(result.x, 1.0 / 3.0, rtol=EXACT)
+    monkeypatch.setattr(lcp, "_lexicographic_minimum", naive)
+    assert lemke(a, b).status is LcpStatus.PIVOT_LIMIT
+
+
+def test_beale_linear_program() -> None:
+    """The simplex method's first cycling example; optimum -1/20 at (1/25, 0, 1, 0)."""
+    c, h = [-0.75, 150.0, -0.02, 6.0], [0.0, 0.0, 1.0]
+    f = [[0.25, -60.0, -0.04, 9.0], [0.5, -90.0, -0.02, 3.0], [0.0, 0.0, 1.0, 0.0]]
+    result = lemke(*linear_program(c, f, h))
+    assert result.success
+    # Entries span four orders of magnitude, hence four digits less than EXACT.
+    np.testing.assert_allclose(result.x[:4], [0.04, 0.0, 1.0, 0.0], atol=1e-9)
+
+
+def test_chvatal_linear_program() -> None:
+    """Cycles in six pivots under the largest-coefficient rule; optimum 1 at (1, 0, 1, 0)."""
+    c, h = [-10.0, 57.0, 9.0, 24.0], [0.0, 0.0, 1.0]
+    f = [[0.5, -5.5, -2.5, 9.0], [0.5, -1.5, -0.5, 1.0], [1.0, 0.0, 0.0, 0.0]]
+    result = lemke(*linear_program(c, f, h))
+    assert result.success
+    # Entries span two orders of magnitude.
+    np.testing.assert_allclose(result.x[:4], [1.0, 0.0, 1.0, 0.0], atol=1e-11)
+
+
+@pytest.mark.parametrize("n", [1, 4, 10])
+def test_murty_problem_of_exponential_length(n: int) -> None:
+    """Unit triangular with twos below and b = -1: x = (1, 0, ..., 0) after 2^n pivots."""
+    a, b = np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1), -np.ones(n)
+    result = lemke(a, b, max_pivots=2**n)
+    assert result.success
+    assert result.pivots == 2**n
+    assert lemke(a, b, max_pivots=2**n - 1).status is LcpStatus.PIVOT_LIMIT
+    np.testing.assert_allclose(result.x, np.eye(n)[0], atol=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("a", "b"),
+    [
+        ([[0.0]], [-1.0]),
+        ([[-1.0]], [-1.0]),
+        ([[1.0, -1.0], [-1.0, 1.0]], [-1.0, 0.0]),  # two masses pushed by one force
+        ([[0.0, 1.0], [-1.0, 0.0]], [1.0, -1.0]),  # F x <= h without a point
+    ],
+)
+def test_infeasible_problems_end_in_a_ray(a: list[list[float]], b: list[float]) -> None:
+    result = lemke(a, b)
+    assert result.status is LcpStatus.RAY
+    assert not result.success
+    assert np.isnan(result.x).all()
+    assert np.isnan(result.y).all()
+    assert enumerate_lcp(a, b) == []
+
+
+def test_a_ray_is_no_proof_in_general() -> None:
+    """Here x = (1, 1) solves, but the path escapes: A is not copositive plus."""
+    a, b = np.array([[0.0, 1.0], [1.0, 0.0]]), -np.ones(2)
+    assert lemke(a, b).status is LcpStatus.RAY
+    (only,) = enumerate_lcp(a, b)
+    np.testing.assert_allclose(only, [1.0, 1.0], atol=EXACT)
+
+
+def test_pivot_limit_is_reported() -> None:
+    result = lemke(KOSTREVA, -np.ones(3), max_pivots=2)
+    assert result.status is LcpStatus.PIVOT_LIMIT
+    assert result.pivots == 2
+    assert np.isnan(result.x).all()
+
+
+def test_nonnegative_b_needs_no_pivot() -> None:
+    result = lemke([[-1.0]], [1.0])
+    assert (result.x[0], result.y[0], result.pivots) == (0.0, 1.0, 0)
+
+
+def test_enumeration_shows_several_solutions_and_none() -> None:
+    found = np.ravel(enumerate_lcp([[-2.0]], [1.0]))
+    np.testing.assert_allclose(found, [0.0, 0.5], atol=EXACT)
+    assert enumerate_lcp([[-2.0]], [-1.0]) == []
+
+
+def test_singular_basis_stands_for_a_continuum() -> None:
+    """x_1 + x_2 = 2: two vertices and the least-norm point between them."""
+    found = enumerate_lcp(np.ones((2, 2)), [-2.0, -2.0])
+    np.testing.assert_allclose(found, [[0.0, 2.0], [2.0, 0.0], [1.0, 1.0]], atol=EXACT)
+
+
+def test_equal_solutions_of_several_bases_count_once() -> None:
+    (only,) = enumerate_lcp(np.eye(3), np.zeros(3))
+    assert (only == 0.0).all()
+
+
+def test_the_empty_problem_is_solved() -> None:
+    assert lemke(np.zeros((0, 0)), []).success
+    assert len(enumerate_lcp(np.zeros((0, 0)), [])) == 1
+    assert solve_contact_lcp(np.zeros((0, 0)), [], 0.3).success
+
+
+def test_results_are_locked() -> None:
+    result = lemke([[1.0]], [-1.0])
+    with pytest.raises(ValueError, match="read-only"):
+        result.x[0] = 2.0
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "message"),
+    [
+        ([[1.0, 2.0]], [1.0], r"\(1, 2\) and \(1,\)"),
+        ([[math.nan]], [1.0], "finite"),
+        ([[1.0]], [math.inf], "finite"),
+    ],
+)
+def test_wrong_data_raise(a: list[list[float]], b: list[float], message: str) -> None:
+    for solver in (lemke, enumerate_lcp):
+        with pytest.raises(ValueError, match=message):
+            solver(a, b)
+
+
+@pytest.mark.parametrize("cover", [[0.0, 1.0], [-1.0, 1.0], [1.0]])
+def test_cover_must_cover(cover: list[float]) -> None:
+    with pytest.raises(ValueError, match="cover must be"):
+        lemke(np.eye(2), [-1.0, 1.0], cover=cover)
+
+
+def test_enumeration_refuses_large_problems() -> None:
+    with pytest.raises(ValueError, match="at most 12 unknowns, got 13"):
+        enumerate_lcp(np.eye(13), np.ones(13))
+
+
+# --- Contact problems ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Random body with n contacts: G = W^T M^-1 W and the velocities W^T u before impact."""
+
+    delassus: FloatArray
+    free: FloatArray
+    mu: FloatArray
+
+
+def scene(rng: np.random.Generator, n: int, freedoms: int) -> Scene:
+    """Masses between 1e-3 and 1e3, arbitrary directions; freedoms < 2n makes G singular."""
+    w = rng.normal(size=(freedoms, 2 * n))
+    root = rng.normal(size=(freedoms, freedoms))
+    mass: FloatArray = 10.0 ** rng.uniform(-3, 3) * (root @ root.T + 0.1 * np.eye(freedoms))
+    delassus = w.T @ np.linalg.solve(mass, w)
+    free = w.T @ rng.normal(size=freedoms)
+    return Scene(
+        delassus=0.5 * (delassus + delassus.T), free=free, mu=rng.uniform(0.0, 1.5, size=n)
+    )
+
+
+def velocities(s: Scene, solution: ContactLcp) -> FloatArray:
+    impulse = np.append(solution.impulse_n, solution.impulse_t)
+    return np.asarray(s.delassus @ impulse + s.free)
+
+
+@thorough(400)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(1, 3),
+    freedoms=st.integers(2, 7),
+    eps_n=st.floats(0.01, 1.0),  # at 0 all may be at rest, and free is nothing but rounding
+)
+def test_compression_and_expansion_satisfy_the_laws(
+    seed: int, n: int, freedoms: int, eps_n: float
+) -> None:
+    """Both phases always have a solution, G singular or not, and the path leads to one."""
+    s = scene(np.random.default_rng(seed), n, freedoms)
+    pressed = solve_contact_lcp(s.delassus, s.free, s.mu)
+    assert pressed.status is LcpStatus.SOLVED
+    assert contact_residual(pressed, s.delassus, s.free, s.mu) < RESIDUAL
+    between = np.append(pressed.gamma_n, pressed.gamma_t)
+    floor = eps_n * pressed.impulse_n
+    released = solve_contact_lcp(s.delassus, between, s.mu, floor)
+    assert released.status is LcpStatus.SOLVED
+    assert contact_residual(released, s.delassus, between, s.mu, floor) < RESIDUAL
+
+
+@pytest.mark.parametrize("seed", [359, 363, 1240, 5974])
+def test_strong_friction_does_not_end_in_a_ray(seed: int) -> None:
+    """mu up to 7.5: covered with c mu > 1, each of these scenes ends in a ray."""
+    s = scene(np.random.default_rng(seed), 2, 5)
+    result = solve_contact_lcp(s.delassus, s.free, 5.0 * s.mu)
+    assert contact_residual(result, s.delassus, s.free, 5.0 * s.mu) < RESIDUAL
+
+
+@pytest.mark.parametrize(("seed", "freedoms"), [(369, 2), (608, 4), (687, 2), (3465, 2)])
+def test_three_contacts_of_a_body_with_few_freedoms(seed: int, freedoms: int) -> None:
+    """G of rank 2 or 4 of 6: the covering variable reaches zero without leaving the basis."""
+    s = scene(np.random.default_rng(seed), 3, freedoms)
+    result = solve_contact_lcp(s.delassus, s.free, s.mu)
+    assert contact_residual(result, s.delassus, s.free, s.mu) < RESIDUAL
+
+
+# --- A full friction matrix: the bound F Lambda_N ------------------------------------------------
+
+
+@thorough(400)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(1, 3),
+    freedoms=st.integers(2, 7),
+    eps_n=st.floats(0.01, 1.0),
+    summed=st.booleans(),
+)
+def test_every_friction_matrix_has_a_solution(
+    seed: int, n: int, freedoms: int, eps_n: float, summed: bool
+) -> None:
+    """Any F >= 0, that of the summed law among them, in compression and expansion."""
+    rng = np.random.default_rng(seed)
+    s = scene(rng, n, freedoms)
+    friction = np.outer(s.mu, np.ones(n)) if summed else rng.uniform(-0.5, 3.0, (n, n)).clip(0.0)
+    pressed = solve_contact_lcp(s.delassus, s.free, friction)
+    assert pressed.status is LcpStatus.SOLVED
+    assert contact_residual(pressed, s.delassus, s.free, friction) < RESIDUAL
+    between = np.append(pressed.gamma_n, pressed.gamma_t)
+    floor = eps_n * pressed.impulse_n
+    released = solve_contact_lcp(s.delassus, between, friction, floor)
+    assert released.status is LcpStatus.SOLVED
+    assert contact_residual(released, s.delassus, between, friction, floor) < RESIDUAL
+
+
+@pytest.mark.parametrize("seed", [4, 57, 186, 199, 279, 339, 413, 469])
+def test_friction_mostly_from_the_other_contact_does_not_end_in_a_ray(seed: int) -> None:
+    """F up to 40 off the diagonal: covered with c_i F_ii < 1 alone, each scene ends in a ray."""
+    rng = np.random.default_rng(seed)
+    s = scene(rng, 2, int(rng.integers(2, 6)))
+    size = np.array([[8.0, 40.0], [40.0, 8.0]])
+    friction = size * rng.uniform(size=(2, 2)) * (rng.random((2, 2)) < 0.7)
+    result = solve_contact_lcp(s.delassus, s.free, friction)
+    assert contact_residual(result, s.delassus, s.free, friction) < RESIDUAL
+
+
+@pytest.mark.parametrize(("n", "scenes"), [(1, 100), (2, 100), (3, 10)])
+def test_solution_with_a_friction_matrix_is_among_the_enumerated(n: int, scenes: int) -> None:
+    rng = np.random.default_rng(40 + n)
+    unique = 0
+    for _ in range(scenes):
+        s = scene(rng, n, 2 * n + 1)
+        friction = rng.uniform(0.0, 0.6, size=(n, n))
+        sliding = rng.integers(-1, 2, size=n)
+        floor = rng.uniform(size=n) * np.abs(s.free[:n] / np.diag(s.delassus)[:n])
+        arguments = (s.delassus, s.free, friction, floor, sliding)
+        result, every = solve_contact_lcp(*arguments), enumerate_contacts(*arguments)
+        for other in every:
+            # 1e-9 is what the enumeration itself allows; a margin of 10.
+            assert contact_residual(other, *arguments) < 1e-8
+        if len(every) == 1 and result.success:
+            unique += 1
+            np.testing.assert_allclose(
+                np.append(result.impulse_n, result.impulse_t),
+                np.append(every[0].impulse_n, every[0].impulse_t),
+                atol=SAME * np.abs(every[0].impulse_n).max(),
+            )
+        assert result.success <= bool(every)
+    assert unique > 0.7 * scenes  # the comparison is not vacuous
+
+
+@pytest.mark.parametrize("sliding", [0, 1])
+def test_a_vector_of_friction_is_a_diagonal_matrix(sliding: int) -> None:
+    """To the last bit, in all that takes friction."""
+    s = scene(np.random.default_rng(45), 3, 7)
+    both = [(s.delassus, s.free, mu, 0.1, sliding) for mu in (s.mu, np.diag(s.mu))]
+    for one, other in zip(*(contact_lcp(*arguments) for arguments in both), strict=True):
+        assert (one == other).all()
+    one, other = (solve_contact_lcp(*arguments) for arguments in both)
+    assert (one.impulse_n == other.impulse_n).all()
+    assert (one.impulse_t == other.impulse_t).all()
+    assert contact_residual(one, *both[0]) == contact_residual(one, *both[1]) < RESIDUAL
+
+
+def test_friction_at_a_contact_without_normal_impulse() -> None:
+    """Uncoupled contacts 1 (pressed) and 2 (separating), G = I, free N (-4, 1), T (9, 9).
+
+    The bounds are F (4, 0): (4 F_11, 4 F_21); contact 2 slides and is braked by 4 F_21, or sticks
+    if 4 F_21 > 9.
+    """
+    for f_21, braked in ((0.0, 0.0), (0.5, 2.0), (2.0, 8.0), (3.0, 9.0)):
+        friction = np.array([[0.25, 0.75], [f_21, 0.5]])
+        result = solve_contact_lcp(np.eye(4), [-4.0, 1.0, 9.0, 9.0], friction)
+        np.testing.assert_allclose(result.impulse_n, [4.0, 0.0], atol=EXACT)
+        np.testing.assert_allclose(result.impulse_t, [-1.0, -braked], rtol=EXACT, atol=EXACT)
+        np.testing.assert_allclose(result.gamma_t, [8.0, 9.0 - braked], rtol=EXACT, atol=EXACT)
+
+
+def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
+    """The blocks of the docstring entry by entry, one contact free to stick and one sliding."""
+    rng = np.random.default_rng(46)
+    s, f, floor = scene(rng, 2, 5), rng.uniform(size=(2, 2)), np.array([0.3, 0.7])
+    a, b = contact_lcp(s.delassus, s.free, f, floor, sliding=[0, -1])
+    normal = np.vstack([np.eye(2), [-f[0], f[1]]])  # S = diag(1, -1)
+    tangential = np.eye(4)[:, 2]
+    g_n, g_1 = s.delassus[:2], s.delassus[2]  # rows of both normals, of the first tangent
+    expected = np.zeros((4, 4))
+    expected[:2, :2], expected[:2, 2] = g_n @ normal, g_n @ tangential
+    expected[2] = [*(g_1 @ normal), g_1 @ tangential, 1.0]
+    expected[3] = [2.0 * f[0, 0], 2.0 * f[0, 1], -1.0, 0.0]
+    np.testing.assert_allclose(a, expected, rtol=EXACT)
+    start = [*(g_n @ normal @ floor + s.free[:2]), g_1 @ normal @ floor + s.free[2]]
+    np.testing.assert_allclose(b, [*start, 2.0 * f[0] @ floor], rtol=EXACT)
+
+
+@thorough(200)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
+def test_units_of_single_directions_scale_with_friction(seed: int, n: int, unit: float) -> None:
+    """Tangents measured in another unit at every second contact, F with them: same motion."""
+    s = scene(np.random.default_rng(seed), n, 2 * n + 1)
+    friction = np.outer(0.1 * s.mu, np.ones(n))  # small: one solution
+    root = np.append(np.ones(n), 10.0 ** (unit * (np.arange(n) % 2 == 0)))
+    one = solve_contact_lcp(s.delassus, s.free, friction)
+    changed = s.delassus * np.outer(root, root), s.free * root, friction / root[n:, None]
+    other = solve_contact_lcp(*changed)
+    assert contact_residual(other, *changed) < RESIDUAL
+    scale = np.abs(one.impulse_n).max(initial=1e-300)
+    np.testing.assert_allclose(other.impulse_n, one.impulse_n, atol=SAME * scale)
+    np.testing.assert_allclose(other.impulse_t * root[n:], one.impulse_t, atol=SAME * scale)
+
+
+# --- Energy and invariance -----------------------------------------------------------------------
+
+
+@thorough(200)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), freedoms=st.integers(2, 7))
+def test_compression_never_adds_energy(seed: int, n: int, freedoms: int) -> None:
+    s = scene(np.random.default_rng(seed), n, freedoms)
+    pressed = solve_contact_lcp(s.delassus, s.free, s.mu)
+    impulse = np.append(pressed.impulse_n, pressed.impulse_t)
+    gain = 0.5 * impulse @ (s.free + velocities(s, pressed))
+    # The gain is a sum of products of impulses and velocities, each good to RESIDUAL.
+    assert gain <= RESIDUAL * (np.abs(impulse) @ np.abs(s.free))
+
+
+@pytest.mark.parametrize(("n", "scenes"), [(1, 300), (2, 100), (3, 15)])
+def test_contact_solution_is_among_the_enumerated(n: int, scenes: int) -> None:
+    rng = np.random.default_rng(10 + n)
+    unique = 0
+    for _ in range(scenes):
+        s = scene(rng, n, 2 * n + 1)
+        sliding = rng.integers(-1, 2, size=n)
+        result = solve_contact_lcp(s.delassus, s.free, s.mu, sliding=sliding)
+        every = enumerate_contacts(s.delassus, s.free, s.mu, sliding=sliding)
+        for other in every:
+            # 1e-9 is what the enumeration itself allows; a margin of 10.
+            assert contact_residual(other, s.delassus, s.free, s.mu, sliding=sliding) < 1e-8
+        if len(every) == 1 and result.success:
+            unique += 1
+            scale = np.abs(every[0].impulse_n).max(initial=1e-300)
+            np.testing.assert_allclose(
+                [result.impulse_n, result.impulse_t],
+                [every[0].impulse_n, every[0].impulse_t],
+                atol=SAME * scale,
+            )
+        assert result.success <= bool(every)
+    assert unique > 0.7 * scenes  # the comparison is not vacuous
+
+
+@thorough(200)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 3), unit=st.floats(-3.0, 3.0))
+def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -> None:
+    """A heavier body with faster contacts needs impulses larger by both factors."""
+    s, factor = scene(np.random.default_rng(seed), n, 2 * n + 1), 10.0**unit
+    one = solve_contact_lcp(s.delassus, s.free, s.mu)
+    other = solve_contact_lcp(s.delassus / factor, 2.0 * s.free, s.mu)
+    scale = factor * np.abs(one.impulse_n).max()
+    # Same path, so only roundings differ, over bases of condition up to 1e5.
+    np.testing.assert_allclose(other.impulse_n, 2.0 * factor * one.impulse_n, atol=RESIDUAL * scale)
+    np.testing.assert_allclose(other.impulse_t, 2.0 * factor * one.impulse_t, atol=RESIDUAL * scale)
+
+
+@thorough(200)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 2))
+def test_mirrored_tangents_mirror_the_solution(seed: int, n: int) -> None:
+    """Reversing w_T reverses Lambda_T and gamma_T wherever the solution is unique."""
+    s = scene(np.random.default_rng(seed), n, 2 * n + 1)
+    mu = 0.1 * s.mu  # small friction: G_NN dominates and makes the solution unique
+    if len(enumerate_contacts(s.delassus, s.free, mu)) > 1:
+        return
+    flip = np.append(np.ones(n), -np.ones(n))
+    one = solve_contact_lcp(s.delassus, s.free, mu)
+    other = solve_contact_lcp(s.delassus * np.outer(flip, flip), s.free * flip, mu)
+    scale = np.abs(one.impulse_n).max(initial=1e-300)
+    np.testing.assert_allclose(other.impulse_n, one.impulse_n, atol=SAME * scale)
+    np.testing.assert_allclose(other.impulse_t, -one.impulse_t, atol=SAME * scale)
+
+
+# --- Closed forms --------------------------------------------------------------------------------
+
+ONE = np.array([[2.0, 0.5], [0.5, 1.0]])  # G of one contact, coupled, 1/kg
+
+
+@given(free_n=st.floats(-5.0, 5.0), free_t=st.floats(-5.0, 5.0), floor=st.floats(0.0, 3.0))
+def test_frictionless_closed_form(free_n: float, free_t: float, floor: float) -> None:
+    """mu = 0: Lambda_N = max(floor, -free_N / G_NN), nothing tangential."""
+    result = solve_contact_lcp(ONE, [free_n, free_t], 0.0, floor)
+    impulse = max(floor, -free_n / 2.0)
+    expected = [impulse, 0.0, 2.0 * impulse + free_n, 0.5 * impulse + free_t]
+    found = [result.impulse_n, result.impulse_t, result.gamma_n, result.gamma_t]
+    # Values below 1e-11 of the largest count as zero (a tie), hence RESIDUAL, not EXACT.
+    np.testing.assert_allclose(np.ravel(found), expected, atol=10.0 * RESIDUAL)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_frictionless_impact_closes_what_it_presses(n: int) -> None:
+    """mu = 0 at all contacts: gamma_N = 0 on the pressed set J, Lambda_J = -G_JJ^-1 free_J."""
+    rng = np.random.default_rng(20 + n)
+    for _ in range(100):
+        s = scene(rng, n, 2 * n + 1)
+        result = solve_contact_lcp(s.delassus, s.free, 0.0)
+        pressed = np.flatnonzero(result.impulse_n)
+        block = s.delassus[np.ix_(pressed, pressed)]
+        expected = np.zeros(n)
+        expected[pressed] = np.linalg.solve(block, -s.free[pressed])
+        assert (result.impulse_t == 0.0).all()
+        scale = np.abs(expected).max(initial=1e-300)
+        # Condition of G_JJ up to 1e4, so 1e-12, and a margin.
+        np.testing.assert_allclose(result.impulse_n, expected, atol=RESIDUAL * scale)
+
+
+@pytest.mark.parametrize(
+    ("free", "mu", "impulse", "gamma_t"),
+    [
+        # Stick: Lambda = -G^-1 free = -(1/1.75) [[1, -0.5], [-0.5, 2]] (-7, 0) = (4, -2).
+        ([-7.0, 0.0], 0.6, [4.0, -2.0], 0.0),
+        # Slip forward: Lambda_N = 7 / (2 - 0.5 mu), gamma_T = (0.5 - mu) Lambda_N + 5.
+        ([-7.0, 5.0], 0.5, [4.0, -2.0], 5.0),
+        # Slip backward: Lambda_N = 9 / (2 + 0.5 mu), gamma_T = (0.5 + mu) Lambda_N - 8.
+        ([-9.0, -8.0], 0.5, [4.0, 2.0], -4.0),
+        # Separation: nothing but the free velocities.
+        ([1.0, -3.0], 0.5, [0.0, 0.0], -3.0),
+    ],
+    ids=["stick", "slip+", "slip-", "separation"],
+)
+def test_one_contact_closed_form(
+    free: list[float], mu: float, impulse: list[float], gamma_t: float
+) -> None:
+    result = solve_contact_lcp(ONE, free, mu)
+    np.testing.assert_allclose([*result.impulse_n, *result.impulse_t], impulse, atol=10.0 * EXACT)
+    np.testing.assert_allclose(result.gamma_t, gamma_t, atol=10.0 * EXACT)
+    np.testing.assert_allclose(result.gamma_n, max(free[0], 0.0), atol=EXACT)
+    (only,) = enumerate_contacts(ONE, free, mu)
+    np.testing.assert_allclose(only.impulse_t, result.impulse_t, atol=10.0 * EXACT)
+
+
+@pytest.mark.parametrize("s", [1, -1])
+def test_given_sliding_direction_closed_form(s: int) -> None:
+    """Lambda_N = -free_N / (G_NN - s mu G_NT), whatever the tangential acceleration becomes."""
+    mu, free = 0.4, [-9.81, -100.0 * s]
+    result = solve_contact_lcp(ONE, free, mu, sliding=s)
+    impulse = 9.81 / (2.0 - s * mu * 0.5)
+    np.testing.assert_allclose(result.impulse_n, impulse, rtol=EXACT)
+    np.testing.assert_allclose(result.impulse_t, -s * mu * impulse, rtol=EXACT)
+    expected = (0.5 - s * mu) * impulse + free[1]  # deceleration against s is allowed
+    np.testing.assert_allclose(result.gamma_t, expected, rtol=EXACT)
+
+
+def test_expansion_of_one_contact() -> None:
+    """No coupling: the released impulse is eps_N Lambda_NC, the contact opens with eps_N |v|."""
+    g, v, eps_n = np.diag([2.0, 1.0]), -3.0, 0.25
+    pressed = solve_contact_lcp(g, [v, 0.0], 0.3)
+    released = solve_contact_lcp(g, [0.0, 0.0], 0.3, eps_n * pressed.impulse_n)
+    np.testing.assert_allclose(pressed.impulse_n, 1.5, rtol=EXACT)
+    np.testing.assert_allclose(released.impulse_n, 1.5 * eps_n, rtol=EXACT)
+    np.testing.assert_allclose(released.gamma_n, -eps_n * v, rtol=EXACT)
+
+
+def test_matrix_of_one_contact() -> None:
+    """The 3 x 3 matrix of the docstring written out, with floor 1."""
+    a, b = contact_lcp(ONE, [-7.0, 5.0], 0.3, 1.0)
+    expected = [[1.85, 0.5, 0.0], [0.2, 1.0, 1.0], [0.6, -1.0, 0.0]]
+    np.testing.assert_allclose(a, expected, atol=EXACT)
+    np.testing.assert_allclose(b, [-7.0 + 1.85, 5.0 + 0.2, 0.6], atol=EXACT)
+    a, b = contact_lcp(ONE, [-7.0, 5.0], 0.3, 1.0, sliding=-1)
+    np.testing.assert_allclose([a[0, 0], b[0]], [2.15, -7.0 + 2.15], atol=EXACT)
+
+
+@pytest.mark.parametrize(("mu_2", "jams"), [(0.30, True), (0.28, False)])
+def test_hanging_toy_jams(mu_2: float, jams: bool) -> None:
+    """Lower sleeve contact at the equilibrium: it holds for mu_2 >= 0.28519 (the toy's data)."""
+    toy = Toy(mu_2=mu_2)
+    mass: FloatArray = np.array(mechanics.mass_matrix(toy))
+    d = -toy.m_s * toy.g * toy.l_g / toy.c_phi
+    h = np.array(mechanics.force_at_rest(toy)) + d * np.array(mechanics.force_per_stretch(toy))
+    w = np.array([mechanics.normal_directions(toy)[1], mechanics.tangential_directions(toy)[1]]).T
+    g, free = w.T @ np.linalg.solve(mass, w), w.T @ np.linalg.solve(mass, h)
+    result = solve_contact_lcp(g, free, mu_2)
+    assert contact_residual(result, g, free, mu_2) < RESIDUAL
+    assert (result.gamma_t[0] == 0.0) == jams
+    if jams:  # 1e-9: G has condition 1e3 here
+        weight = (toy.m_s + toy.m_m) * toy.g
+        np.testing.assert_allclose(result.impulse_t, weight, rtol=1e-9)
+        ratio = result.impulse_t / result.impulse_n
+        np.testing.assert_allclose(ratio, mechanics.jam_limit(toy), rtol=1e-9)
+    else:
+        assert result.gamma_t[0] < 0.0
+
+
+# --- Painleve: no solution, several solutions ----------------------------------------------------
+
+
+def rod(tangent: float) -> FloatArray:
+    """G of the tip of a homogeneous rod of unit mass, inclined by ``tangent`` = tan(theta)."""
+    sin, cos = math.sin(math.atan(tangent)), math.cos(math.atan(tangent))
+    coupling = -3.0 * sin * cos
+    return np.array([[1.0 + 3.0 * cos * cos, coupling], [coupling, 1.0 + 3.0 * sin * sin]])
+
+
+@pytest.mark.parametrize("tangent", [0.5, 1.0, 2.0, 4.0])
+@pytest.mark.parametrize("free_n", [-9.81, 9.81])
+def test_rod_below_the_critical_friction(tangent: float, free_n: float) -> None:
+    """mu < 4/3 at any inclination: exactly one solution, and Lemke has it."""
+    g, free = rod(tangent), [free_n, 0.0]
+    result = solve_contact_lcp(g, free, 1.3, sliding=-1)
+    (only,) = enumerate_contacts(g, free, 1.3, sliding=-1)
+    np.testing.assert_allclose(result.impulse_n, only.impulse_n, rtol=EXACT, atol=EXACT)
+
+
+def test_rod_without_a_solution() -> None:
+    """mu = 2, tan(theta) = 2: G_NN + mu G_NT = -0.8, pressed and sliding into the ground."""
+    g, free = rod(2.0), [-9.81, 0.0]
+    assert enumerate_contacts(g, free, 2.0, sliding=-1) == []
+    result = solve_contact_lcp(g, free, 2.0, sliding=-1)
+    assert result.status is LcpStatus.RAY
+    assert not result.success
+    assert np.isnan(result.impulse_n).all()
+    assert math.isnan(contact_residual(result, g, free, 2.0, sliding=-1))
+
+
+def test_rod_with_two_solutions() -> None:
+    """The same rod pulled upward may separate, or press with 9.81 / 0.8."""
+    g, free = rod(2.0), [9.81, 0.0]
+    found = enumerate_contacts(g, free, 2.0, sliding=-1)
+    impulses = np.ravel([each.impulse_n for each in found])
+    np.testing.assert_allclose(impulses, [0.0, 9.81 / 0.8], rtol=1e-12)  # 0.8 = difference of 1.6
+    for each in found:
+        assert contact_residual(each, g, free, 2.0, sliding=-1) < RESIDUAL
+
+
+def test_rod_that_may_separate_slide_or_stick() -> None:
+    """Without a given direction: G = [[1.6, -1.2], [-1.2, 3.4]] has three lawful answers.
+
+    Slip backward: Lambda_N = 1 / 0.8. Stick: -G^-1 (1, -8) = (1.55, 2.9), 2.9 < 2 * 1.55.
+    """
+    g, free = rod(2.0), [1.0, -8.0]
+    found = enumerate_contacts(g, free, 2.0)
+    impulses = sorted((float(each.impulse_n[0]), float(each.impulse_t[0])) for each in found)
+    np.testing.assert_allclose(impulses, [(0.0, 0.0), (1.25, 2.5), (1.55, 2.9)], rtol=1e-12)
+    for each in found:
+        assert contact_residual(each, g, free, 2.0) < RESIDUAL
+    result = solve_contact_lcp(g, free, 2.0)
+    assert contact_residual(result, g, free, 2.0) < RESIDUAL
+
+
+def test_rod_on_the_border_of_existence() -> None:
+    """G_NN + mu G_NT = 0: no force can stop it, and a weightless contact leaves it open."""
+    g = np.array([[1.0, -0.5], [-0.5, 1.0]])
+    assert enumerate_contacts(g, [-1.0, 0.0], 2.0, sliding=-1) == []
+    assert solve_contact_lcp(g, [-1.0, 0.0], 2.0, sliding=-1).status is LcpStatus.RAY
+    (least,) = enumerate_contacts(g, [0.0, 0.0], 2.0, sliding=-1)
+    assert least.impulse_n[0] == 0.0
+
+
+# --- Degenerate contact problems -----------------------------------------------------------------
+
+
+def test_zero_approach_velocity_needs_no_impulse() -> None:
+    for free in ([0.0, 1.0], [0.0, -1.0], [0.0, 0.0]):
+        result = solve_contact_lcp(ONE, free, 0.3)
+        assert (result.impulse_n[0], result.impulse_t[0], result.gamma_n[0]) == (0.0, 0.0, 0.0)
+        assert result.gamma_t[0] == free[1]
+
+
+@pytest.mark.parametrize("shift", [-1e-16, 0.0, 1e-16])
+def test_friction_exactly_on_the_cone(shift: float) -> None:
+    """The sticking impulse (4, -2) needs mu = 1/2 exactly: stick and slip coincide."""
+    result = solve_contact_lcp(ONE, [-7.0, 0.0], 0.5 + shift)
+    np.testing.assert_allclose([*result.impulse_n, *result.impulse_t], [4.0, -2.0], rtol=1e-12)
+    np.testing.assert_allclose(result.gamma_t, 0.0, atol=10.0 * RESIDUAL)  # a tie up to 1e-11
+    assert len(enumerate_contacts(ONE, [-7.0, 0.0], 0.5)) == 1
+
+
+def test_two_parallel_contacts_share_the_load() -> None:
+    """One body on two coincident contacts: only the sum of the impulses is determined."""
+    g = np.kron(ONE, np.ones((2, 2)))
+    free = np.repeat([-7.0, 0.0], 2)
+    result = solve_contact_lcp(g, free, 0.6)
+    assert contact_residual(result, g, free, 0.6) < RESIDUAL
+    np.testing.assert_allclose(result.impulse_n.sum(), 4.0, rtol=1e-12)
+    np.testing.assert_allclose(result.impulse_t.sum(), -2.0, rtol=1e-12)
+    found = enumerate_contacts(g, free, 0.6)
+    assert len(found) > 1
+    for each in found:
+        np.testing.assert_allclose(each.impulse_n.sum(), 4.0, rtol=1e-8)  # enumeration's own 1e-9
+        np.testing.assert_allclose([*each.gamma_n, *each.gamma_t], 0.0, atol=1e-8)
+
+
+def test_jammed_between_two_walls() -> None:
+    """Opposite normals, one mass: any preload solves; the path finds one without a fault."""
+    w = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+    g, free = w.T @ w, w.T @ np.array([0.0, -1.0])
+    result = solve_contact_lcp(g, free, 0.5)
+    assert contact_residual(result, g, free, 0.5) < RESIDUAL
+
+
+@pytest.mark.parametrize("frictionless", [(True, False), (False, True), (True, True)])
+def test_some_contacts_without_friction(frictionless: tuple[bool, bool]) -> None:
+    rng = np.random.default_rng(30)
+    for _ in range(50):
+        s = scene(rng, 2, 5)
+        mu = np.where(frictionless, 0.0, s.mu)
+        result = solve_contact_lcp(s.delassus, s.free, mu)
+        assert contact_residual(result, s.delassus, s.free, mu) < RESIDUAL
+        assert (result.impulse_t[list(frictionless)] == 0.0).all()
+
+
+def test_uncoupled_contacts_are_solved_separately() -> None:
+    """Stick, slip and separation of the closed forms side by side in one problem."""
+    frees, mus = [[-7.0, 0.0], [-7.0, 5.0], [1.0, -3.0]], [0.6, 0.5, 0.5]
+    g = np.kron(ONE, np.eye(3))
+    free = np.array(frees).T.ravel()
+    result = solve_contact_lcp(g, free, mus)
+    np.testing.assert_allclose(result.impulse_n, [4.0, 4.0, 0.0], atol=10.0 * EXACT)
+    np.testing.assert_allclose(result.impulse_t, [-2.0, -2.0, 0.0], atol=10.0 * EXACT)
+    np.testing.assert_allclose(result.gamma_t, [0.0, 5.0, -3.0], atol=10.0 * EXACT)
+
+
+# --- The residual and the arguments --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("impulse", "gamma", "reason"),
+    [
+        ([-1.0, 0.0], [-2.0, -0.5], "Lambda_N < 0"),
+        ([0.0, 0.0], [-7.0, 0.0], "gamma_N < 0"),
+        ([5.0, -2.5], [1.75, 0.0], "Lambda_N gamma_N > 0"),
+        ([3.5, 0.0], [0.0, 1.75], "sliding without friction"),
+        ([4.0, -2.0], [0.0, 1.0], "velocities of another motion"),
+    ],
+)
+def test_residual_sees_each_violation(
+    impulse: list[float], gamma: list[float], reason: str
+) -> None:
+    wrong = ContactLcp(
+        impulse_n=np.array(impulse[:1]),
+        impulse_t=np.array(impulse[1:]),
+        gamma_n=np.array(gamma[:1]),
+        gamma_t=np.array(gamma[1:]),
+        status=LcpStatus.SOLVED,
+    )
+    assert contact_residual(wrong, ONE, [-7.0, 0.0], 0.6) > 0.05, reason
+
+
+def test_residual_sees_wrong_friction() -> None:
+    """A lawful impulse is unlawful with less friction, a higher floor or a sliding direction."""
+    result = solve_contact_lcp(ONE, [-7.0, 0.0], 0.6)
+    assert contact_residual(result, ONE, [-7.0, 0.0], 0.6) < RESIDUAL
+    assert contact_residual(result, ONE, [-7.0, 0.0], 0.4) > 0.05
+    assert contact_residual(result, ONE, [-7.0, 0.0], 0.6, floor=5.0) > 0.05
+    assert contact_residual(result, ONE, [-7.0, 0.0], 0.6, sliding=-1) > 0.05
+
+
+def test_residual_sees_friction_of_another_law() -> None:
+    """Friction 1 at a contact without normal impulse: lawful for F_21 = 1/4, not for diag."""
+    free, friction = [-4.0, 1.0, 0.0, 9.0], np.array([[0.25, 0.25], [0.25, 0.25]])
+    result = solve_contact_lcp(np.eye(4), free, friction)
+    assert contact_residual(result, np.eye(4), free, friction) < RESIDUAL
+    assert contact_residual(result, np.eye(4), free, 0.25) > 0.05
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"mu": -0.1}, "mu must be"),
+        ({"floor": math.nan}, "floor must be"),
+        ({"sliding": 2}, "sliding must be -1, 0 or"),
+        ({"mu": [0.1, 0.2]}, "broadcast|shape"),
+        ({"mu": [[-0.1]]}, "mu must be"),
+        ({"mu": [[0.1, 0.2]]}, r"mu must have shape \(\), \(1,\) or \(1, 1\), got \(1, 2\)"),
+        ({"mu": [[0.1]], "delassus": np.eye(4), "free": np.ones(4)}, r"or \(2, 2\), got \(1, 1\)"),
+        ({"delassus": np.eye(3), "free": np.ones(3)}, "normal and a tangential entry"),
+        ({"free": np.ones(3)}, "expected shapes"),
+    ],
+)
+def test_wrong_contact_data_raise(changes: dict[str, object], message: str) -> None:
+    arguments: dict[str, object] = {"delassus": ONE, "free": [-1.0, 0.0], "mu": 0.3}
+    with pytest.raises(ValueError, match=message):
+        solve_contact_lcp(**(arguments | changes))  # type: ignore[arg-type]

@@ -1,0 +1,315 @@
+"""The mode table satisfies the constrained equations of motion, row by row."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics.modes import (
+    ALPHA,
+    CONE_NEGATIVE,
+    CONE_POSITIVE,
+    CONTACT,
+    DELASSUS,
+    EPS,
+    FORCE,
+    GAP,
+    GUARDS,
+    KAPPA,
+    LAMBDA,
+    LEVER,
+    LIMIT,
+    MODES,
+    MU,
+    NORMAL,
+    OMEGA,
+    POLE,
+    RESPONSE_N,
+    RESPONSE_T,
+    SECTION,
+    SECULAR,
+    SHAPE,
+    SLIP,
+    TANGENT,
+    A,
+    B,
+    Contact,
+    consistent,
+    mode_index,
+    mode_states,
+    model,
+)
+from woodpecker.mechanics.toy import Toy
+
+FloatArray = npt.NDArray[np.float64]
+States = tuple[Contact, Contact, Contact]
+
+OPEN, STICK, UP, DOWN = Contact
+SLIP_SIGN = {UP: 1.0, DOWN: -1.0}
+SLEEVES = [(OPEN, OPEN), *product((STICK, UP, DOWN), (OPEN,)), *product((OPEN,), (STICK, UP, DOWN))]
+EVERY: list[States] = [(beak, *sleeve) for beak in Contact for sleeve in SLEEVES]
+LOCKED = [(STICK, STICK, OPEN), (STICK, OPEN, STICK)]  # at rest for good
+MOVING = [states for states in EVERY if consistent(states) and states not in LOCKED]
+
+# Linear systems of condition up to 1e5 after scaling: five digits less than doubles have.
+SOLVED = 1e-11
+
+TOYS = {
+    "paper": Toy(),
+    "other friction": Toy(mu_1=0.15, mu_2=0.7, mu_3=0.45),
+    "no friction": Toy(mu_1=0.0, mu_2=0.0, mu_3=0.0),
+    "heavy sleeve": Toy(m_m=0.003, j_m=8e-8, c_phi=0.02),
+}
+
+
+def label(states: States) -> str:
+    return " ".join(state.name.lower() for state in states)
+
+
+moving = pytest.mark.parametrize("states", MOVING, ids=label)
+toys = pytest.mark.parametrize("toy", TOYS.values(), ids=TOYS)
+
+
+def row(toy: Toy, states: States) -> FloatArray:
+    return np.asarray(model(toy)[mode_index(*states)])
+
+
+def forces(numbers: FloatArray, i: int) -> FloatArray:
+    """Rows N and T, columns const and per stretch, of contact i (0-based)."""
+    return np.asarray(numbers[LAMBDA + 4 * i : LAMBDA + 4 * i + 4].reshape(2, 2))
+
+
+def directions(toy: Toy) -> tuple[FloatArray, FloatArray]:
+    normal, tangential = mechanics.normal_directions(toy), mechanics.tangential_directions(toy)
+    return np.array(normal), np.array(tangential)
+
+
+def closed(states: States) -> list[int]:
+    return [i for i in range(3) if states[i] != OPEN]
+
+
+# --- Modes ----------------------------------------------------------------------------------------
+
+
+def test_there_are_28_modes() -> None:
+    assert len(EVERY) == MODES == 28
+    assert [mode_index(*states) for states in EVERY] == list(range(MODES))
+    assert [mode_states(index) for index in range(MODES)] == EVERY
+
+
+def test_consistent_modes() -> None:
+    """One or no contact: 1 + 3 + 6. Two: both stick or both slip the same way, 3 states twice."""
+    assert len(MOVING) + len(LOCKED) == 1 + 3 + 6 + 6
+    assert all(len({s for s in states if s != OPEN}) <= 1 for states in MOVING)
+    for index, states in enumerate(EVERY):
+        numbers = model(Toy())[index, :GUARDS]
+        assert np.isfinite(numbers).all() if consistent(states) else np.isnan(numbers).all()
+
+
+# --- Equations of motion --------------------------------------------------------------------------
+
+
+@toys
+@moving
+def test_equations_of_motion(toy: Toy, states: States) -> None:
+    """M (A + B d) = h_0 + h_1 d + sum w lambda(d), for the constants and per stretch [Eq. 1]."""
+    numbers, (normal, tangential) = row(toy, states), directions(toy)
+    mass: FloatArray = np.array(mechanics.mass_matrix(toy))
+    h: FloatArray = np.column_stack(
+        [mechanics.force_at_rest(toy), mechanics.force_per_stretch(toy)]
+    )
+    motion = np.column_stack([numbers[A : A + 3], numbers[B : B + 3]])
+    terms = [mass @ motion, -h]
+    for i in closed(states):
+        lambda_n, lambda_t = forces(numbers, i)
+        terms += [-np.outer(normal[i], lambda_n), -np.outer(tangential[i], lambda_t)]
+    size = np.abs(mass) @ np.abs(motion) + np.abs(terms[1:]).sum(axis=0)
+    assert (np.abs(np.sum(terms, axis=0)) <= SOLVED * size).all()
+    for i in range(3):
+        if states[i] == OPEN:
+            assert (forces(numbers, i) == 0.0).all()
+
+
+@toys
+@moving
+def test_constraints_of_closed_contacts(toy: Toy, states: States) -> None:
+    """A closed gap does not accelerate, exactly; a sticking point does not either [Eq. 3]."""
+    numbers, (normal, tangential) = row(toy, states), directions(toy)
+    motion = np.column_stack([numbers[A : A + 3], numbers[B : B + 3]])
+    for i in closed(states):
+        assert (normal[i] @ motion == 0.0).all()
+        if states[i] == STICK:
+            size = np.abs(tangential[i]) @ np.abs(motion)
+            assert (np.abs(tangential[i] @ motion) <= SOLVED * size).all()
+
+
+@toys
+@moving
+def test_friction_of_sliding_contacts(toy: Toy, states: States) -> None:
+    """lambda_T = -mu lambda_N in slip +, +mu lambda_N in slip -."""
+    numbers, mu = row(toy, states), (toy.mu_1, toy.mu_2, toy.mu_3)
+    for i in closed(states):
+        if states[i] in SLIP_SIGN:
+            lambda_n, lambda_t = forces(numbers, i)
+            expected = -SLIP_SIGN[states[i]] * mu[i] * lambda_n
+            np.testing.assert_allclose(lambda_t, expected, rtol=SOLVED)
+
+
+@toys
+@moving
+def test_the_stretch_is_one_oscillator(toy: Toy, states: States) -> None:
+    """d'' = alpha + kappa d is the difference of the rows phi_S and phi_M, and omega its root."""
+    numbers = row(toy, states)
+    assert numbers[ALPHA] == numbers[A + 2] - numbers[A + 1]
+    assert numbers[KAPPA] == numbers[B + 2] - numbers[B + 1]
+    assert numbers[OMEGA] == np.sqrt(abs(numbers[KAPPA]))
+
+
+@toys
+@moving
+def test_secular_acceleration(toy: Toy, states: States) -> None:
+    """That of the stretch without acceleration, d = -alpha / kappa; the angles then have none."""
+    numbers = row(toy, states)
+    if numbers[KAPPA] == 0.0:
+        assert (numbers[SECULAR : SECULAR + 3] == numbers[A : A + 3]).all()
+        return
+    stretch = -numbers[ALPHA] / numbers[KAPPA]
+    expected = numbers[A : A + 3] + numbers[B : B + 3] * stretch
+    size = np.abs(numbers[A : A + 3]) + np.abs(numbers[B : B + 3] * stretch)
+    found = numbers[SECULAR : SECULAR + 3]
+    assert (np.abs(found - expected) <= SOLVED * size).all()
+    assert (found[1:] == 0.0).all()
+
+
+@pytest.mark.parametrize("states", LOCKED, ids=label)
+def test_two_sticking_contacts_do_not_move(states: States) -> None:
+    assert (row(Toy(), states)[:GUARDS] == 0.0).all()
+
+
+@pytest.mark.parametrize("states", [s for s in MOVING if STICK not in s], ids=label)
+def test_with_a_relaxed_spring_the_toy_falls_freely(states: States) -> None:
+    """Nothing holds it, so at d = 0 it falls at -g, and its contacts carry nothing, exactly."""
+    numbers = row(Toy(), states)
+    # -g is the quotient of two rounded numbers.
+    assert numbers[A : A + 3].tolist() == [pytest.approx(-9.81, rel=1e-15), 0.0, 0.0]
+    assert all((forces(numbers, i)[:, 0] == 0.0).all() for i in range(3))
+
+
+# --- Numbers --------------------------------------------------------------------------------------
+
+
+def test_frequencies_of_the_modes() -> None:
+    """Free flight swings at 72.91 Hz, the jammed toy at sqrt(c_phi / (J_S + m_S l_G^2))."""
+    toy = Toy()
+    free, jammed = row(toy, (OPEN, OPEN, OPEN)), row(toy, (OPEN, STICK, OPEN))
+    expected = 2.0 * np.pi * mechanics.free_frequency(toy)
+    np.testing.assert_allclose(free[OMEGA], expected, rtol=SOLVED)
+    inertia = toy.j_s + toy.m_s * toy.l_g**2
+    np.testing.assert_allclose(-jammed[KAPPA], toy.c_phi / inertia, rtol=SOLVED)
+    assert free[KAPPA] < 0.0
+
+
+def test_the_upper_sleeve_contact_sliding_up_is_hyperbolic() -> None:
+    """Friction pushes the sleeve and through it the bird; the other slip direction swings."""
+    assert row(Toy(), (OPEN, OPEN, UP))[KAPPA] == pytest.approx(532.49, abs=5e-3)  # printed digits
+    assert row(Toy(), (OPEN, OPEN, DOWN))[KAPPA] < 0.0
+    assert row(Toy(mu_3=0.0), (OPEN, OPEN, UP))[KAPPA] < 0.0
+
+
+def test_kappa_of_the_sliding_upper_contact_in_closed_form() -> None:
+    """With phi_M held, the rows y and phi_S of Eq. 1 with lambda_T = -mu lambda_N [Eqs. 6-10]."""
+    toy = Toy()
+    # Unknowns y'', phi_S'', lambda_N per unit stretch; rows y, phi_M, phi_S.
+    m, mass = toy.m_s, toy.m_s + toy.m_m
+    system = [
+        [mass, m * toy.l_g, toy.mu_3],
+        [m * toy.l_m, m * toy.l_m * toy.l_g, toy.h_m + toy.r_m * toy.mu_3],
+        [m * toy.l_g, toy.j_s + m * toy.l_g**2, 0.0],
+    ]
+    solution = np.linalg.solve(system, [0.0, toy.c_phi, -toy.c_phi])
+    np.testing.assert_allclose(row(toy, (OPEN, OPEN, UP))[KAPPA], solution[1], rtol=SOLVED)
+
+
+# --- What the table depends on --------------------------------------------------------------------
+
+
+def test_restitution_enters_no_mode() -> None:
+    """Three columns of the contact rows are all that changes."""
+    one, other = model(Toy()), model(Toy(eps_n1=0.1, eps_n2=0.2, eps_n3=0.3))
+    assert other[CONTACT : CONTACT + 3, EPS].tolist() == [0.1, 0.2, 0.3]
+    other[CONTACT : CONTACT + 3, EPS] = one[CONTACT : CONTACT + 3, EPS]
+    np.testing.assert_array_equal(one, other)
+
+
+def test_each_model_is_a_copy() -> None:
+    model(Toy())[:] = 0.0
+    assert model(Toy())[0, KAPPA] != 0.0
+    assert model(Toy()).shape == SHAPE
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_masses_scale_forces_only(factor: float) -> None:
+    """Masses, inertias and stiffness times a factor: the same motion, forces times the factor."""
+    names = ("m_m", "j_m", "m_s", "j_s", "c_phi")
+    scaled = Toy(**{name: factor * getattr(Toy(), name) for name in names})
+    for states in MOVING:
+        one, other = row(Toy(), states), row(scaled, states)
+        unit = np.ones(GUARDS)
+        unit[LAMBDA:] = factor
+        np.testing.assert_allclose(other[:GUARDS], unit * one[:GUARDS], rtol=SOLVED)
+
+
+# --- Rows of the contacts and the forces ----------------------------------------------------------
+
+
+@toys
+def test_rows_of_the_contacts(toy: Toy) -> None:
+    numbers, (normal, tangential) = model(toy), directions(toy)
+    mass: FloatArray = np.array(mechanics.mass_matrix(toy))
+    rows = numbers[CONTACT : CONTACT + 3]
+    assert rows[:, MU].tolist() == [toy.mu_1, toy.mu_2, toy.mu_3]
+    assert (rows[:, TANGENT : TANGENT + 3] == tangential).all()
+    levers = numbers[FORCE, LEVER : LEVER + 3]
+    assert levers.tolist() == [toy.h_s, toy.h_m, toy.h_m]
+    np.testing.assert_allclose(rows[:, LIMIT] * levers, mechanics.gap_offsets(toy), rtol=1e-15)
+    both = np.stack([normal, tangential], axis=1).reshape(6, 3)  # N1, T1, N2, T2, N3, T3
+    kicks = np.stack(
+        [rows[:, RESPONSE_N : RESPONSE_N + 3], rows[:, RESPONSE_T : RESPONSE_T + 3]], axis=1
+    ).reshape(6, 3)
+    size = np.abs(kicks) @ np.abs(mass)
+    assert (np.abs(kicks @ mass - both) <= SOLVED * size).all()  # M^-1 w
+    delassus = numbers[DELASSUS : DELASSUS + 6, :6]
+    product = np.abs(both) @ np.abs(kicks.T)
+    assert (np.abs(delassus - both @ kicks.T) <= 4e-16 * product).all()  # sums of three terms
+    root = np.sqrt(np.diag(delassus))
+    np.testing.assert_allclose(  # symmetric up to the solution's error
+        delassus / np.outer(root, root), delassus.T / np.outer(root, root), atol=SOLVED
+    )
+    assert numbers[FORCE, :3].tolist() == list(mechanics.force_at_rest(toy))
+    assert numbers[FORCE, 3:6].tolist() == list(mechanics.force_per_stretch(toy))
+    assert numbers[FORCE, POLE] == toy.pole
+
+
+GUARDS_OF = {
+    (OPEN, OPEN, OPEN): [GAP, GAP + 1, GAP + 2],
+    (OPEN, STICK, OPEN): [GAP, CONE_POSITIVE + 1, CONE_NEGATIVE + 1, SECTION],
+    (OPEN, UP, OPEN): [GAP, NORMAL + 1, SLIP + 1],
+    (OPEN, OPEN, DOWN): [GAP, NORMAL + 2, SLIP + 2],
+    (OPEN, OPEN, STICK): [GAP, CONE_POSITIVE + 2, CONE_NEGATIVE + 2],
+    (UP, OPEN, OPEN): [NORMAL, SLIP, GAP + 1, GAP + 2],
+    (STICK, OPEN, OPEN): [CONE_POSITIVE, CONE_NEGATIVE, GAP + 1, GAP + 2],
+    (DOWN, OPEN, DOWN): [NORMAL, SLIP, NORMAL + 2, SLIP + 2],
+    (UP, UP, OPEN): [NORMAL, SLIP, NORMAL + 1, SLIP + 1],
+}
+
+
+@pytest.mark.parametrize(("states", "expected"), GUARDS_OF.items(), ids=map(label, GUARDS_OF))
+def test_guards_that_end_a_mode(states: States, expected: list[int]) -> None:
+    """A closed sleeve contact keeps the other one open, so its gap is not watched."""
+    watched = row(Toy(), states)[GUARDS:].astype(int)
+    assert watched[: len(expected)].tolist() == expected
+    assert (watched[len(expected) :] == -1).all()

@@ -1,0 +1,394 @@
+"""The return map: the numbers of the stated model, derivatives by differences, executors."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scenes import plain
+from scipy.optimize import brentq
+
+from woodpecker.base.compiled import COMPILED
+from woodpecker.mechanics.equations import equilibrium
+from woodpecker.mechanics.toy import Toy
+from woodpecker.simulation.returns import CHUNK, Return, ReturnMap, first_return, return_map
+from woodpecker.simulation.status import Status
+
+FloatArray = npt.NDArray[np.float64]
+
+TOY = Toy()
+MANY = 40 if COMPILED else 3  # random states; plain Python is a hundred times slower
+ROUNDING = 1e-14  # of an image of order 1 after a dozen events
+
+
+def image(phi_s: float, eps_n1: float = 0.5, *, law: str = "summed") -> float:
+    return first_return(TOY.replace(eps_n1=eps_n1, expansion_friction=law), phi_s).phi_s
+
+
+# --- The stable cycle -----------------------------------------------------------------------------
+
+
+def test_the_stable_cycle() -> None:
+    """Paper: T = 0.1452 s and phi_S = -0.53; the stated model gives the digits below."""
+    phi_s = brentq(lambda x: image(x) - x, -0.53, -0.529, xtol=1e-15, rtol=1e-15)
+    cycle = first_return(TOY, phi_s)
+    assert phi_s == pytest.approx(-0.52947197, abs=5e-9)  # printed digits, here and below
+    assert cycle.period == pytest.approx(0.14597607, abs=5e-9)
+    assert cycle.drop == pytest.approx(19.4454e-3, abs=5e-8)
+    assert cycle.slope == pytest.approx(-0.83916, abs=5e-6)
+    assert plain(cycle.word) == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
+    assert cycle.status is Status.RETURNED
+
+
+# --- Jumps, dips, band ----------------------------------------------------------------------------
+
+
+def word_change(low: float, high: float, eps_n1: float = 0.5) -> tuple[float, float]:
+    """Neighbouring doubles between which the order of the first impacts changes."""
+    toy = TOY.replace(eps_n1=eps_n1)
+    left, right = (plain(first_return(toy, x).word) for x in (low, high))
+    assert left != right
+    while low < (middle := 0.5 * (low + high)) < high:
+        if plain(first_return(toy, middle).word) == left:
+            low = middle
+        else:
+            high = middle
+    return low, high
+
+
+# Law, place, width of the bracket, values on the left and on the right at eps_N1 = 0.5.
+JUMPS = [
+    ("summed", -0.884773, 1e-4, -0.468267, -0.450058),
+    ("summed", -0.757787, 1e-4, -0.511825, -0.375656),
+    ("summed", -2.35, 1e-3, -0.511825, -0.375656),
+    ("separate", -0.884773, 1e-4, -0.468267, -0.290835),
+    ("separate", -0.757787, 1e-4, -0.351002, -0.375656),
+    ("separate", -2.35, 1e-3, -0.351002, -0.375656),
+]
+
+
+@pytest.mark.parametrize(("law", "place", "width", "left", "right"), JUMPS)
+def test_jumps_of_the_map(law: str, place: float, width: float, left: float, right: float) -> None:
+    """Where the order of a beak and an upper sleeve impact changes. Paper: -0.76 and -2.35."""
+    low, high = word_change(place - width, place + width)
+    assert low == pytest.approx(place, abs=5e-7 if width < 1e-3 else 1e-3)  # printed digits
+    # A distance of 1e-10 keeps clear of the one double at which both strike together.
+    assert image(low - 1e-10, law=law) == pytest.approx(left, abs=5e-7)
+    assert image(high + 1e-10, law=law) == pytest.approx(right, abs=5e-7)
+
+
+@pytest.mark.parametrize("place", [-1.225, -0.266])
+def test_dips_of_the_map(place: float) -> None:
+    """Paper: -1.23 and -0.27. The farther the toy falls, the farther it swings back."""
+    starts = np.linspace(place - 0.01, place + 0.01, 2001)
+    result = return_map(TOY, starts)
+    assert starts[np.nanargmin(result.phi_s)] == pytest.approx(place, abs=5e-4)  # printed digits
+    assert np.nanmin(result.phi_s) < -20.0
+    assert np.nanmax(result.drop[np.isfinite(result.drop)]) > 100.0
+    assert result.phi_s[0] > -6.0
+    assert result.phi_s[-1] > -6.0
+
+
+def test_the_band_of_centres() -> None:
+    """From a minimum inside the friction cone the bird swings back to where it was: P_1 = 1."""
+    result = return_map(TOY, np.linspace(-0.2382, -0.2217, 100))
+    np.testing.assert_allclose(result.phi_s, result.start, rtol=ROUNDING)
+    np.testing.assert_allclose(result.slope, 1.0, rtol=1e-12)
+    assert set(result.words) == {""}
+    assert (result.drop == 0.0).all()
+    # Half a turn is enough from a maximum above the equilibrium: P_1(x) = 2 x_0 - x.
+    above, centre = return_map(TOY, np.linspace(-0.2216, -0.2052, 100)), equilibrium(TOY).phi_s
+    np.testing.assert_allclose(above.phi_s, 2.0 * centre - above.start, rtol=ROUNDING)
+    np.testing.assert_allclose(above.slope, -1.0, rtol=1e-12)
+    np.testing.assert_allclose(above.period, result.period[0] / 2.0, rtol=1e-12)
+
+
+def test_ends_of_the_band() -> None:
+    """The friction cone ends at -0.205135, and at its mirror image about the equilibrium."""
+    low, high = word_change(-0.206, -0.204)
+    assert low == pytest.approx(-0.205135, abs=5e-7)  # printed digits
+    mirror = 2.0 * equilibrium(TOY).phi_s - low
+    assert word_change(-0.239, -0.238)[0] == pytest.approx(mirror, rel=1e-12)
+    assert first_return(TOY, high).word.startswith("S2")  # it slips at once
+
+
+def test_the_return_at_the_equilibrium() -> None:
+    phi_s = equilibrium(TOY).phi_s
+    result = first_return(TOY, phi_s)
+    assert (result.phi_s, result.word, result.status) == (phi_s, "", Status.RETURNED)
+
+
+def test_an_independent_time_stepping_program_agrees() -> None:
+    """P_1(-0.8) at eps_N1 = 0.125, by Newton's law and steps of 2e-6 s: -0.52034.
+
+    That program has Coulomb's law contact by contact.
+    """
+    assert image(-0.8, 0.125, law="separate") == pytest.approx(-0.52034, abs=5e-6)
+
+
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [("summed", -0.92324783180462289052), ("separate", -0.52033948200275740931)],
+)
+def test_thirty_digits_agree(law: str, expected: float) -> None:
+    """The same return by studies/reference_mpmath.py."""
+    assert image(-0.8, 0.125, law=law) == pytest.approx(expected, abs=ROUNDING)
+
+
+UPPER, LOWER = -0.7577872573415617, -0.8847733440138271  # the jumps of P_1
+BORDERS = {  # fixed points on the edge of a jump: law, side, its place, bracket, eps_N1
+    "A": ("summed", 1.0, LOWER, (0.1, 0.12), 0.1119709145),
+    "B": ("summed", -1.0, LOWER, (0.285, 0.3), 0.2915217119),
+    "end of the stable branch from B": ("summed", -1.0, LOWER, (0.04, 0.05), 0.0453257415),
+    "C": ("summed", 1.0, UPPER, (0.18, 0.19), 0.1851269509),
+    "end of the unstable branch from A": ("summed", -1.0, UPPER, (0.186, 0.19), 0.1881586209),
+    "bottom of I1": ("summed", -1.0, LOWER, (0.3415, 0.3425), 0.3419234544),
+    "top of I1": ("summed", -1.0, LOWER, (0.38, 0.40), 0.3883495889),
+    "A, separate": ("separate", 1.0, LOWER, (0.03, 0.05), 0.0421643309),
+    "B, separate": ("separate", -1.0, LOWER, (0.318, 0.324), 0.3210361465),
+    "C, separate": ("separate", 1.0, UPPER, (0.18, 0.19), 0.1851269509),
+    "end from A, separate": ("separate", -1.0, UPPER, (0.06, 0.08), 0.0698178164),
+    "bottom of I1, separate": ("separate", -1.0, LOWER, (0.3415, 0.3425), 0.3419234544),
+    "top of I1, separate": ("separate", -1.0, LOWER, (0.38, 0.40), 0.3883495889),
+}
+
+
+@pytest.mark.parametrize(("law", "side", "place", "span", "eps_n1"), BORDERS.values(), ids=BORDERS)
+def test_fixed_points_on_the_edge_of_a_jump(
+    law: str, side: float, place: float, span: tuple[float, float], eps_n1: float
+) -> None:
+    """The limit of P_1 from one side is the place of the jump; 1e-9 beside it, it is passed."""
+    edge = place + 1e-10 * side
+    found = brentq(lambda eps: image(edge, eps, law=law) - place, *span, xtol=1e-12)
+    # The limit is read 1e-10 beside the jump, and moves by 1 rad per unit of eps_N1 or faster.
+    assert found == pytest.approx(eps_n1, abs=1e-9)
+    below, beyond = (image(edge, eps_n1 + d, law=law) - place for d in (-1e-8, 1e-8))
+    assert below * beyond < 0.0
+
+
+@pytest.mark.parametrize(
+    ("law", "eps_n1", "side", "slope"),
+    [
+        ("summed", 0.1119709145, 1.0, -1.30491),  # A
+        ("summed", 0.2915217119, -1.0, -0.17666),  # B: the branch that starts there is stable
+        ("separate", 0.0421643309, 1.0, -1.2652),  # A
+    ],
+)
+def test_the_slope_at_points_a_and_b(law: str, eps_n1: float, side: float, slope: float) -> None:
+    toy = TOY.replace(eps_n1=eps_n1, expansion_friction=law)
+    there = first_return(toy, LOWER + 1e-8 * side)
+    assert there.slope == pytest.approx(slope, abs=5e-5)  # printed
+
+
+def test_the_branch_from_b_contact_by_contact() -> None:
+    """It starts stable, -0.5317, and flips at 0.3148027; the sum's branch is stable to its end."""
+    toy = TOY.replace(eps_n1=0.3210361465, expansion_friction="separate")
+    assert first_return(toy, LOWER - 1e-8).slope == pytest.approx(-0.53173, abs=5e-6)
+    flip = TOY.replace(eps_n1=0.3148027052, expansion_friction="separate")
+    there = first_return(flip, -0.9074496747)
+    assert there.phi_s == pytest.approx(-0.9074496747, abs=1e-9)
+    assert there.slope == pytest.approx(-1.0, abs=1e-6)
+
+
+# --- Derivatives ----------------------------------------------------------------------------------
+
+
+def derivative(f: Callable[[float], float]) -> float:
+    """Five-point central difference at 0.
+
+    A step of 1e-5 leaves 1e-15 / 1e-5 of rounding. At 1e-3 from a square root the fifth
+    derivative is 1e14 at most, times step^4 / 30 is 3e-8: together well below 1e-6.
+    """
+    h = 1e-5
+    return (f(-2.0 * h) - 8.0 * f(-h) + 8.0 * f(h) - f(2.0 * h)) / (12.0 * h)
+
+
+def states_away_from_word_changes(count: int) -> list[tuple[float, float, Return]]:
+    """Random (phi_S, eps_N1) whose word is the same at a distance of 1e-3 in both."""
+    rng, found = np.random.default_rng(1), []
+    while len(found) < count:
+        phi_s, eps_n1 = float(rng.uniform(-2.4, -0.25)), float(rng.uniform(0.02, 0.98))
+        middle = first_return(TOY.replace(eps_n1=eps_n1), phi_s)
+        around = [
+            first_return(TOY.replace(eps_n1=eps_n1 + b), phi_s + a).word
+            for a, b in ((-1e-3, 0.0), (1e-3, 0.0), (0.0, -1e-3), (0.0, 1e-3))
+        ]
+        if middle.status is Status.RETURNED and set(around) == {middle.word}:
+            found.append((phi_s, eps_n1, middle))
+    return found
+
+
+def test_derivatives_against_central_differences() -> None:
+    for phi_s, eps_n1, middle in states_away_from_word_changes(MANY):
+        slope = derivative(lambda h, x=phi_s, eps=eps_n1: image(x + h, eps))
+        rate = derivative(lambda h, x=phi_s, eps=eps_n1: image(x, eps + h))
+        assert middle.slope == pytest.approx(slope, rel=1e-6, abs=1e-6)
+        assert middle.d_eps_n1 == pytest.approx(rate, rel=1e-6, abs=1e-6)
+
+
+def test_derivatives_where_the_bounces_are_summed() -> None:
+    """The angles forget everything: no derivative is left but rounding."""
+    result = first_return(TOY.replace(eps_n1=0.009), -0.885)
+    assert abs(result.slope) < 1e-9
+    assert abs(result.d_eps_n1) < 1e-9
+
+
+def test_derivatives_without_restitution_are_one_sided_or_unknown() -> None:
+    """At eps_N1 = 0 the beak rests where it would bounce a little: nan rather than a guess."""
+    for phi_s in (-0.45, -0.53, -0.61, -0.8, -0.95, -1.45):
+        at_zero, step = first_return(TOY.replace(eps_n1=0.0), phi_s), 1e-7
+        one_sided = (image(phi_s, step) - at_zero.phi_s) / step
+        if not math.isnan(at_zero.d_eps_n1):
+            # Rounding 1e-15 over the step; curvature of order 1 times the step.
+            assert at_zero.d_eps_n1 == pytest.approx(one_sided, abs=1e-6)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_iterates_are_nested_returns(order: int) -> None:
+    """P_j by re-simulation: P_1 of P_1, slopes multiply, times and drops add."""
+    rng, compared = np.random.default_rng(2), 0
+    while compared < MANY // 2:
+        toy, phi_s = (
+            TOY.replace(eps_n1=float(rng.uniform(0.02, 0.98))),
+            float(rng.uniform(-2, -0.3)),
+        )
+        laps, x = [], phi_s
+        for _ in range(order):
+            laps.append(first_return(toy, x))
+            x = laps[-1].phi_s
+            if not laps[-1].status.success:
+                break
+        result = first_return(toy, phi_s, order)
+        if laps[-1].status is not Status.RETURNED:
+            assert result.status is laps[-1].status
+            continue
+        compared += 1
+        slope, rate = 1.0, 0.0
+        for lap in laps:
+            slope, rate = slope * lap.slope, lap.slope * rate + lap.d_eps_n1
+        # The displacement goes on where nested returns begin at y = 0: rounding of y, amplified.
+        tolerance = 1e-13 * (1.0 + abs(slope))
+        assert result.phi_s == pytest.approx(x, rel=0.0, abs=tolerance)
+        assert result.word == " | ".join(lap.word for lap in laps)
+        assert result.slope == pytest.approx(slope, rel=1e-9, abs=1e-12)
+        assert result.d_eps_n1 == pytest.approx(rate, rel=1e-9, abs=1e-9 * abs(slope) + 1e-12)
+        period, drop = sum(lap.period for lap in laps), sum(lap.drop for lap in laps)
+        assert result.period == pytest.approx(period, rel=1e-12, abs=tolerance)
+        assert result.drop == pytest.approx(drop, rel=1e-12, abs=tolerance)
+
+
+def test_an_iterate_that_does_not_return() -> None:
+    """Each return of the cycle takes 19.4 mm of a pole of 30 mm; the word keeps what happened."""
+    lost = first_return(TOY.replace(pole=0.03), -0.52947197, 3)
+    assert (lost.status, lost.drop) == (Status.POLE_END, 0.03)
+    assert np.isnan([lost.phi_s, lost.period, lost.slope, lost.d_eps_n1]).all()
+    assert lost.word.count("|") == 1
+    assert first_return(TOY, -0.05, 2).status is Status.FREE_FALL
+
+
+# --- Many starts ----------------------------------------------------------------------------------
+
+STARTS = np.linspace(-2.4, 0.1, 3 * CHUNK + 7 if COMPILED else 25)
+COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
+
+
+def assert_same(one: ReturnMap, other: ReturnMap) -> None:
+    np.testing.assert_array_equal(one.start, other.start)
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert one.words == other.words
+    assert one.status == other.status
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_map_of_many_is_many_returns(order: int) -> None:
+    many = return_map(TOY, STARTS, order)
+    assert len(many.words) == len(many.status) == len(STARTS)
+    for k, phi_s in enumerate(STARTS.tolist()):
+        if k % 13:
+            continue
+        single = first_return(TOY, phi_s, order)
+        for name in COLUMNS:
+            np.testing.assert_array_equal(getattr(many, name)[k], getattr(single, name))
+        assert (many.words[k], many.status[k]) == (single.word, single.status)
+    assert {Status.RETURNED, Status.FREE_FALL} <= set(many.status)
+
+
+def test_threads_give_the_same_map() -> None:
+    with ThreadPoolExecutor(3) as pool:
+        assert_same(return_map(TOY, STARTS, executor=pool), return_map(TOY, STARTS))
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_map() -> None:
+    pool: Executor
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        assert_same(return_map(TOY, STARTS, 2, executor=pool), return_map(TOY, STARTS, 2))
+
+
+def test_any_shape_of_starts_and_none() -> None:
+    grid = STARTS[:12].reshape(3, 4)
+    assert_same(return_map(TOY, grid), return_map(TOY, STARTS[:12]))
+    assert_same(return_map(TOY, grid.tolist()), return_map(TOY, STARTS[:12]))
+    empty = return_map(TOY, [])
+    assert (empty.phi_s.shape, empty.words, empty.status) == ((0,), (), ())
+
+
+def test_the_starts_are_not_changed() -> None:
+    starts = STARTS[:5].copy()
+    result = return_map(TOY, starts)
+    starts[:] = 0.0
+    np.testing.assert_array_equal(result.start, STARTS[:5])
+
+
+# --- Statuses and wrong input ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("law", "low", "high"),
+    [("summed", -0.746, -0.740), ("separate", -0.683448, -0.677943)],
+)
+def test_an_impact_that_the_laws_leave_open(law: str, low: float, high: float) -> None:
+    """The image of the middle of the segment lies between those of its ends."""
+    toy = TOY.replace(eps_n1=0.34069658639339057, expansion_friction=law)
+    result = first_return(toy, -1.7557529808118213)
+    assert result.status is Status.RETURNED_INDETERMINATE
+    assert result.status.success
+    assert "I~1+3" in plain(result.word)
+    assert low < result.phi_s < high
+
+
+@pytest.mark.parametrize("pole", [0.5, 3.0])
+def test_a_fall_off_the_pole(pole: float) -> None:
+    lost = first_return(TOY.replace(pole=pole), -0.05)
+    assert (lost.status, lost.drop) == (Status.POLE_END, pole)
+    assert math.isnan(lost.phi_s)
+    assert math.isnan(lost.slope)
+    # The cycle falls by 19 mm only.
+    assert first_return(TOY.replace(pole=pole), -0.52947197).status is Status.RETURNED
+
+
+@pytest.mark.parametrize("phi_s", [math.nan, math.inf, 0.12 + 1e-15, 0.5])
+def test_starts_lie_below_the_contact_of_the_beak(phi_s: float) -> None:
+    for call in (first_return, return_map):
+        with pytest.raises(ValueError, match=r"phi_s must be finite and below 0\.12") as caught:
+            call(TOY, phi_s)
+        assert str(caught.value).endswith(f"got {phi_s}")
+
+
+@pytest.mark.parametrize("order", [0, -1, 1.0, True, "2"])
+def test_orders_are_whole_numbers(order: object) -> None:
+    for call in (first_return, return_map):
+        with pytest.raises(ValueError, match="order must be a whole number") as caught:
+            call(TOY, -0.5, order)  # type: ignore[operator]
+        assert str(caught.value).endswith(f"got {order!r}")
+
+
+def test_text_is_no_start() -> None:
+    with pytest.raises(ValueError, match="far"):
+        first_return(TOY, "far")  # type: ignore[arg-type]

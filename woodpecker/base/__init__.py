@@ -1,0 +1,1 @@
+"""What everything stands on: array types, checks of input, compilation, executors."""

@@ -1,0 +1,77 @@
+"""Checks of what a caller hands in: one sentence that names the value and what was expected."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import operator
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker.base.arrays import Floats
+
+
+def number(name: str, value: Any) -> float:
+    """One real number, nan and infinities included; ValueError for anything else."""
+    one = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    if isinstance(one, bool | np.bool_) or not isinstance(one, numbers.Real | Decimal):
+        raise ValueError(f"{name} must be one real number, got {_shown(value)}")
+    return float(one)
+
+
+def positive(name: str, value: Any) -> float:
+    """One positive, finite number; ValueError for anything else."""
+    checked = number(name, value)
+    if not 0.0 < checked < math.inf:
+        raise ValueError(f"{name} must be positive and finite, got {value}")
+    return checked
+
+
+def whole(name: str, value: Any, least: int = 1) -> int:
+    """An integer of any kind but bool, not below ``least``; ValueError for anything else."""
+    try:
+        if isinstance(value, bool | np.bool_):
+            raise TypeError
+        checked = operator.index(value)
+    except TypeError:
+        checked = least - 1
+    if checked < least:
+        raise ValueError(f"{name} must be a whole number of at least {least}, got {_shown(value)}")
+    return checked
+
+
+def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, float]:
+    """Two ascending numbers, infinities included unless ``finite``; ValueError otherwise."""
+    try:
+        low, high = (number(name, end) for end in value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be two real numbers, got {_shown(value)}") from None
+    if not low < high:
+        raise ValueError(f"{name} must ascend, got ({low}, {high})")
+    if finite and not (math.isfinite(low) and math.isfinite(high)):
+        raise ValueError(f"{name} must be finite, got ({low}, {high})")
+    return low, high
+
+
+def real_array(name: str, value: npt.ArrayLike) -> Floats:
+    """A copy as floats; ValueError unless all of it is real numbers."""
+    try:
+        given = np.asarray(value)
+    except ValueError:
+        given = np.array(None)  # rows of different lengths
+    if given.dtype.kind not in "iuf" and given.size:
+        try:  # such as fractions
+            return np.array([number(name, each) for each in given.ravel()]).reshape(given.shape)
+        except ValueError:
+            raise ValueError(f"{name} must be real numbers, got {_shown(value)}") from None
+    return np.array(given, dtype=float)
+
+
+def _shown(value: Any) -> str:
+    """A value in a sentence: large arrays by their shape."""
+    if isinstance(value, np.ndarray) and value.size > 4:
+        return f"an array of shape {value.shape}"
+    return repr(value)

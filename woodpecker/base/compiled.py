@@ -1,0 +1,116 @@
+"""Compile the kernel with numba where it is installed; otherwise run it as plain Python."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+F = TypeVar("F", bound=Callable[..., Any])
+A = TypeVar("A")
+
+numba: Any
+try:
+    import numba
+except ImportError:  # the extra "fast" is optional
+    numba = None
+
+COMPILED: bool = numba is not None and os.environ.get("NUMBA_DISABLE_JIT", "0") == "0"
+"""Whether the kernel is compiled in this process."""
+
+_announced = not COMPILED
+
+
+def jit(function: F) -> F:
+    """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
+
+    Where no folder for the cache can be written there is none, and a warning says so once.
+    """
+    if not COMPILED:
+        return function
+    compiled: F
+    try:
+        compiled = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    except RuntimeError:
+        compiled = numba.njit(error_model="numpy", nogil=True)(function)
+        _say_that_nothing_is_cached()
+    _stamp(compiled)
+    return compiled
+
+
+def _stamp(dispatcher: Any) -> None:
+    """Make what is cached of a function as old as the whole package.
+
+    Compiled code has functions of other files inside, but numba looks at the time and size of the
+    function's own file only: after a change elsewhere it would go on with the old code.
+    """
+    index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if hasattr(index, "_source_stamp"):
+        index._source_stamp = (index._source_stamp, _fingerprint())
+
+
+@cache
+def _fingerprint() -> str:
+    """A number of all sources of the package."""
+    sources = sorted(Path(__file__).parents[1].rglob("*.py"))
+    return hashlib.blake2b(b"".join(source.read_bytes() for source in sources)).hexdigest()
+
+
+@cache
+def _say_that_nothing_is_cached() -> None:
+    logging.getLogger("woodpecker").warning(
+        "the kernel is compiled anew in every process, which takes some seconds, because neither "
+        "the package's folder nor the user's cache folder can be written: set NUMBA_CACHE_DIR to "
+        "one that can"
+    )
+
+
+def _same(array: A) -> A:
+    return array
+
+
+def _uncounted() -> Any:
+    """A compiled function that returns its array without the owner that numba counts users of."""
+    from numba.core import cgutils
+    from numba.extending import intrinsic
+
+    null: Any = cgutils.get_null_value
+
+    @intrinsic
+    def lend(_: Any, array: Any) -> Any:
+        def view(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            made = context.make_array(signature.args[0])(context, builder, value=args[0])
+            made.meminfo = null(made.meminfo.type)
+            return made._getvalue()
+
+        return array(array), view
+
+    return lend
+
+
+borrowed: Callable[[A], A] = _uncounted() if COMPILED else _same
+"""The same array, without a count of its users: whoever borrows it must not outlive its owner.
+
+Compiled code counts at every call, in a way that is safe between threads and takes longer than the
+arithmetic here.
+"""
+
+
+def announce(function: Any) -> None:
+    """Log once per process that the kernel is about to be compiled, if nothing is cached."""
+    global _announced
+    if _announced:
+        return
+    _announced = True
+    if function.stats.cache_path is None:  # it was said before that nothing is cached
+        return
+    folder = Path(function.stats.cache_path)
+    module = Path(function.py_func.__code__.co_filename).stem
+    if not any(folder.glob(f"{module}.{function.py_func.__name__}-*.nbi")):
+        logging.getLogger("woodpecker").warning(
+            "compiling the kernel; this happens once and takes some seconds"
+        )

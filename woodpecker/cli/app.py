@@ -1,0 +1,44 @@
+"""The command ``woodpecker``: simulate, animate, map, diagram."""
+
+from __future__ import annotations
+
+import logging
+
+import matplotlib as mpl
+import typer
+
+from woodpecker.cli.diagram import diagram
+from woodpecker.cli.maps import draw_map
+from woodpecker.cli.motion import animate, simulate
+from woodpecker.cli.options import with_toy
+
+app = typer.Typer(
+    help="The Woodpecker Toy: exact simulation, return map, bifurcation diagram.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+for name, command in (
+    ("simulate", simulate),
+    ("animate", animate),
+    ("map", draw_map),
+    ("diagram", diagram),
+):
+    app.command(name=name)(with_toy(command))
+
+
+@app.callback()
+def _without_screen() -> None:
+    """Draw into files only, before any command loads what draws."""
+    mpl.use("Agg")
+
+
+def run() -> None:
+    """Entry point of the command."""
+    logging.basicConfig(format="%(message)s")
+    app()
+
+
+if __name__ == "__main__":
+    run()

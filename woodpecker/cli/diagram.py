@@ -1,0 +1,193 @@
+"""The command ``woodpecker diagram``: branches of the return map over a parameter."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import typer
+from rich.progress import Progress
+
+from pwmap.diagram import Diagram, PointKind
+from pwmap.files import write_figure
+from pwmap.results import FILES, table_of_points, write_results
+from woodpecker.cli.options import (
+    GUESS,
+    INTERRUPTED,
+    Out,
+    Window,
+    complain,
+    console,
+    folder,
+    motion,
+    option,
+    progress,
+    report,
+    say,
+)
+from woodpecker.diagram import WINDOW, Found, continuation, find_all, saved_diagram
+from woodpecker.mechanics.toy import Toy, known_parameter
+from woodpecker.piecewise.explore import Stage
+from woodpecker.piecewise.local import local_model
+from woodpecker.piecewise.settings import Settings
+from woodpecker.toymaps import toy_map
+
+RUN = "run.jsonl"
+CORES = os.cpu_count() or 1
+
+
+def diagram(
+    toy: Toy,
+    parameter: Annotated[str, option("Parameter of the toy to vary.")] = "eps_n1",
+    span: Annotated[tuple[float, float], option("Interval of the parameter.")] = (0.0, 1.0),
+    phi_s: Annotated[
+        float, option("Guess for the periodic motion to start from, phi_S [rad].")
+    ] = GUESS,
+    order: Annotated[int, option("Number of returns j of the motion.", min=1)] = 1,
+    orders: Annotated[
+        str | None,
+        option("Every branch of these iterates, such as 1,2, not one motion's only."),
+    ] = None,
+    window: Window = WINDOW,
+    step: Annotated[float, option("Largest step along a branch, in arclength.")] = 0.02,
+    resume: Annotated[
+        bool, option("Go on with an interrupted run in the folder.", "--resume")
+    ] = False,
+    workers: Annotated[
+        int | None,
+        option("Processes for --orders; by default, and at most, one for each core.", min=1),
+    ] = None,
+    out: Out = Path("out"),
+) -> None:  # fmt: skip
+    """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
+
+    With --orders find every branch in the window instead, islands too. Every finished branch is
+    kept in run.jsonl at once: an interrupted run goes on with --resume.
+
+    Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
+    """
+    settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
+    known_parameter(parameter)
+    wanted = _orders(orders) if orders is not None else None
+    if workers is not None and workers > CORES:
+        raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
+    target = folder(out)  # all else that can be wrong was looked at
+    keep: dict[str, Any] = {"settings": settings, "run": target / RUN, "resume": resume}
+    if wanted is None:
+        search = _of_motion(toy, phi_s, order, parameter, keep)
+    else:
+        search = _of_orders(toy, wanted, parameter, workers, keep)
+    found = _searched(search, parameter, target / RUN)
+    names = _draw(toy, found.diagram, target)
+    write_results(found.diagram, target)
+    console.print(table_of_points(found.diagram))
+    if found.summary:
+        say(found.summary)
+    report(target, *names, *FILES)
+    if found.stopped:
+        complain(
+            f"Interrupted: {len(found.diagram.branches)} branches are kept; go on with --resume"
+        )
+        raise typer.Exit(INTERRUPTED)
+
+
+class _Searched(NamedTuple):
+    """A diagram, what there is to say of the search, and whether Ctrl-C ended it."""
+
+    diagram: Diagram
+    summary: str = ""
+    stopped: bool = False
+
+
+_Search = Callable[[Callable[[Stage], None]], _Searched]
+
+
+def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
+    """How to find what hangs together with one motion."""
+    orbit = motion(toy, phi_s, order)
+    summary = orbit.message if orbit.minimal_period < orbit.order else ""
+
+    def search(show: Callable[[Stage], None]) -> _Searched:
+        span = keep["settings"].span
+        return _Searched(continuation(toy, orbit, parameter, span, progress=show, **keep), summary)
+
+    return search
+
+
+def _of_orders(
+    toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
+) -> _Search:
+    """How to find everything in the window."""
+    span, window = keep["settings"].span, keep["settings"].window
+
+    def search(show: Callable[[Stage], None]) -> _Searched:
+        everything = find_all(
+            toy, parameter, span, orders, window, workers=workers, progress=show, **keep
+        )
+        return _Searched(everything.diagram, _summary(everything))
+
+    return search
+
+
+def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
+    """Search with a progress bar; after Ctrl-C what the run has kept."""
+    with progress() as bar:
+        try:
+            return search(_shown(bar, parameter))
+        except KeyboardInterrupt:
+            return _Searched(saved_diagram(run), stopped=True)
+
+
+def _shown(bar: Progress, parameter: str) -> Callable[[Stage], None]:
+    """Shows how far a search has come."""
+    task = bar.add_task(parameter, total=None)
+
+    def show(stage: Stage) -> None:
+        slices = f", slice {stage.slices}" if stage.slices else ""
+        bar.update(
+            task,
+            description=f"P_{stage.order}{slices}, {stage.branches} branches, "
+            f"{parameter} = {stage.parameter:.4f}",
+        )
+
+    return show
+
+
+def _draw(toy: Toy, found: Diagram, target: Path) -> list[str]:
+    """The diagram, each order on its own if there are several, and fold-flips with their models."""
+    from pwmap.plot import plot_diagram
+    from woodpecker.plot.figures import plot_local
+
+    names = ["diagram.png"]
+    write_figure(target / names[0], plot_diagram(found).figure)
+    orders = sorted({branch.order for branch in found.branches})
+    for order in orders if len(orders) > 1 else ():
+        names.append(f"order_{order}.png")
+        write_figure(target / names[-1], plot_diagram(found.of_order(order)).figure)
+    labelled_map = toy_map(toy, found.parameter_name)
+    for point in found.points:
+        if point.kind is PointKind.FF and point.order == 1:
+            model = local_model(labelled_map, point.x, point.parameter)
+            names.append(f"local_{point.id}.png")
+            write_figure(target / names[-1], plot_local(model, found))
+    return names
+
+
+def _summary(everything: Found) -> str:
+    """What a search came to, in lines."""
+    lines = [
+        f"P_{report.order}: {len(report.slices)} slices, {len(report.found_at)} showed something "
+        f"new, {len(report.not_followed)} places could not be followed, at most {report.steep} "
+        f"cycles of a slice too steep and {report.unresolved:.1e} rad of it unresolved"
+        for report in everything.reports
+    ]
+    return "\n".join([*lines, f"P_1 was evaluated {everything.evaluations} times"])
+
+
+def _orders(text: str) -> list[int]:
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None

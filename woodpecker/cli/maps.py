@@ -1,0 +1,125 @@
+"""The command ``woodpecker map``: the return map, as table and picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from pwmap.files import write_figure, write_table
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import interval
+from woodpecker.cli.options import (
+    INTERRUPTED,
+    CommandError,
+    Out,
+    Window,
+    complain,
+    console,
+    folder,
+    option,
+    progress,
+    report,
+    say,
+)
+from woodpecker.mechanics.toy import Toy
+from woodpecker.plot.curve import Curve, Detail, Link
+from woodpecker.simulation.returns import CHUNK, ReturnMap, checked_starts, joined, return_map
+
+FILES = ("return_map.png", "return_map.csv")
+COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
+
+
+def draw_map(
+    toy: Toy,
+    order: Annotated[int, option("Number of returns j of P_j.", min=1)] = 1,
+    window: Window = (-2.5, 0.11),
+    points: Annotated[int, option("Number of starts.", min=2)] = 4000,
+    out: Out = Path("out"),
+) -> None:
+    """Compute and draw the return map P_j with the diagonal and its jumps.
+
+    The picture looks closer at steep places to tell jumps from flanks, and says how many it leaves
+    open. Ctrl-C keeps what there is.
+
+    Example: woodpecker map --eps-n1 0.125 --window -1.2 -0.4
+    """
+    from woodpecker.plot.figures import plot_curve
+
+    low, high = interval("window", window, finite=True)
+    starts = checked_starts(toy, np.linspace(low, high, points))
+    target = folder(out)
+    found = _computed(toy, order, starts)
+    write_figure(target / FILES[0], plot_curve(found.curve, order=order).figure)
+    _write_table(found.returns, target / FILES[1])
+    console.print(_outcomes(found.returns))
+    if found.curve.between(Link.OPEN).size:
+        say(_left_out(found.curve, order))
+    report(target, *FILES)
+    if found.stopped:
+        kept = f"{len(found.returns.start)} of {points} starts are kept"
+        complain(f"Interrupted: {kept}, and the picture is as far as it was")
+        raise typer.Exit(INTERRUPTED)
+
+
+class _Computed(NamedTuple):
+    """A return map, and whether Ctrl-C ended it."""
+
+    returns: ReturnMap
+    curve: Curve
+    stopped: bool
+
+
+def _computed(toy: Toy, order: int, starts: Floats) -> _Computed:
+    """The map at the starts, and its picture; after Ctrl-C as much as there is."""
+    from woodpecker.plot.figures import curves
+
+    parts: list[ReturnMap] = []
+    curve, stopped = None, False
+    with progress() as bar:
+        task = bar.add_task(f"P_{order}", total=len(starts))
+        try:
+            for k in range(0, len(starts), 4 * CHUNK):
+                parts.append(return_map(toy, starts[k : k + 4 * CHUNK], order))
+                bar.advance(task, len(parts[-1].start))
+            bar.update(task, description="steep places", total=None)
+            for curve in curves(toy, joined(parts), order):
+                bar.update(task, description=f"steep places, {curve.evaluations} more starts")
+        except KeyboardInterrupt:
+            stopped = True
+    if not parts:
+        raise CommandError("interrupted before the first returns were there")
+    returns = joined(parts)
+    if curve is None:
+        curve = next(curves(toy, returns, order))
+    return _Computed(returns, curve, stopped)
+
+
+def _write_table(returns: ReturnMap, path: Path) -> None:
+    """One row for each start."""
+    names = [reason.name.lower() for reason in returns.status]
+    numbers = (
+        column.tolist()
+        for column in (returns.start, returns.phi_s, returns.period, returns.drop, returns.slope)
+    )
+    write_table(path, COLUMNS, zip(*numbers, names, returns.words, strict=True))
+
+
+def _outcomes(returns: ReturnMap) -> Table:
+    """How many starts ended how, for the screen."""
+    table = Table("starts", "outcome", title=f"{len(set(returns.words))} words")
+    for reason in dict.fromkeys(returns.status):
+        table.add_row(str(returns.status.count(reason)), reason.value)
+    return table
+
+
+def _left_out(curve: Curve, order: int) -> str:
+    """What the picture does not resolve."""
+    return (
+        f"The picture leaves open, drawn pale, whether P_{order} jumps or is only steep at "
+        f"{curve.between(Link.OPEN).size} places, together {curve.open_width:.3g} rad wide: "
+        f"{order * curve.evaluations} of at most {Detail().budget} returns were spent on the others"
+    )

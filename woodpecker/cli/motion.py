@@ -1,0 +1,137 @@
+"""The commands ``woodpecker simulate`` and ``woodpecker animate``: one motion of the toy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from rich.table import Table
+
+from pwmap.files import write_figure, write_table
+from woodpecker.cli.options import (
+    GUESS,
+    CommandError,
+    Out,
+    Start,
+    console,
+    folder,
+    in_mm,
+    motion,
+    option,
+    progress,
+    report,
+)
+from woodpecker.mechanics.toy import Toy
+from woodpecker.simulation.status import Status
+from woodpecker.simulation.trajectory import Trajectory
+from woodpecker.simulation.trajectory import simulate as run_simulation
+
+LISTED = 40  # events in the table on the screen
+FILES = ("time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv")
+SPEEDS = ("dy", "dphi_m", "dphi_s")
+GAVE_UP = (Status.EVENT_LIMIT, Status.CONTACT_NO_SOLUTION, Status.CONTACT_AMBIGUOUS)
+
+
+def simulate(
+    toy: Toy,
+    phi_s: Start = None,
+    t_end: Annotated[float | None, option("Time to stop at [s]; by default two periods.")] = None,
+    samples: Annotated[int, option("Evenly spaced samples.", min=2)] = 2001,
+    out: Out = Path("out"),
+) -> None:
+    """Follow the toy in time; draw its time history and phase portraits, list its events.
+
+    Example: woodpecker simulate --eps-n1 0.3 --phi-s -0.6 --t-end 0.5
+    """
+    from woodpecker.plot.figures import plot_phase_portraits, plot_time_history
+
+    target = folder(out)
+    start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
+    trajectory = run_simulation(toy, start, finish, samples=samples)
+    for name, axes in zip(
+        FILES, (plot_time_history(trajectory), plot_phase_portraits(trajectory)), strict=False
+    ):
+        write_figure(target / name, axes[0].figure)
+    _write_tables(trajectory, target)
+    console.print(_events(trajectory))
+    report(target, *FILES)
+    _complete(trajectory)
+
+
+def animate(
+    toy: Toy,
+    phi_s: Start = None,
+    t_end: Annotated[float | None, option("Time to stop at [s]; by default one period.")] = None,
+    slow: Annotated[float, option("How many times slower than nature.")] = 40.0,
+    fps: Annotated[float, option("Frames per second [1/s].")] = 25.0,
+    file: Annotated[str, option("Name in the folder, .gif or .mp4.")] = "woodpecker.gif",
+    out: Out = Path("out"),
+) -> None:
+    """Draw the moving toy: an animated GIF, or an MP4 where ffmpeg is installed.
+
+    Example: woodpecker animate --eps-n1 0.3 --slow 60
+    """
+    from woodpecker.plot import drawing
+
+    target = folder(out)
+    start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
+    trajectory = run_simulation(toy, start, finish)
+    with progress() as bar:
+        task = bar.add_task("frames", total=1.0)
+        drawing.animate(
+            trajectory, target / file, slow=slow, fps=fps,
+            progress=lambda share: bar.update(task, completed=share),
+        )  # fmt: skip
+    console.print(f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}")
+    report(target, file)
+    _complete(trajectory)
+
+
+def _start_and_end(
+    toy: Toy, phi_s: float | None, t_end: float | None, periods: float
+) -> tuple[float, float]:
+    """Where to start [rad] and when to stop [s]; what is not given is that of the motion."""
+    if phi_s is not None and t_end is not None:
+        return phi_s, t_end
+    orbit = motion(toy, GUESS if phi_s is None else phi_s)
+    return (
+        orbit.phi_s if phi_s is None else phi_s,
+        periods * orbit.period if t_end is None else t_end,
+    )
+
+
+def _write_tables(trajectory: Trajectory, target: Path) -> None:
+    """Samples and events as CSV."""
+    write_table(
+        target / "trajectory.csv",
+        ("t", "y", "phi_m", "phi_s", *SPEEDS),
+        zip(trajectory.t.tolist(), *trajectory.q.T.tolist(), *trajectory.u.T.tolist(), strict=True),
+    )
+    write_table(
+        target / "events.csv",
+        ("t", "event", *(f"{name}_{side}" for side in ("before", "after") for name in SPEEDS)),
+        (
+            (event.time, event.symbol, *event.u_before, *event.u_after)
+            for event in trajectory.events
+        ),
+    )
+
+
+def _events(trajectory: Trajectory) -> Table:
+    """The first events, for the screen."""
+    title = f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}"
+    table = Table("t [s]", "event", title=title)
+    for event in trajectory.events[:LISTED]:
+        table.add_row(f"{event.time:.9f}", event.symbol)
+    if len(trajectory.events) > LISTED:
+        table.add_row("...", f"{len(trajectory.events) - LISTED} more in events.csv")
+    return table
+
+
+def _complete(trajectory: Trajectory) -> None:
+    """CommandError if the motion could not be followed as far as it goes."""
+    if trajectory.status in GAVE_UP:
+        raise CommandError(
+            f"the motion was followed to t = {trajectory.t_end:.9g} s only, after "
+            f"{len(trajectory.events)} events: {trajectory.status.value}"
+        )

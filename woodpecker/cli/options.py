@@ -1,0 +1,140 @@
+"""What the commands of ``woodpecker`` share: options, the toy they describe, and reports."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
+from woodpecker.shooting import PeriodicOrbit, shoot
+
+console = Console()
+errors = Console(stderr=True)
+
+GUESS = -0.53  # rad, near the stable cycle of the paper's data set
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
+
+
+class CommandError(Exception):
+    """A computation that ended without a result; the message is for the user."""
+
+
+def option(text: str, *names: str, **keywords: Any) -> Any:
+    """An option with its help, in which ``[rad]`` is a unit and no markup."""
+    return typer.Option(*names, help=escape(text), **keywords)
+
+
+Out = Annotated[Path, option("Folder for the results; made if it is missing.")]
+Start = Annotated[
+    float | None,
+    option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
+]
+Window = Annotated[tuple[float, float], option("Interval of phi_S [rad].")]
+
+
+def with_toy(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command one option for each field of the toy, and turn errors into sentences.
+
+    The command receives the toy as its first argument.
+    """
+    hints = get_type_hints(command, include_extras=True)
+    own = [
+        parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=hints[parameter.name])
+        for parameter in list(inspect.signature(command).parameters.values())[1:]
+    ]
+    of_toy = _toy_options()
+
+    def wrapped(**values: Any) -> None:
+        try:
+            toy = Toy(**{each.name: values.pop(each.name) for each in of_toy})
+            command(toy, **values)
+        except (ValueError, TypeError, OSError) as error:
+            complain(f"Error: {error}")
+            raise typer.Exit(2) from None
+        except CommandError as failure:
+            complain(f"Failed: {failure}")
+            raise typer.Exit(1) from None
+
+    wrapped.__signature__ = inspect.Signature([*own, *of_toy])  # type: ignore[attr-defined]
+    wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *of_toy]}
+    wrapped.__doc__, wrapped.__name__ = _flowing(command.__doc__ or ""), command.__name__
+    return wrapped
+
+
+def _flowing(text: str) -> str:
+    """A docstring for a terminal of any width: each paragraph is one line."""
+    return escape("\n\n".join(" ".join(part.split()) for part in text.split("\n\n")))
+
+
+def _toy_options() -> list[inspect.Parameter]:
+    """One option for each field of the toy, described as in :class:`woodpecker.Toy`."""
+    default, panel = Toy(), "Parameters of the toy"
+    kinds: dict[str, Any] = {}
+    for name in parameters():
+        meaning, unit, domain = description(name)
+        text = f"{meaning[0].upper()}{meaning[1:]} [{unit}]; must {domain.value}"
+        kinds[name] = Annotated[float, option(text, rich_help_panel=panel)]
+    kinds[LAW] = Annotated[
+        ExpansionFriction,
+        option(
+            "What bounds friction in the expansion of an impact at two contacts: the sum of both "
+            "normal impulses, from which the paper's figures follow, or Coulomb's law at each",
+            rich_help_panel=panel,
+        ),
+    ]
+    return [
+        inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=getattr(default, name), annotation=kind
+        )
+        for name, kind in kinds.items()
+    ]
+
+
+def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
+    """The periodic motion near a guess [rad]; CommandError if there is none."""
+    orbit = shoot(toy, guess, order)
+    if not orbit.success:
+        raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
+    return orbit
+
+
+def folder(out: Path) -> Path:
+    """The folder for the results, made before anything long is computed."""
+    out.mkdir(parents=True, exist_ok=True)
+    return out
+
+
+def progress() -> Progress:
+    """A progress bar that leaves nothing behind."""
+    return Progress(
+        TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
+        transient=True,
+    )  # fmt: skip
+
+
+def in_mm(length: float) -> str:
+    """A length [m] for a reader."""
+    return "without end" if math.isinf(length) else f"{1e3 * length:.4f} mm"
+
+
+def report(where: Path, *names: str) -> None:
+    """Say which files were written."""
+    say("wrote " + ", ".join(str(where / name) for name in names))
+
+
+def say(sentence: str) -> None:
+    """A sentence, brackets and all."""
+    console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+
+
+def complain(sentence: str) -> None:
+    """A sentence about what went wrong."""
+    errors.print(sentence, style="red", markup=False, highlight=False, soft_wrap=True)

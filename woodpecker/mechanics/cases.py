@@ -1,0 +1,130 @@
+"""Index combinations of two contacts, and the impulses that each of them would take.
+
+At a contact the normal impulse is at its floor or keeps the gap rate at zero, and the tangential
+velocity is zero, positive or negative: six combinations for one contact, 36 for two. In each of
+them the impulses are linear in the velocities ``free`` without impulses and in the floors,
+
+    Lambda = table[c_1 + 6 c_2] (free, floor),
+
+and the coefficients depend on masses, geometry and friction only. So they are found once, by
+elimination, and an impact multiplies.
+
+Friction is bounded by |Lambda_T| <= F Lambda_N with a matrix F, equality where a contact slides.
+Coulomb's law contact by contact has F = diag(mu); in the expansion the paper's law has
+F = mu (1, 1), the sum of both normal impulses
+(:class:`woodpecker.mechanics.toy.ExpansionFriction`).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.base.compiled import jit
+
+# Index combination of one contact: 3 * normal + tangential.
+REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
+HOLD, FORWARD, BACKWARD = 0, 1, 2  # tangential velocity zero / positive / negative
+
+SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-deficient: rounding of G
+# is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
+
+
+def case_table(delassus: Floats, friction: Floats) -> Floats:
+    """Impulses of all index combinations of two contacts.
+
+    Parameters
+    ----------
+    delassus
+        (4, 4), (N, T) of each contact in turn.
+    friction
+        (2, 2), the matrix F.
+
+    Returns
+    -------
+    array
+        (36, 24): row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each
+        contact, row after row; nan if the combination is rank-deficient.
+    """
+    table = np.empty((36, 24))
+    fill_cases(delassus, friction, table)
+    return table
+
+
+@jit
+def fill_cases(delassus: Floats, friction: Floats, table: Floats) -> None:
+    """Write the coefficients of :func:`case_table` into the first 24 columns of a table."""
+    system = np.empty((4, 10))  # Lambda on one side, (free, floor) on the other
+    for index in range(36):
+        system[:, :] = 0.0
+        for k in range(2):
+            case = index // 6 if k else index % 6
+            row_n, row_t = 2 * k, 2 * k + 1
+            if case // 3 == REST:
+                for j in range(4):
+                    system[row_n, j] = delassus[row_n, j]
+                system[row_n, 4 + row_n] = -1.0
+            else:
+                system[row_n, row_n] = 1.0
+                system[row_n, 8 + k] = 1.0
+            if case % 3 == HOLD:
+                for j in range(4):
+                    system[row_t, j] = delassus[row_t, j]
+                system[row_t, 4 + row_t] = -1.0
+            else:
+                system[row_t, row_t] = 1.0
+                for j in range(2):
+                    bound = friction[k, j]
+                    system[row_t, 2 * j] = bound if case % 3 == FORWARD else -bound
+        regular = _eliminate(system)
+        for i in range(4):
+            for j in range(6):
+                table[index, 6 * i + j] = system[i, 4 + j] if regular else math.nan
+
+
+@jit
+def _eliminate(system: Floats) -> bool:
+    """Turn the first 4 columns into the identity (scaled partial pivoting); False if singular."""
+    for i in range(4):
+        norm = 0.0
+        for j in range(4):
+            norm = max(norm, abs(system[i, j]))
+        for j in range(10):
+            system[i, j] /= norm
+    for i in range(4):
+        pivot = i
+        for j in range(i + 1, 4):
+            if abs(system[j, i]) > abs(system[pivot, i]):
+                pivot = j
+        if abs(system[pivot, i]) < SINGULAR:
+            return False
+        if pivot != i:
+            for j in range(10):
+                system[i, j], system[pivot, j] = system[pivot, j], system[i, j]
+        for k in range(i + 1, 4):
+            factor = system[k, i] / system[i, i]
+            for j in range(i, 10):
+                system[k, j] -= factor * system[i, j]
+    for i in range(3, -1, -1):
+        for j in range(4, 10):
+            for k in range(i + 1, 4):
+                system[i, j] -= system[i, k] * system[k, j]
+            system[i, j] /= system[i, i]
+    return True
+
+
+@jit
+def impulse_of(table: Floats, row: int, free: Floats, floor: Floats, impulse: Floats) -> None:
+    """Impulses (4,) of the index combination in a row of a table.
+
+    They are linear in (free, floor), so derivatives come from the same function.
+    """
+    for i in range(4):
+        total = 0.0
+        for j in range(4):
+            total += table[row, 6 * i + j] * free[j]
+        for k in range(2):
+            total += table[row, 6 * i + 4 + k] * floor[k]
+        impulse[i] = total

@@ -1,0 +1,124 @@
+"""Mass matrix, forces and contact directions [Leine2001, Eqs. 6-10], once for every backend.
+
+Every function uses only ``+ - * /`` on the attributes of ``toy`` and returns nested tuples, so it
+serves floats, numpy, sympy symbols and mpmath alike. Coordinates are q = (y, phi_M, phi_S).
+Two misprints of the paper are corrected: entry (2, 2) of the mass matrix has J_M, not J_S, and
+the first row of h carries g.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from woodpecker.mechanics.toy import Toy
+
+Vector = tuple[Any, Any, Any]
+
+
+class Parameters(Protocol):
+    """Anything with the toy's attributes: a :class:`Toy`, or sympy symbols."""
+
+    m_m: Any
+    j_m: Any
+    m_s: Any
+    j_s: Any
+    g: Any
+    r_0: Any
+    r_m: Any
+    h_m: Any
+    l_m: Any
+    l_g: Any
+    h_s: Any
+    l_s: Any
+    c_phi: Any
+
+
+def mass_matrix(toy: Any) -> tuple[Vector, Vector, Vector]:
+    """M, rows of shape (3, 3) in kg, kg m, kg m^2 [Leine2001, Eq. 6, corrected]."""
+    m, j_m, j_s, l_m, l_g = toy.m_s, toy.j_m, toy.j_s, toy.l_m, toy.l_g
+    return (
+        (m + toy.m_m, m * l_m, m * l_g),
+        (m * l_m, j_m + m * l_m * l_m, m * l_m * l_g),
+        (m * l_g, m * l_m * l_g, j_s + m * l_g * l_g),
+    )
+
+
+def force_at_rest(toy: Any) -> Vector:
+    """h_0 of h = h_0 + h_1 d in N, N m, N m: gravity [Leine2001, Eq. 7, corrected]."""
+    return (
+        -toy.g * (toy.m_s + toy.m_m),
+        -toy.g * toy.m_s * toy.l_m,
+        -toy.g * toy.m_s * toy.l_g,
+    )
+
+
+def force_per_stretch(toy: Any) -> Vector:
+    """h_1 of h = h_0 + h_1 d in N m/rad, d = phi_S - phi_M: the spring [Leine2001, Eq. 7]."""
+    return (0 * toy.c_phi, toy.c_phi, -toy.c_phi)
+
+
+def gap_offsets(toy: Any) -> Vector:
+    """Gaps g_N1, g_N2, g_N3 [m] at phi_M = phi_S = 0 [Leine2001, Eq. 8]."""
+    return (toy.l_m + toy.l_g - toy.l_s - toy.r_0, toy.r_m - toy.r_0, toy.r_m - toy.r_0)
+
+
+def normal_directions(toy: Any) -> tuple[Vector, Vector, Vector]:
+    """w_N of contacts 1, 2, 3 in m [Leine2001, Eq. 9]."""
+    zero = 0 * toy.h_m
+    return ((zero, zero, -toy.h_s), (zero, toy.h_m, zero), (zero, -toy.h_m, zero))
+
+
+def tangential_directions(toy: Any) -> tuple[Vector, Vector, Vector]:
+    """w_T of contacts 1, 2, 3; first entry [-], others [m] [Leine2001, Eq. 10]."""
+    one, zero = 1 + 0 * toy.r_m, 0 * toy.r_m
+    return (
+        (one, toy.l_m, toy.l_g - toy.l_s),
+        (one, toy.r_m, zero),
+        (one, toy.r_m, zero),
+    )
+
+
+class Equilibrium(NamedTuple):
+    """The bird hangs backward on the jammed sleeve."""
+
+    phi_m: float  # rad
+    phi_s: float  # rad
+
+
+def equilibrium(toy: Toy) -> Equilibrium:
+    """Equilibrium angles [rad] on the jammed sleeve; it exists if mu_2 >= ``jam_limit(toy)``.
+
+    The spring carries the bird's weight: c_phi d = -m_S g l_G [Leine2001, Results].
+    """
+    phi_m = -toy.phi_m_max
+    return Equilibrium(phi_m, phi_m - toy.m_s * toy.g * toy.l_g / toy.c_phi)
+
+
+def jam_limit(toy: Toy) -> float:
+    """Smallest mu_2 [-] that holds the toy at its equilibrium: |lambda_T2| / lambda_N2.
+
+    Infinite if the pole pulls on the sleeve there (lambda_N2 <= 0).
+    """
+    d = -toy.m_s * toy.g * toy.l_g / toy.c_phi
+    h = np.array(force_at_rest(toy)) + np.array(force_per_stretch(toy)) * d
+    lambda_t = -h[0]
+    lambda_n = -(h[1] + toy.r_m * lambda_t) / toy.h_m
+    return float(lambda_t / lambda_n) if lambda_n > 0.0 else math.inf
+
+
+def free_frequency(toy: Toy) -> float:
+    """Eigenfrequency [Hz] of sleeve, spring and bird without contact."""
+    acceleration = np.linalg.solve(np.array(mass_matrix(toy)), np.array(force_per_stretch(toy)))
+    return math.sqrt(acceleration[1] - acceleration[2]) / (2.0 * math.pi)
+
+
+def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
+    """Kinetic and potential energy [J] of states q, u of shape (..., 3)."""
+    q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
+    kinetic = 0.5 * np.einsum("...i,ij,...j->...", u, np.array(mass_matrix(toy)), u)
+    stretch = q[..., 2] - q[..., 1]
+    potential = 0.5 * toy.c_phi * stretch**2 - q @ np.array(force_at_rest(toy))
+    return kinetic, potential

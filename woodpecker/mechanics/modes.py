@@ -1,0 +1,369 @@
+"""The 28 modes of the toy: constant-coefficient motion between two events.
+
+A mode is a state of the beak contact (4: open, stick, slip +, slip -) times a state of the sleeve
+(7: open, or one of stick, slip +, slip - at contact 2 or 3). With the closed contacts' constraints,
+M qdd = h_0 + h_1 d + W lambda [Leine2001, Eqs. 1-3, 6-10] gives
+
+    qdd = A + B d,    lambda = p + r d,    ddd = alpha + kappa d,    d = phi_S - phi_M,
+
+so one scalar oscillator carries everything: trigonometric for kappa < 0, hyperbolic for
+kappa > 0, polynomial for kappa = 0. Restitution does not enter; one table serves a whole
+continuation run in eps_N.
+
+Along any other parameter p the table changes, and its derivative is wanted too. Every entry is a
+rational function of the parameters, so the table is computed for p + i h with h = 1e-150: the
+imaginary part over h is the derivative, as exact as the real part (Squire and Trapp's complex step
+[Squire1998]; h^2 is below the smallest double, so nothing is neglected).
+"""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from woodpecker.base.arrays import Complexes, Floats
+from woodpecker.base.compiled import jit
+from woodpecker.mechanics.cases import fill_cases
+from woodpecker.mechanics.equations import (
+    force_at_rest,
+    force_per_stretch,
+    gap_offsets,
+    mass_matrix,
+    normal_directions,
+    tangential_directions,
+)
+from woodpecker.mechanics.toy import ExpansionFriction, Toy
+
+
+class Contact(IntEnum):
+    """State of one contact."""
+
+    OPEN = 0
+    STICK = 1
+    SLIP_POSITIVE = 2
+    SLIP_NEGATIVE = 3
+
+
+OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled code
+
+EPSILONS = ("eps_n1", "eps_n2", "eps_n3")
+STEP = 1e-150  # imaginary part of the parameter that moves
+
+_mass, _constant, _elastic = jit(mass_matrix), jit(force_at_rest), jit(force_per_stretch)
+_normal, _tangent, _offsets = jit(normal_directions), jit(tangential_directions), jit(gap_offsets)
+
+# The kernel reads one array, because compiled code passes one array cheaply. Rows and columns:
+MODES = 28
+KAPPA, OMEGA, ALPHA, A, B, SECULAR, LAMBDA, GUARDS = 0, 1, 2, 3, 6, 9, 12, 24
+# LAMBDA is followed by p_N, r_N, p_T, r_T of contacts 1, 2, 3; GUARDS by at most 4 guards, then -1
+CONTACT = 28  # one row per contact:
+LIMIT, MU, EPS, TANGENT, RESPONSE_N, RESPONSE_T = 0, 1, 2, 3, 6, 9
+# the gap over its lever arm is LIMIT + SIGN * angle; responses are M^-1 w_N and M^-1 w_T
+DELASSUS = 31  # rows and columns N1, T1, N2, T2, N3, T3 of W^T M^-1 W
+FORCE = 37  # h_0, h_1, the length of the pole, the lever arms of the gaps, and
+POLE, LEVER, SUMMED, DUE = 6, 7, 10, 11  # SUMMED: 1 or 0, see toy.ExpansionFriction; DUE: 1 if the
+# index combinations of the beak with contact 2 (DUE + 1: with contact 3) are still to be written
+PAIR = 38  # impulses of the beak with contact 2, then with contact 3: 36 index combinations each,
+EXPANSION = 72  # in compression; so many rows further on the same in expansion
+SHAPE = (182, 29)
+CHANGE = (38, 24)  # of the derivatives: of the rows and columns that depend on parameters
+FIXED: Floats = np.zeros((0, CHANGE[1]))  # the derivatives where nothing but restitution changes
+
+SIGN = (-1.0, 1.0, -1.0)  # how the angle enters the gap of contacts 1, 2, 3
+ANGLE = (2, 1, 1)  # which coordinate closes it: phi_S, phi_M, phi_M
+
+# Guards: kind * 3 + contact - 1. Each is positive inside its mode and fires at zero.
+GAP, NORMAL, CONE_POSITIVE, CONE_NEGATIVE, SLIP, SECTION = 0, 3, 6, 9, 12, 15
+
+
+def mode_index(beak: int, lower: int, upper: int) -> int:
+    """Row of the mode table; at most one of the sleeve's contacts is closed."""
+    return 7 * beak + (lower if lower else (upper + 3 if upper else 0))
+
+
+def mode_states(index: int) -> tuple[Contact, Contact, Contact]:
+    """States of contacts 1, 2, 3 in a mode; inverse of :func:`mode_index`."""
+    beak, sleeve = divmod(index, 7)
+    lower, upper = (sleeve, 0) if sleeve <= 3 else (0, sleeve - 3)
+    return Contact(beak), Contact(lower), Contact(upper)
+
+
+def consistent(states: tuple[int, ...]) -> bool:
+    """Two closed contacts share the velocity of the sleeve: both stick, or slip the same way."""
+    closed = {state for state in states if state != Contact.OPEN}
+    return len(closed) <= 1
+
+
+class Numbers(NamedTuple):
+    """The toy's parameters for compiled code; complex, see :func:`fill`."""
+
+    m_m: complex
+    j_m: complex
+    m_s: complex
+    j_s: complex
+    g: complex
+    r_0: complex
+    r_m: complex
+    h_m: complex
+    l_m: complex
+    l_g: complex
+    h_s: complex
+    l_s: complex
+    c_phi: complex
+    mu_1: complex
+    mu_2: complex
+    mu_3: complex
+
+
+def model(toy: Toy) -> Floats:
+    """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will."""
+    return _bouncing(toy).copy()
+
+
+def change(toy: Toy, parameter: str) -> Floats:
+    """Derivative of the numbers of :func:`model` in a parameter of the toy, shape CHANGE.
+
+    Index combinations of pairs are left out: they follow from the rest
+    (:func:`woodpecker.mechanics.impacts.impact`).
+    """
+    numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
+    fill(parameters_of(toy, parameter), numbers, rates)
+    if parameter in EPSILONS:
+        rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
+    return rates
+
+
+@lru_cache(maxsize=64)
+def _bouncing(toy: Toy) -> Floats:
+    numbers = _plastic(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
+    numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
+    return numbers
+
+
+@lru_cache(maxsize=64)
+def _plastic(toy: Toy) -> Floats:
+    numbers = blank(toy)
+    fill(parameters_of(toy), numbers, np.zeros(CHANGE))
+    for k in (1, 2):
+        fill_pair(numbers, k)
+    return numbers
+
+
+def blank(toy: Toy) -> Floats:
+    """What :func:`fill` does not write: guards, pole, restitution and the law of expansion."""
+    numbers = np.full(SHAPE, np.nan)
+    for index in range(MODES):
+        watched = _watched(mode_states(index))
+        numbers[index, GUARDS:] = watched + [-1] * (SHAPE[1] - GUARDS - len(watched))
+    numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
+    numbers[FORCE, POLE] = toy.pole
+    numbers[FORCE, SUMMED] = float(toy.expansion_friction == ExpansionFriction.SUMMED)
+    return numbers
+
+
+def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
+    """The parameters that the mode table depends on, shape (16,); one of them moves."""
+    return np.array(
+        [complex(getattr(toy, n), STEP if n == parameter else 0.0) for n in Numbers._fields]
+    )
+
+
+@jit
+def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
+    """Write the table of the modes and all else that depends on the parameters, and derivatives.
+
+    Parameters
+    ----------
+    parameters
+        (16,) in the order of :class:`Numbers`; the one that moves has the imaginary part STEP.
+    numbers
+        SHAPE, output. The index combinations of pairs become due, see :func:`fill_pair`.
+    rates
+        CHANGE, output: derivatives along the parameter that moves.
+    """
+    p = parameters
+    toy = Numbers(
+        p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], p[12], p[13],
+        p[14], p[15],
+    )  # fmt: skip
+    mass, normal, tangent = _mass(toy), _normal(toy), _tangent(toy)
+    constant, elastic, offsets = _constant(toy), _elastic(toy), _offsets(toy)
+    mu, lever = (toy.mu_1, toy.mu_2, toy.mu_3), (toy.h_s, toy.h_m, toy.h_m)
+    system, row = np.empty((7, 13), dtype=np.complex128), np.empty(GUARDS, dtype=np.complex128)
+    for index in range(MODES):
+        beak, sleeve = index // 7, index % 7
+        together = beak == OPEN or sleeve == 0 or (sleeve - 1) % 3 + 1 == beak
+        if not together:  # two closed contacts share the velocity of the sleeve
+            for k in range(GUARDS):
+                numbers[index, k] = math.nan
+            continue
+        _mode(system, row, beak, sleeve, mass, constant, elastic, normal, tangent, mu)
+        for k in range(GUARDS):
+            numbers[index, k], rates[index, k] = row[k].real, row[k].imag / STEP
+    for i in range(3):
+        _put(numbers, rates, CONTACT + i, LIMIT, offsets[i] / lever[i])
+        _put(numbers, rates, CONTACT + i, MU, mu[i])
+        _put(numbers, rates, FORCE, i, constant[i])
+        _put(numbers, rates, FORCE, 3 + i, elastic[i])
+        _put(numbers, rates, FORCE, LEVER + i, lever[i])
+        for j in range(3):
+            _put(numbers, rates, CONTACT + i, TANGENT + j, tangent[i][j])
+            system[i, j] = mass[i][j]
+            system[i, 3 + 2 * j], system[i, 4 + 2 * j] = normal[j][i], tangent[j][i]
+    _solve(system, 3, 6)
+    for a in range(6):
+        response = (RESPONSE_N, RESPONSE_T)[a % 2]
+        for j in range(3):
+            _put(numbers, rates, CONTACT + a // 2, response + j, system[j, 3 + a])
+        for b in range(6):
+            w = normal[b // 2] if b % 2 == 0 else tangent[b // 2]
+            product = w[0] * system[0, 3 + a] + w[1] * system[1, 3 + a] + w[2] * system[2, 3 + a]
+            _put(numbers, rates, DELASSUS + b, a, product)
+    numbers[FORCE, DUE] = numbers[FORCE, DUE + 1] = 1.0
+
+
+@jit
+def fill_pair(numbers: Floats, k: int) -> None:
+    """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
+    if numbers[FORCE, DUE + k - 1] == 0.0:
+        return
+    delassus, friction = np.empty((4, 4)), np.empty((2, 2))
+    for a in range(4):
+        for b in range(4):
+            row, column = a if a < 2 else 2 * k + a - 2, b if b < 2 else 2 * k + b - 2
+            delassus[a, b] = numbers[DELASSUS + row, column]
+    first = PAIR + 36 * (k - 1)
+    friction[0, 0], friction[1, 1] = numbers[CONTACT, MU], numbers[CONTACT + k, MU]
+    friction[0, 1] = friction[1, 0] = 0.0
+    fill_cases(delassus, friction, numbers[first : first + 36])
+    friction[0, 1] = numbers[FORCE, SUMMED] * friction[0, 0]
+    friction[1, 0] = numbers[FORCE, SUMMED] * friction[1, 1]
+    fill_cases(delassus, friction, numbers[first + EXPANSION : first + EXPANSION + 36])
+    numbers[FORCE, DUE + k - 1] = 0.0
+
+
+@jit
+def _put(numbers: Floats, rates: Floats, row: int, column: int, value: complex) -> None:
+    numbers[row, column], rates[row, column] = value.real, value.imag / STEP
+
+
+@jit
+def _mode(
+    system: Complexes, row: Complexes, beak: int, sleeve: int, mass: Any, constant: Any,
+    elastic: Any, normal: Any, tangent: Any, mu: Any,
+) -> None:  # fmt: skip
+    """One row of the table: M qdd - W lambda = h with the constraints of the closed contacts."""
+    state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
+    n = 3 + (2 if beak != OPEN else 0) + (2 if sleeve != 0 else 0)
+    row[:] = 0.0
+    if n == 7 and beak == STICK:
+        return  # at rest for good; the forces are not unique, see contact.rest_is_possible
+    system[:, :] = 0.0
+    for i in range(3):
+        for j in range(3):
+            system[i, j] = mass[i][j]
+        system[i, n], system[i, n + 1] = constant[i], elastic[i]
+    at = 3
+    for i in range(3):
+        if state[i] == OPEN:
+            continue
+        for j in range(3):
+            system[j, at], system[j, at + 1] = -normal[i][j], -tangent[i][j]
+            system[at, j] = normal[i][j]
+            if state[i] == STICK:
+                system[at + 1, j] = tangent[i][j]
+        if state[i] != STICK:
+            system[at + 1, at + 1] = 1.0
+            system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
+        at += 2
+    _solve(system, n, 2)
+    if beak != OPEN:
+        system[2, n] = system[2, n + 1] = 0.0  # a closed contact holds its angle exactly
+    if sleeve != 0:
+        system[1, n] = system[1, n + 1] = 0.0
+    sticks = beak == STICK or (sleeve != 0 and (sleeve - 1) % 3 + 1 == STICK)
+    if not sticks:  # nothing holds the toy: with a relaxed spring it falls freely,
+        for i in range(n):
+            system[i, n] = 0.0  # and the contacts carry nothing
+        system[0, n] = constant[0] / mass[0][0]
+    elif beak != STICK:
+        system[0, n] = system[0, n + 1] = 0.0  # a jammed sleeve does not fall
+    alpha, kappa = system[2, n] - system[1, n], system[2, n + 1] - system[1, n + 1]
+    row[KAPPA], row[OMEGA], row[ALPHA] = kappa, math.sqrt(abs(kappa.real)), alpha
+    for j in range(3):
+        a, b = system[j, n], system[j, n + 1]
+        row[A + j], row[B + j] = a, b
+        row[SECULAR + j] = a
+        if kappa.real != 0.0:  # no torque has a mean, so angles drift linearly at most; what sticks
+            # lets y swing only
+            row[SECULAR + j] = a - b * (alpha / kappa) if j == 0 and not sticks else 0.0
+    at = 3
+    for i in range(3):
+        if state[i] != OPEN:
+            for k in range(2):
+                row[LAMBDA + 4 * i + k] = system[at, n + k]
+                row[LAMBDA + 4 * i + 2 + k] = system[at + 1, n + k]
+            at += 2
+
+
+@jit
+def _solve(system: Complexes, n: int, right: int) -> None:
+    """Solve for the columns right of the first n, in place; scaled, so that no unit is preferred.
+
+    Scales and pivots are chosen by real parts: they do not change the solution.
+    """
+    scale = np.empty(n)
+    for j in range(n):
+        scale[j] = 0.0
+        for i in range(n):
+            scale[j] = max(scale[j], abs(system[i, j].real))
+        scale[j] = 1.0 / math.sqrt(scale[j])
+    for i in range(n):
+        largest = 0.0
+        for j in range(n):
+            system[i, j] *= scale[j]
+            largest = max(largest, abs(system[i, j].real))
+        for j in range(n + right):
+            system[i, j] /= largest
+    for i in range(n):
+        pivot = i
+        for k in range(i + 1, n):
+            if abs(system[k, i].real) > abs(system[pivot, i].real):
+                pivot = k
+        if pivot != i:
+            for j in range(i, n + right):
+                system[i, j], system[pivot, j] = system[pivot, j], system[i, j]
+        for k in range(i + 1, n):
+            if system[k, i] != 0.0:
+                factor = system[k, i] / system[i, i]
+                for j in range(i + 1, n + right):
+                    system[k, j] -= factor * system[i, j]
+    for j in range(n, n + right):
+        for i in range(n - 1, -1, -1):
+            for k in range(i + 1, n):
+                system[i, j] -= system[i, k] * system[k, j]
+            system[i, j] /= system[i, i]
+    for j in range(n, n + right):
+        for i in range(n):
+            system[i, j] *= scale[i]
+
+
+def _watched(states: tuple[Contact, ...]) -> list[int]:
+    """Guards that can end a mode, in the order in which ties are resolved."""
+    watched = []
+    for i, state in enumerate(states):
+        if state == Contact.OPEN:
+            sleeve_elsewhere = i != 0 and (states[1] or states[2])
+            if not sleeve_elsewhere:
+                watched.append(GAP + i)
+        elif state == Contact.STICK:
+            watched += [CONE_POSITIVE + i, CONE_NEGATIVE + i]
+        else:
+            watched += [NORMAL + i, SLIP + i]
+    if states == (Contact.OPEN, Contact.STICK, Contact.OPEN):
+        watched.append(SECTION)
+    return watched

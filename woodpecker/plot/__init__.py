@@ -1,0 +1,1 @@
+"""Pictures of motions, maps and diagrams; only here matplotlib is imported."""

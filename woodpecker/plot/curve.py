@@ -1,0 +1,224 @@
+"""A discontinuous map as a picture shows it: samples where it is steep, jumps told from flanks.
+
+Wherever neighbouring samples lie apart by more than shows, the interval between them is halved
+until it is narrower than a pixel: what happens within one pixel no picture can show. One question
+is left there, whether the map jumps or is only steep. Of both halves the one that differs more is
+followed, down to neighbouring doubles; what still differs there, and not less and less on the way,
+is a jump. The steep flank of a dip has no bottom and falls by a quarter of a radian for each
+decade, so no wider interval would tell. (A dip narrower than a pixel can be deeper than is drawn.)
+
+An iterate P_j has more steep places than anyone can look at: their number grows like the product of
+the slopes. So there is a budget. The largest differences come first, and what the budget leaves
+open is kept apart, to be drawn otherwise and counted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+
+Image = Callable[[Floats], Floats]  # values (n,) of a map at points (n,); nan where it has none
+BATCH = 1024  # places looked at in one go: enough for all cores, few enough to stop in time
+LATELY = 10  # halvings, three decades: what differs less and less over these is a flank to the end
+NEAREST = 1e-3  # next to zero doubles are finer than rounding: spacings are not taken nearer to it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Detail:
+    """How closely a picture looks.
+
+    Parameters
+    ----------
+    seen
+        Smallest step that shows, as a part of the height: 7 of the 920 pixels of a picture.
+    pixel
+        Width of what is looked into, as a part of the width: half of one of its 1400 pixels.
+    finest
+        Spacings of doubles below which no interval is halved: rounding blurs the place of a jump.
+    budget
+        How many returns of the toy may be spent on steep places: a few seconds for any order at
+        the 12 us of a compiled return, where each order alone would need its own multiple of it.
+    """
+
+    seen: float = 1.0 / 128.0
+    pixel: float = 1.0 / 2800.0
+    finest: float = 64.0
+    budget: int = 150_000
+
+
+class Link(IntEnum):
+    """What lies between two neighbouring samples."""
+
+    CURVE = 0  # the map, as far as a picture shows
+    JUMP = 1
+    OPEN = 2  # jump or steep flank: the budget ended before this was told
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve:
+    """Samples of a map for a picture.
+
+    Attributes
+    ----------
+    x, y
+        Ascending points and their values (n,); nan where the map has none.
+    links
+        What lies between neighbours, (n - 1,): see :class:`Link`.
+    bottom
+        Lower end of the picture; what lies below was not looked at.
+    evaluations
+        How often the map was evaluated, besides the first samples.
+    """
+
+    x: Floats
+    y: Floats
+    links: Ints
+    bottom: float
+    evaluations: int
+
+    def between(self, link: Link) -> Ints:
+        """Indices left of all intervals of one kind."""
+        return np.flatnonzero(self.links == link)
+
+    @property
+    def open_width(self) -> float:
+        """Total width of the intervals that were not resolved."""
+        return math.fsum(np.diff(self.x)[self.between(Link.OPEN)].tolist())
+
+
+def refined(
+    image: Image,
+    x: Floats,
+    y: Floats,
+    *,
+    bottom: float,
+    cost: int = 1,
+    detail: Detail | None = None,
+) -> Iterator[Curve]:
+    """Refine samples (x, y) of a map, x ascending; each curve is better than the one before.
+
+    Parameters
+    ----------
+    image
+        The map.
+    x, y
+        First samples, shape (n,).
+    bottom
+        Lower end of the picture.
+    cost
+        What one value costs of the budget: the order of an iterate.
+    detail
+        How closely to look.
+    """
+    search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
+    yield search.curve()
+    for step in (search.wide, search.narrow):
+        for _ in step():
+            yield search.curve()
+
+
+class _Refinement:
+    """A curve under construction.
+
+    ``told`` (n,) says what the interval right of each sample is; OPEN if nobody has looked.
+    """
+
+    def __init__(
+        self, image: Image, x: Floats, y: Floats, bottom: float, cost: int, detail: Detail
+    ) -> None:
+        self.image, self.x, self.y, self.detail = image, x, y, detail
+        self.told = np.full(len(x), Link.OPEN, dtype=np.int64)
+        self.left, self.evaluations = detail.budget // cost, 0
+        self.bottom, self.top = bottom, float(y[np.isfinite(y)].max(initial=bottom))
+        self.height = max(self.top - bottom, math.ulp(bottom))
+
+    def curve(self) -> Curve:
+        """What is known so far."""
+        links = np.where(self._gap(self.y[:-1], self.y[1:]) > self.detail.seen, self.told[:-1], 0)
+        return Curve(
+            x=self.x, y=self.y, links=links, bottom=self.bottom, evaluations=self.evaluations
+        )
+
+    def wide(self) -> Iterator[None]:
+        """Halve what differs and is wider than a pixel, one generation after the other."""
+        pixel = self.detail.pixel * float(self.x[-1] - self.x[0])
+        while self.left > 0:
+            differs = self._gap(self.y[:-1], self.y[1:]) > self.detail.seen
+            places = np.flatnonzero(differs & (np.diff(self.x) > pixel))[: self.left]
+            if not len(places):
+                return
+            middle = 0.5 * (self.x[places] + self.x[places + 1])
+            self._keep(middle, self._at(middle), Link.OPEN)
+            yield
+
+    def narrow(self) -> Iterator[None]:
+        """Tell jumps from flanks in what still differs, the largest differences first."""
+        gaps = self._gap(self.y[:-1], self.y[1:])
+        places = np.flatnonzero(gaps > self.detail.seen)
+        places = places[np.argsort(-gaps[places], kind="stable")]
+        ends = np.array([self.x[places], self.x[places + 1], self.y[places], self.y[places + 1]])
+        width = float((ends[1] - ends[0]).max(initial=0.0))
+        while ends.size:
+            halvings = 1 + math.ceil(math.log2(width / float(self._finest(ends[0]).min())))
+            some = min(BATCH, self.left // halvings)
+            if some < 1:
+                return
+            self._tell(ends[:, :some])
+            ends = ends[:, some:]
+            yield
+
+    def _tell(self, ends: Floats) -> None:
+        """What some intervals are, given as x, x, y, y (4, m)."""
+        starts, jumps, seen = ends[0], [ends[0, :0]], [ends[::2, :0]]
+        before = np.full((LATELY, ends.shape[1]), np.nan)  # differences some halvings ago
+        while ends.size:
+            a, b, ya, yb = ends
+            gap = self._gap(ya, yb)
+            differ, tiny = gap > self.detail.seen, b - a <= self._finest(np.fmax(abs(a), abs(b)))
+            falls = before[0] - gap > self.detail.seen
+            jumps.append(a[differ & tiny & ~falls & ~np.isnan(ya + yb)])
+            go_on = differ & ~tiny
+            a, b, ya, yb = ends[:, go_on]
+            before = np.vstack([before[1:], gap])[:, go_on]
+            middle = 0.5 * (a + b)
+            value = self._at(middle)
+            seen.append(np.array([middle, value]))
+            on_left = self._gap(ya, value) >= self._gap(value, yb)
+            ends = np.where(on_left, [a, middle, ya, value], [middle, b, value, yb])
+        self.told[np.searchsorted(self.x, starts)] = Link.CURVE
+        points, values = np.concatenate(seen, axis=1)
+        self._keep(points, values, Link.CURVE)
+        self.told[np.searchsorted(self.x, np.concatenate(jumps))] = Link.JUMP
+
+    def _finest(self, x: Floats) -> Floats:
+        """Width of an interval at x that is not halved."""
+        finest: Floats = self.detail.finest * np.spacing(np.maximum(np.abs(x), NEAREST))
+        return finest
+
+    def _at(self, x: Floats) -> Floats:
+        self.left -= len(x)
+        self.evaluations += len(x)
+        return self.image(x)
+
+    def _keep(self, x: Floats, y: Floats, told: Link) -> None:
+        """More samples, sorted in."""
+        order = np.argsort(np.concatenate([self.x, x]), kind="stable")
+        self.x = np.concatenate([self.x, x])[order]
+        self.y = np.concatenate([self.y, y])[order]
+        self.told = np.concatenate([self.told, np.full(len(x), told)])[order]
+
+    def _gap(self, a: Floats, b: Floats) -> Floats:
+        """How far values lie apart in the picture, as a part of its height; nan is the bottom."""
+        with np.errstate(invalid="ignore"):
+            low, high = (
+                np.clip(np.where(np.isnan(y), self.bottom, y), self.bottom, self.top)
+                for y in (a, b)
+            )
+        gap: Floats = np.abs(high - low) / self.height
+        return gap

@@ -1,0 +1,363 @@
+"""Drawings of the toy: one position, the frames of a motion [Leine2001, Fig. 7], an animation.
+
+The drawing keeps the model's linear kinematics where it matters: the beak and both edges of the
+sleeve are exactly as far from the pole as the gaps g_N1, g_N2, g_N3 say [Leine2001, Eq. 8]. The
+sleeve is cut open along its axis. The bird's proportions follow from l_G, l_S and h_S; its looks
+are free. Lengths are in mm and not exaggerated.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from scipy.interpolate import CubicSpline
+
+from pwmap.files import write_whole
+from pwmap.plot import UNSTABLE
+from woodpecker.base.arrays import Floats
+from woodpecker.mechanics.modes import Contact, mode_states
+from woodpecker.mechanics.toy import Toy
+from woodpecker.simulation.trajectory import Trajectory
+from woodpecker.simulation.words import EventKind
+
+MM = 1e3  # mm in one m
+WALL = 0.45  # thickness of the sleeve's wall over its inner radius
+COILS = 6
+DPI = 100.0  # of an animation
+WOOD, GRAIN = "#ead7b7", "#a88a5c"
+METAL, INSIDE = "#969696", "#d9d9d9"
+DARK, CREAM, CREST = "#333333", "#f7f3e8", "#cb181d"
+IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
+
+# The bird, seen from the side: (0, 1) is the tip of the beak, (1, 0) the centre of mass, so that
+# one unit is l_S across and h_S up.
+BODY = (
+    (0.36, 1.04), (0.43, 1.21), (0.60, 1.27), (0.77, 1.17), (0.87, 0.93), (1.06, 0.66),
+    (1.24, 0.28), (1.32, -0.17), (1.27, -0.52), (1.08, -0.66), (0.86, -0.50), (0.72, -0.17),
+    (0.66, 0.21), (0.64, 0.55), (0.52, 0.79), (0.40, 0.89),
+)  # fmt: skip
+BELLY = (
+    (0.41, 0.89), (0.54, 0.90), (0.68, 0.72), (0.80, 0.42), (0.88, 0.05), (0.97, -0.31),
+    (1.06, -0.60), (0.87, -0.50), (0.73, -0.17), (0.67, 0.21), (0.65, 0.55), (0.53, 0.79),
+)  # fmt: skip
+CHEEK = ((0.44, 0.96), (0.55, 1.06), (0.72, 1.02), (0.76, 0.92), (0.62, 0.88), (0.50, 0.89))
+CAP = ((0.50, 1.215), (0.60, 1.275), (0.77, 1.175), (0.835, 1.01), (0.75, 1.06), (0.62, 1.17))
+TAIL = ((1.31, -0.30), (1.53, -1.22), (1.42, -1.17), (1.35, -1.26), (1.00, -0.55))
+BEAK = ((0.0, 1.0), (0.39, 1.10), (0.38, 0.91))
+BARS = tuple(
+    ((1.02 + 0.04 * k, 0.36 - 0.26 * k), (1.25 + 0.02 * k, 0.24 - 0.27 * k)) for k in range(3)
+)  # on the wing
+EYE = (0.555, 1.125)
+HOLD = (0.69, -0.02)  # where the spring is held, on the belly
+
+
+class Points(NamedTuple):
+    """Points of the drawing [m], x from the axis of the pole to the bird's side, y upward."""
+
+    beak: Floats  # (2,): contact 1
+    lower: Floats  # (2,): contact 2
+    upper: Floats  # (2,): contact 3
+    centre: Floats  # (2,) of the sleeve
+    walls: Floats  # (2, 4, 2), the sleeve cut open: right, left
+    spring: Floats  # (n, 2)
+
+
+def points(toy: Toy, q: npt.ArrayLike) -> Points:
+    """Where the drawing has its points at coordinates q = (y, phi_M, phi_S).
+
+    The sleeve is moved by the linear kinematics of the model, (x, y) -> (x - phi_M y, y + phi_M x),
+    which on the way of its 0.1 rad is a rotation but for half a percent. The bird, which turns
+    further, is rotated rigidly about its end of the spring and moved across until its beak is at
+    the distance r_0 + g_N1.
+    """
+    y, phi_m, _ = np.asarray(q, dtype=float)
+    r, h, outer = toy.r_m, toy.h_m, (1.0 + WALL) * toy.r_m
+    right = np.array([(r, -h), (outer, -h), (outer, h), (r, h)])
+    walls = np.stack([right, right * (-1.0, 1.0)])
+    turn, lift = np.array([(1.0, phi_m), (-phi_m, 1.0)]), np.array([0.0, y])
+    walls = walls @ turn + lift
+    start = np.array([outer, 0.0]) @ turn + lift
+    return Points(
+        beak=bird(toy, q, (0.0, 1.0)),
+        lower=walls[0, 0],
+        upper=walls[0, 3],
+        centre=lift,
+        walls=walls,
+        spring=_coil(start, bird(toy, q, HOLD), np.asarray(q, dtype=float)[1:], 0.3 * toy.h_m),
+    )
+
+
+def bird(toy: Toy, q: npt.ArrayLike, shape: npt.ArrayLike) -> Floats:
+    """Points (..., 2) of the bird [m], given in its own units, at coordinates q."""
+    y, phi_m, phi_s = np.asarray(q, dtype=float)
+    cosine, sine = math.cos(phi_s), math.sin(phi_s)
+    turn = np.array([(cosine, sine), (-sine, cosine)])
+    tip = np.array([toy.l_g - toy.l_s, toy.h_s])  # from the spring's end
+    # r_0 + g_N1 of Eq. 8 is l_M + (l_G - l_S) - h_S phi_S
+    across = toy.l_m + tip[0] - tip[1] * phi_s - (tip @ turn)[0]
+    own = (np.asarray(shape, dtype=float) - (0.0, 1.0)) * (toy.l_s, toy.h_s) + tip
+    placed: Floats = own @ turn + (across, y + toy.l_m * phi_m)
+    return placed
+
+
+def _coil(start: Floats, end: Floats, angles: Floats, radius: float) -> Floats:
+    """A coil spring (n, 2) that leaves both bodies at a right angle."""
+    s = np.linspace(0.0, 1.0, 60 * COILS)[:, None]
+    reach = float(np.hypot(*(end - start)))
+    out, back = (reach * np.array([math.cos(a), math.sin(a)]) for a in angles)
+    bend = s**2 * (3.0 - 2.0 * s)  # Hermite's cubics
+    line = (1.0 - bend) * start + bend * end
+    line += s * (1.0 - s) * ((1.0 - s) * out - s * back)
+    along = np.gradient(line, axis=0)
+    normal = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    inner = np.clip((s - 0.08) / 0.84, 0.0, 1.0)  # straight ends
+    swing = np.sin(2.0 * math.pi * COILS * inner)
+    coil: Floats = line + radius * swing * normal
+    return coil
+
+
+def draw_toy(toy: Toy, q: npt.ArrayLike, ax: Axes, *, closed: Iterable[int] = ()) -> Axes:
+    """Draw pole, sleeve, spring and bird at q = (y [m], phi_M [rad], phi_S [rad]).
+
+    Parameters
+    ----------
+    toy, q
+        The toy and its coordinates, shape (3,).
+    ax
+        Axes to draw on, in mm. The caller sets their limits, such as those of :func:`window`.
+    closed
+        Contacts to mark: 1 beak, 2 lower edge of the sleeve, 3 upper edge. The edge across, which
+        then touches too, is not counted by the model.
+
+    Raises
+    ------
+    ValueError
+        If there is no such contact.
+    """
+    marked = sorted(set(closed))
+    if not set(marked) <= {1, 2, 3}:
+        raise ValueError(f"contacts are 1, 2 and 3, got {marked}")
+    at = points(toy, q)
+    _pole(toy, ax)
+    right, left = at.walls
+    _patch(ax, np.array([left[0], right[0], right[3], left[3]]), INSIDE, zorder=0.9)
+    for wall in at.walls:
+        _patch(ax, wall, METAL, zorder=3.0)
+    ax.plot(*(MM * at.spring.T), color="white", linewidth=2.4, zorder=3.1)
+    ax.plot(*(MM * at.spring.T), color=DARK, linewidth=0.8, zorder=3.2)
+    _bird(toy, q, ax)
+    for contact in marked:
+        _mark(ax, MM * (at.beak, at.lower, at.upper)[contact - 1], contact)
+    ax.set_aspect("equal")
+    return ax
+
+
+def _pole(toy: Toy, ax: Axes) -> None:
+    radius = MM * toy.r_0
+    ax.axvspan(-radius, radius, facecolor=WOOD, edgecolor="none", zorder=1.0)
+    for x in (-radius, radius):
+        ax.axvline(x, color=GRAIN, linewidth=0.7, zorder=1.1)
+
+
+def _bird(toy: Toy, q: npt.ArrayLike, ax: Axes) -> None:
+    """The bird, from back to front."""
+    for shape, color, smooth, zorder in (
+        (TAIL, DARK, False, 4.0),
+        (BEAK, METAL, False, 4.1),
+        (BODY, DARK, True, 4.2),
+        (BELLY, CREAM, True, 4.3),
+        (CHEEK, CREAM, True, 4.4),
+        (CAP, CREST, True, 4.5),
+    ):
+        outline = _rounded(shape) if smooth else shape
+        _patch(ax, bird(toy, q, outline), color, zorder)
+    for bar in BARS:
+        ends = MM * bird(toy, q, bar).T
+        ax.plot(*ends, color=CREAM, linewidth=1.3, solid_capstyle="round", zorder=4.6)
+    eye = MM * bird(toy, q, EYE)
+    ax.plot(*eye, "o", color=DARK, mec=CREAM, mew=0.7, markersize=2.6, zorder=4.7)
+
+
+def _rounded(corners: npt.ArrayLike) -> Floats:
+    """The smooth closed curve through some points, (n, 2)."""
+    closed = np.concatenate([corners, np.asarray(corners)[:1]])
+    length = np.cumsum(np.hypot(*np.diff(closed, axis=0, prepend=closed[:1]).T))
+    curve: Floats = CubicSpline(length, closed, bc_type="periodic")(
+        np.linspace(0.0, length[-1], 12 * len(closed))
+    )
+    return curve
+
+
+def _patch(ax: Axes, outline: Floats, color: str, zorder: float) -> None:
+    ax.add_patch(Polygon(MM * outline, facecolor=color, edgecolor=DARK, lw=0.6, zorder=zorder))
+
+
+def _mark(ax: Axes, place: Floats, contact: int) -> None:
+    """A ring around a closed contact, and its number: below the lower edge, above the others."""
+    ax.plot(*place, "o", mfc="none", mec=UNSTABLE, mew=1.4, markersize=8.0, zorder=6.0)
+    ax.annotate(
+        str(contact), tuple(place), (0.0, -11.0 if contact == 2 else 11.0),
+        textcoords="offset points", color=UNSTABLE,
+        fontsize=9, fontweight="bold", ha="center", va="center", zorder=6.1,
+    )  # fmt: skip
+
+
+# --- A motion -------------------------------------------------------------------------------------
+
+
+def closed_contacts(trajectory: Trajectory, t: float, *, hold: float = 0.0) -> tuple[int, ...]:
+    """Contacts that are closed at time t, change at it, or were struck at most ``hold`` [s] ago."""
+    row = int(np.searchsorted(trajectory.phases[:, 6], t, side="right")) - 1
+    states = mode_states(int(trajectory.phases[max(row, 0), 7]))
+    closed = {k for k, state in enumerate(states, start=1) if state != Contact.OPEN}
+    for event in trajectory.events:
+        if event.time == t or (event.kind in IMPACTS and t - hold <= event.time <= t):
+            closed |= set(event.contacts)
+    return tuple(sorted(closed))
+
+
+def window(toy: Toy, q: npt.ArrayLike) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits of x and y [mm] that hold the toy at all coordinates q, shape (n, 3)."""
+    rows = np.atleast_2d(np.asarray(q, dtype=float))
+    shapes = (*BODY, *TAIL, (0.0, 1.0))
+    seen = np.concatenate([np.concatenate([bird(toy, row, shapes), *points(toy, row).walls])
+                           for row in rows])  # fmt: skip
+    (left, low), (right, high) = MM * seen.min(axis=0), MM * seen.max(axis=0)
+    edge = 0.05 * (high - low)
+    return (left - edge, right + edge), (low - edge, high + edge)
+
+
+def draw_frames(
+    trajectory: Trajectory, times: Sequence[float], labels: Sequence[str], figure: Figure
+) -> list[Axes]:
+    """Draw the toy at some instants, side by side and to one scale [Leine2001, Fig. 7].
+
+    Parameters
+    ----------
+    trajectory
+        The motion.
+    times, labels
+        Instants [s] and what to write above each.
+    figure
+        The figure to fill: at most four frames side by side.
+
+    Raises
+    ------
+    ValueError
+        If there is not one label for each time, or none at all.
+    """
+    if not times or len(times) != len(labels):
+        raise ValueError(f"one label for each time, got {len(times)} times, {len(labels)} labels")
+    columns = min(4, len(times))
+    rows = math.ceil(len(times) / columns)
+    axes = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
+    q, _ = trajectory.at(np.asarray(times))
+    x_limits, y_limits = window(trajectory.toy, q)
+    for ax, t, row, label in zip(axes, times, q, labels, strict=False):
+        draw_toy(trajectory.toy, row, ax, closed=closed_contacts(trajectory, t))
+        ax.set(xlim=x_limits, ylim=y_limits)
+        ax.set_title(label, fontsize=9)
+        ax.tick_params(labelsize=8)
+        ax.grid(axis="y", alpha=0.25, linewidth=0.5)
+    for ax in axes[len(times) :]:
+        ax.set_visible(False)
+    for ax in axes[::columns]:
+        ax.set_ylabel("height [mm]")
+    for ax in axes[-columns:]:
+        ax.set_xlabel("from the axis [mm]")
+    return axes[: len(times)]
+
+
+def frame_times(t_end: float, slow: float, fps: float) -> Floats:
+    """Instants [s] of the frames of an animation: ``slow * t_end`` seconds long."""
+    return np.arange(max(1, round(t_end * slow * fps))) / (slow * fps)
+
+
+def animate(
+    trajectory: Trajectory,
+    path: Path,
+    *,
+    slow: float = 40.0,
+    fps: float = 25.0,
+    size: tuple[float, float] = (3.0, 4.0),
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Write the motion as an animation: GIF, or MP4 where ffmpeg is installed.
+
+    The picture follows the toy down the pole at its mean speed. An impact stays marked for a sixth
+    of a second, so that the eye can see it.
+
+    Parameters
+    ----------
+    trajectory
+        The motion, from 0 to its end.
+    path
+        File to write, ``.gif`` or ``.mp4``; it is there whole or not at all.
+    slow
+        How many times slower than nature.
+    fps
+        Frames per second. A GIF counts hundredths of a second: its nearest rate is taken.
+    size
+        Width and height [inch], of 100 pixels each.
+    progress
+        Called with the share that is done, from 0 to 1, after each frame.
+
+    Raises
+    ------
+    ValueError
+        If ``slow`` or ``fps`` is not positive, or the suffix is another.
+    FileNotFoundError
+        If there is no ffmpeg for an MP4, or no such folder.
+    """
+    for name, value in (("slow", slow), ("fps", fps)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be positive and finite, got {value}")
+    writer, rate = _writer(path, fps)
+    times = frame_times(trajectory.t_end, slow, rate)
+    figure = Figure(figsize=size, dpi=DPI)
+    ax = figure.add_axes((0.17, 0.03, 0.8, 0.9))  # fixed: a layout engine moves it with its labels
+    q, _ = trajectory.at(times)
+    ends, _ = trajectory.at([0.0, trajectory.t_end])
+    camera = np.interp(times, [0.0, trajectory.t_end], ends[:, 0])
+    x_limits, y_limits = window(trajectory.toy, q - camera[:, None] * (1.0, 0.0, 0.0))
+    with tempfile.TemporaryDirectory() as folder:
+        draft = Path(folder) / path.name
+        with writer.saving(figure, str(draft), DPI):
+            for k, (t, row, height) in enumerate(zip(times, q, MM * camera, strict=True), start=1):
+                ax.clear()
+                closed = closed_contacts(trajectory, float(t), hold=1.0 / (6.0 * slow))
+                draw_toy(trajectory.toy, row, ax, closed=closed)
+                ax.set(xlim=x_limits, ylim=(y_limits[0] + height, y_limits[1] + height))
+                ax.set_title(f"{1e3 * t:.2f} ms, {slow:g} times slower", fontsize=9)
+                ax.set_ylabel("height [mm]", fontsize=8)
+                ax.tick_params(labelsize=7)
+                ax.set_xticks([])
+                writer.grab_frame()
+                if progress is not None:
+                    progress(k / len(times))
+        write_whole(path, draft.read_bytes())
+    return path
+
+
+def _writer(path: Path, fps: float) -> tuple[Any, float]:
+    """The writer for a suffix, and the rate it has."""
+    suffix = path.suffix.lower()
+    if suffix == ".gif":
+        rate = 100.0 / max(2, round(100.0 / fps))
+        below = rate * (1.0 - 1e-9)  # the writer cuts 1000 / fps to whole ms
+        return PillowWriter(fps=below), rate  # type: ignore[arg-type]
+    if suffix != ".mp4":
+        raise ValueError(f"an animation is a .gif or an .mp4, got {path.name}")
+    if not FFMpegWriter.isAvailable():
+        raise FileNotFoundError("an .mp4 needs ffmpeg, which was not found: choose a .gif")
+    return FFMpegWriter(fps=fps), fps  # type: ignore[arg-type]

@@ -1,0 +1,1 @@
+"""From event to event: flow, events, words, trajectories and returns."""

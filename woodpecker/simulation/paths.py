@@ -1,0 +1,243 @@
+"""Paths of the toy: what happens on one return, the smooth map it names, and where that ends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from woodpecker.base.arrays import Codes, Floats, Ints
+from woodpecker.base.compiled import announce
+from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
+from woodpecker.simulation import following, kernel
+from woodpecker.simulation.status import Status, status
+from woodpecker.simulation.words import word
+
+EVENT_LIMIT = 1000  # phases of one return; the longest seen on the paper's data has some 20
+NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """What happens on one return to the section.
+
+    Attributes
+    ----------
+    word
+        Its sequence of events.
+    steps
+        (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.kernel.NO_PATH`.
+    times
+        (n,) durations of the phases [s] where it was found.
+    """
+
+    word: str
+    steps: Ints
+    times: Floats
+
+
+class Watch(Enum):
+    """What a margin watches."""
+
+    MEETING = following.MEETING
+    DIP = following.DIP
+    SPEED = following.SPEED
+    START = following.START
+    COMPRESSION = following.COMPRESSION
+    EXPANSION = following.EXPANDING
+    SWING = following.SWING
+    RESTING = following.RESTING
+    BOUNCES = following.BOUNCES
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Why a path ends where a margin vanishes.
+
+    Attributes
+    ----------
+    watch
+        What the margin watches.
+    phase
+        Which phase of the return, from 0.
+    item
+        The guard, or 4 * contact + inequality of an impact.
+    fired
+        The guard that ends the phase.
+    """
+
+    watch: Watch
+    phase: int
+    item: int
+    fired: int
+
+    @property
+    def sentence(self) -> str:
+        """The cause for a person, such as "the beak and the upper sleeve strike at once"."""
+        match self.watch:
+            case Watch.MEETING:
+                return _at_once(self.item, self.fired)
+            case Watch.DIP:
+                return f"{_grazes(self.item)} in phase {self.phase + 1}"
+            case Watch.SPEED:
+                return f"{_grazes(self.item)} at the end of phase {self.phase + 1}"
+            case Watch.START:
+                return f"{NAMES[self.item % 3]} only just {_stays(self.item)}"
+            case Watch.COMPRESSION | Watch.EXPANSION:
+                return self._of_impact()
+            case Watch.SWING:
+                return "the sleeve jams exactly where the woodpecker turns round"
+            case Watch.RESTING:
+                return "friction only just holds the toy at rest"
+            case Watch.BOUNCES:
+                return f"the bounces of {NAMES[self.item]} only just come to an end"
+
+    def _of_impact(self) -> str:
+        contact, inequality = divmod(self.item, 4)
+        phase = "compression" if self.watch is Watch.COMPRESSION else "expansion"
+        what = {
+            following.NORMAL_SIDE: "only just takes part in",
+            following.ALONG: "stops sliding exactly at the end of",
+            following.CONE_PLUS: "only just sticks in",
+            following.CONE_MINUS: "only just sticks in",
+        }[inequality]
+        return f"{NAMES[contact]} {what} the {phase}"
+
+
+def _at_once(first: int, second: int) -> str:
+    if second == SECTION:
+        return f"{NAMES[first % 3]} {_does(first)} exactly where the woodpecker turns round"
+    names = [NAMES[guard % 3] for guard in sorted((first, second), key=lambda g: g % 3)]
+    if _does(first) == _does(second):
+        plural = {"strikes": "strike", "detaches": "detach", "stops": "stop"}
+        return f"{names[0]} and {names[1]} {plural.get(_does(first), 'begin to slip')} at once"
+    return " and ".join(f"{NAMES[g % 3]} {_does(g)}" for g in (first, second)) + " at once"
+
+
+def _does(guard: int) -> str:
+    """What happens at a contact where a guard fires."""
+    if guard < NORMAL:
+        return "strikes"
+    if guard < NORMAL + 3:
+        return "detaches"
+    return "stops" if guard >= SLIP else "begins to slip"
+
+
+def _grazes(guard: int) -> str:
+    if guard < NORMAL:
+        return f"{NAMES[guard]} grazes the pole"
+    return f"{NAMES[guard % 3]} only just {_does(guard)}"
+
+
+def _stays(guard: int) -> str:
+    if guard < NORMAL:
+        return "leaves the pole"
+    if guard < NORMAL + 3:
+        return "stays at the pole"
+    return "begins to slide" if guard >= SLIP else "sticks"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Along:
+    """A return along a path.
+
+    Attributes
+    ----------
+    phi_s, period, drop
+        Image [rad], time [s] and distance fallen [m].
+    slope, d_parameter
+        Derivatives of the image in the start and along the direction of the table.
+    margins, causes
+        (m,) numbers that are positive where the toy does follow the path, and their codes.
+    times
+        Durations of the phases [s].
+    """
+
+    phi_s: float
+    period: float
+    drop: float
+    slope: float
+    d_parameter: float
+    margins: Floats
+    causes: Ints
+    times: Floats
+
+
+class Follower:
+    """Room and numbers to trace returns of one toy and to follow their paths.
+
+    Parameters
+    ----------
+    numbers, change, seed
+        As :func:`woodpecker.simulation.kernel.sweep` takes them; ``seed`` is (1, 3).
+    """
+
+    def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
+        self.numbers, self.change = numbers, change
+        self._seeds = np.zeros((2, 3))
+        self._seeds[1] = (1.0, 0.0, 0.0) if seed is None else seed[0]
+        self._z, self._tangents = np.zeros(7), np.zeros((2, 7))
+        self._codes: Codes = np.zeros(EVENT_LIMIT, dtype=np.int16)
+        self._phases = np.zeros((EVENT_LIMIT + 1, kernel.PHASE_COLUMNS))
+        self._steps = np.zeros((EVENT_LIMIT + 1, kernel.STEP_COLUMNS), dtype=np.int64)
+        self._counts, self._found = np.zeros(3, dtype=np.int64), np.zeros(1, dtype=np.int64)
+        self._margins = np.zeros(following.MARGINS)
+        self._causes = np.zeros(following.MARGINS, dtype=np.int64)
+        self._room, self._memory = kernel.make_room(), np.zeros((2, 7))
+        self._no_events = np.zeros((0, kernel.EVENT_COLUMNS))
+        announce(kernel.run)
+
+    def trace(self, phi_s: float) -> tuple[Status, Path]:
+        """Let the toy go from the section at phi_S [rad]: what happens until it returns."""
+        z, counts = self._z, self._counts
+        z[:] = 0.0
+        counts[:] = 0
+        z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
+        code = kernel.run(
+            self.numbers, FIXED, z, self._tangents[:0], self._seeds[:0], np.array([0, 1, 0]), True,
+            math.inf, self._codes, self._phases, self._steps, self._no_events, counts,
+        )  # fmt: skip
+        starts = np.append(self._phases[: counts[1], 6], z[6])
+        text = word(self._codes[: min(counts[0], EVENT_LIMIT)].tolist())
+        return status(code), Path(text, self._steps[: counts[1]].copy(), np.diff(starts))
+
+    def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
+        """The return from phi_S [rad] along a path; None if the path does not reach so far.
+
+        Parameters
+        ----------
+        times
+            Durations of the phases at a neighbouring start; by default those of the path.
+        """
+        z, tangents, found = self._z, self._tangents, self._found
+        z[:] = tangents[:] = 0.0
+        z[1], z[2], tangents[0, 2] = -self.numbers[CONTACT + 1, LIMIT], phi_s, 1.0
+        if len(self.change) > 0:
+            tangents[1, 1] = -self.change[CONTACT + 1, LIMIT]
+        times = (path.times if times is None else times).copy()
+        code = following.follow(
+            self.numbers, self.change, path.steps, times, z, tangents, self._seeds, self._margins,
+            self._causes, found, self._room, self._memory,
+        )  # fmt: skip
+        if code != kernel.RETURNED:
+            return None
+        m = int(found[0])
+        return Along(
+            phi_s=float(z[2]),
+            period=float(z[6]),
+            drop=-float(z[0]),
+            slope=float(tangents[0, 2]),
+            d_parameter=float(tangents[1, 2]),
+            margins=self._margins[:m].copy(),
+            causes=self._causes[:m].copy(),
+            times=times,
+        )
+
+
+def cause_of(path: Path, code: int) -> Cause:
+    """What a margin of a path watches."""
+    phase, rest = divmod(code, 1000)
+    kind, item = divmod(rest, 100)
+    return Cause(Watch(kind), phase, item, int(path.steps[phase, kernel.GUARD]))

@@ -1,0 +1,198 @@
+"""The return map P_j on the section of jammed, resting sleeves [Leine2001, Eqs. 12-13]."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker.base.arrays import Codes, Floats, Ints
+from woodpecker.base.checks import number, real_array, whole
+from woodpecker.base.compiled import COMPILED, announce
+from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.mechanics.toy import Toy
+from woodpecker.simulation import kernel
+from woodpecker.simulation.status import Status, status
+from woodpecker.simulation.words import EventKind, word
+
+EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
+CHUNK = 256  # starts handed to one worker at a time
+RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Return:
+    """One return to the section.
+
+    Parameters
+    ----------
+    phi_s
+        Image P_j(phi_S) [rad]; nan if the toy does not return.
+    period, drop
+        Time [s] and distance fallen [m, positive down]. For a toy that falls off the pole the drop
+        is the length of the pole, for one that falls for ever it is infinite.
+    slope
+        d P_j / d phi_S [-], exact, from the variational flow.
+    d_eps_n1
+        d P_j / d eps_N1 [rad], exact likewise.
+    word
+        Sequence of events.
+    status
+        Why the run ended.
+    """
+
+    phi_s: float
+    period: float
+    drop: float
+    slope: float
+    d_eps_n1: float
+    word: str
+    status: Status
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReturnMap:
+    """Returns of many starts; arrays of shape (n,) with the meaning of :class:`Return`."""
+
+    start: Floats
+    phi_s: Floats
+    period: Floats
+    drop: Floats
+    slope: Floats
+    d_eps_n1: Floats
+    words: tuple[str, ...]
+    status: tuple[Status, ...]
+
+
+def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
+    """Start at rest on the section and follow the toy for ``order`` returns.
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    phi_s
+        Angle of the woodpecker at the start [rad], below ``toy.phi_s_max``.
+    order
+        Number of returns j >= 1; the toy is simulated again, P_1 is never interpolated.
+
+    Raises
+    ------
+    ValueError
+        If phi_s is not one number, not finite or beyond the beak's contact, or the order is no
+        whole number of at least 1.
+    """
+    start = np.array([number("phi_s", phi_s)])
+    many = _chunk(toy, checked_starts(toy, start), whole("order", order))
+    return Return(
+        **{name: float(getattr(many, name)[0]) for name in _COLUMNS},
+        word=many.words[0],
+        status=many.status[0],
+    )
+
+
+def return_map(
+    toy: Toy, phi_s: npt.ArrayLike, order: int = 1, *, executor: Executor | None = None
+) -> ReturnMap:
+    """P_order at many starts, on all cores.
+
+    Parameters
+    ----------
+    toy, order
+        As for :func:`first_return`.
+    phi_s
+        Starts [rad], any shape; the result is flat.
+    executor
+        Any executor of :mod:`concurrent.futures` (a process pool, dask, MPI) to carry the work.
+        By default the compiled kernel runs in threads and the plain one serially.
+
+    Raises
+    ------
+    ValueError
+        As :func:`first_return`, or if starts are no real numbers.
+    """
+    starts, order = checked_starts(toy, phi_s), whole("order", order)
+    parts = [starts[k : k + CHUNK] for k in range(0, len(starts), CHUNK)] or [starts]
+    if executor is not None:
+        results = list(executor.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
+    elif COMPILED and len(parts) > 1:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            results = list(pool.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
+    else:
+        results = [_chunk(toy, part, order) for part in parts]
+    return joined(results)
+
+
+def joined(parts: Sequence[ReturnMap]) -> ReturnMap:
+    """Several maps as one, in their order."""
+    columns = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in ("start", *_COLUMNS)
+    }
+    return ReturnMap(
+        **columns,
+        words=tuple(text for part in parts for text in part.words),
+        status=tuple(reason for part in parts for reason in part.status),
+    )
+
+
+_COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
+_SEED = np.array([[1.0, 0.0, 0.0]])
+
+
+def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
+    """Starts [rad] as a flat array; ValueError unless the toy can start from all of them."""
+    starts = real_array("phi_s", phi_s).ravel()
+    bad = starts[~(np.isfinite(starts) & (starts < toy.phi_s_max))]
+    if bad.size:
+        raise ValueError(
+            f"phi_s must be finite and below {toy.phi_s_max:.6g}, where the beak touches the pole, "
+            f"got {bad[0]}"
+        )
+    return starts
+
+
+def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Codes]:
+    """Call the kernel: columns (n, 5), return codes (n,), word lengths (n,), words (n, limit)."""
+    n = len(starts)
+    out = np.empty((n, len(_COLUMNS)))
+    codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+    words = np.empty((n, EVENT_LIMIT * order), dtype=np.int16)
+    announce(kernel.sweep)
+    kernel.sweep(model(toy), FIXED, starts, order, _SEED, out, codes, lengths, words)
+    return out, codes, lengths, words
+
+
+def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
+    """Map some starts in this thread or process."""
+    out, codes, lengths, words = _sweep(toy, starts, order)
+    known: dict[bytes, str] = {}
+    texts = []
+    for row, length in zip(words, lengths, strict=True):
+        key = row[:length].tobytes()
+        if key not in known:
+            known[key] = word(row[:length].tolist())
+        texts.append(known[key])
+    endless = codes == kernel.FREE_FALL
+    if math.isfinite(toy.pole):
+        codes[endless] = kernel.POLE_END
+    lost = codes != kernel.RETURNED
+    out[np.ix_(lost, [0, 1, 3, 4])] = np.nan
+    out[(codes == kernel.POLE_END) | endless, 2] = toy.pole
+    return ReturnMap(
+        start=starts,
+        **{name: np.ascontiguousarray(out[:, k]) for k, name in enumerate(_COLUMNS)},
+        words=tuple(texts),
+        status=tuple(map(_reason, codes.tolist(), texts)),
+    )
+
+
+def _reason(code: int, text: str) -> Status:
+    if code == kernel.RETURNED and EventKind.INDETERMINATE_IMPACT.value in text:
+        return Status.RETURNED_INDETERMINATE
+    return status(code)

@@ -1,0 +1,46 @@
+"""Why a run of the kernel stopped, as sentences a user reads."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from woodpecker.simulation import kernel
+
+
+class Status(Enum):
+    """How a run ended; the value is the sentence for a user."""
+
+    RETURNED = "the toy returned to the section"
+    RETURNED_INDETERMINATE = (
+        "the toy returned, but the contact laws leave the impulses of an impact open: "
+        "the middle of all solutions was taken"
+    )
+    TIME_REACHED = "the requested time was reached"
+    FREE_FALL = "free fall: the toy slides or falls along the pole for ever"
+    POLE_END = "free fall: the toy fell off the end of the pole"
+    AT_REST = "the toy stays at rest on the pole"
+    EVENT_LIMIT = "the event limit was reached before the toy returned"
+    CONTACT_NO_SOLUTION = "a contact problem has no solution"
+    CONTACT_AMBIGUOUS = "a contact problem has several solutions"
+
+    @property
+    def success(self) -> bool:
+        """Whether the run ended as asked."""
+        return self in (Status.RETURNED, Status.RETURNED_INDETERMINATE, Status.TIME_REACHED)
+
+
+_BY_CODE = {
+    kernel.RETURNED: Status.RETURNED,
+    kernel.TIME_REACHED: Status.TIME_REACHED,
+    kernel.FREE_FALL: Status.FREE_FALL,
+    kernel.POLE_END: Status.POLE_END,
+    kernel.AT_REST: Status.AT_REST,
+    kernel.EVENT_LIMIT: Status.EVENT_LIMIT,
+    kernel.CONTACT_NO_SOLUTION: Status.CONTACT_NO_SOLUTION,
+    kernel.CONTACT_AMBIGUOUS: Status.CONTACT_AMBIGUOUS,
+}
+
+
+def status(code: int) -> Status:
+    """Status of a kernel's return code."""
+    return _BY_CODE[code]

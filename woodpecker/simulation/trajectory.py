@@ -1,0 +1,380 @@
+"""Simulation: the exact solution between events, the events, and the energy balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import number, positive, real_array, whole
+from woodpecker.base.compiled import announce
+from woodpecker.mechanics.equations import (
+    energy,
+    mass_matrix,
+    normal_directions,
+    tangential_directions,
+)
+from woodpecker.mechanics.modes import (
+    FIXED,
+    LAMBDA,
+    OMEGA,
+    Contact,
+    mode_states,
+    model,
+)
+from woodpecker.mechanics.toy import Toy
+from woodpecker.simulation import kernel
+from woodpecker.simulation.status import Status, status
+from woodpecker.simulation.words import EventKind, decode, symbol, word
+
+MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
+SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
+GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """A state of the toy: angles [rad], displacement [m] and velocities [rad/s, m/s]."""
+
+    phi_m: float
+    phi_s: float
+    y: float = 0.0
+    dy: float = 0.0
+    dphi_m: float = 0.0
+    dphi_s: float = 0.0
+
+    @classmethod
+    def on_section(cls, toy: Toy, phi_s: float) -> State:
+        """At rest with the sleeve on its lower contact."""
+        return cls(phi_m=-toy.phi_m_max, phi_s=phi_s)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Impulse:
+    """Impulses [N s] at one contact, normal and tangential, in compression and expansion."""
+
+    contact: int
+    normal_compression: float
+    tangential_compression: float
+    normal_expansion: float
+    tangential_expansion: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """What happened at one instant.
+
+    Velocities are (dy [m/s], dphi_M [rad/s], dphi_S [rad/s]); they differ only at impacts.
+    """
+
+    symbol: str
+    kind: EventKind
+    contacts: tuple[int, ...]
+    time: float
+    u_before: tuple[float, float, float]
+    u_after: tuple[float, float, float]
+    impulses: tuple[Impulse, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trajectory:
+    """An exact solution of the toy.
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    t, q, u
+        Samples: times (n,), coordinates (n, 3) and velocities (n, 3). Event times occur twice,
+        with the velocities before and after.
+    events
+        In order of time; events of one instant keep the order of cause and effect.
+    word
+        The symbols of the events.
+    status
+        Why the run ended.
+    t_end
+        Time at which it ended [s].
+    drop
+        Distance fallen [m]; infinite if the toy falls for ever.
+    """
+
+    toy: Toy
+    t: Floats
+    q: Floats
+    u: Floats
+    events: tuple[Event, ...]
+    word: str
+    status: Status
+    t_end: float
+    drop: float
+    phases: Floats = field(repr=False)
+
+    def at(self, t: npt.ArrayLike, *, left: bool = False) -> tuple[Floats, Floats]:
+        """Exact coordinates and velocities, shapes (..., 3), at times in [0, t_end].
+
+        At an event the velocities after it, or before it if ``left``.
+
+        Raises
+        ------
+        ValueError
+            If a time is no real number or lies outside [0, t_end].
+        """
+        times = real_array("t", t)
+        flat = np.ascontiguousarray(times.ravel())
+        if not np.all((flat >= 0.0) & (flat <= self.t_end)):
+            outside = flat[~((flat >= 0.0) & (flat <= self.t_end))][0]
+            raise ValueError(f"t must lie in [0, {self.t_end:.9g}], got {outside}")
+        out = np.empty((flat.size, 7))
+        kernel.sample(model(self.toy), self.phases, flat, left, out)
+        shape = (*times.shape, 3)
+        return out[:, :3].reshape(shape), out[:, 3:6].reshape(shape)
+
+
+def simulate(
+    toy: Toy,
+    start: float | State,
+    t_end: float,
+    *,
+    samples: int = SAMPLES,
+    max_events: int = MAX_EVENTS,
+) -> Trajectory:
+    """Follow the toy until ``t_end`` [s].
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    start
+        Angle phi_S [rad] of a start at rest on the section, or any :class:`State`.
+    t_end
+        Time to stop at [s], positive and finite.
+    samples
+        Number of evenly spaced samples to which the event times are added.
+    max_events
+        Limit on the number of events.
+
+    Raises
+    ------
+    ValueError
+        If the start is neither a number nor a state or penetrates a contact, t_end is not positive
+        and finite, or there are fewer than 2 samples or no events to be followed.
+    """
+    t_end = positive("t_end", t_end)
+    samples, max_events = whole("samples", samples, 2), whole("max_events", max_events)
+    state = start if isinstance(start, State) else State.on_section(toy, number("phi_s", start))
+    numbers = model(toy)
+    z, states = _initial(toy, state)
+    codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
+    phases = np.zeros((max_events + 1, kernel.PHASE_COLUMNS))
+    rows = np.zeros((max_events, kernel.EVENT_COLUMNS))
+    none = np.zeros((0, 7)), np.zeros((0, 3))
+    announce(kernel.run)
+    reason = status(
+        kernel.run(
+            numbers,
+            FIXED,
+            z,
+            *none,
+            states,
+            False,
+            t_end,
+            codes,
+            phases,
+            kernel.NO_PATH,
+            rows,
+            counts,
+        )
+    )
+    phases = phases[: max(1, counts[1])].copy()
+    if counts[1] == 0:
+        phases[0, :7] = z
+    finish, drop = float(z[6]), float(state.y - z[0])
+    if -z[0] > toy.pole:
+        reason = Status.POLE_END
+        finish, drop = _pole_end(toy, numbers, phases, finish), toy.pole + state.y
+    phases.setflags(write=False)
+    events = tuple(_event(row) for row in rows[: counts[2]])
+    times, before = _sample_times(finish, samples, events)
+    out = np.empty((len(times), 7))
+    kernel.sample(numbers, phases, times, False, out)
+    kernel.sample(numbers, phases, times[before], True, left := np.empty((before.sum(), 7)))
+    out[before] = left
+    return Trajectory(
+        toy=toy,
+        t=times,
+        q=np.ascontiguousarray(out[:, :3]),
+        u=np.ascontiguousarray(out[:, 3:6]),
+        events=events,
+        word=word(codes[: min(counts[0], max_events)].tolist()),
+        status=reason,
+        t_end=finish,
+        drop=drop,
+        phases=phases,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EnergyBalance:
+    """Where the energy went [J]; ``residual`` is what the balance misses, zero but for rounding."""
+
+    initial: float
+    final: float
+    friction: float
+    impacts: float
+    largest: float
+
+    @property
+    def residual(self) -> float:
+        """Initial - final - losses, over the largest energy that was exchanged."""
+        return (self.initial - self.final - self.friction - self.impacts) / self.largest
+
+
+def energy_balance(trajectory: Trajectory) -> EnergyBalance:
+    """Losses from forces and impulses, not from the energy they explain.
+
+    Sliding friction is integrated by Gauss quadrature of lambda_T g_T; an impact phase does the
+    work Lambda (g_before + g_after) / 2.
+    """
+    toy, end = trajectory.toy, trajectory.t_end
+    q, u = trajectory.at(np.array([0.0, end]))
+    kinetic, potential = energy(toy, q, u)
+    initial, final = (kinetic + potential).tolist()
+    friction = -_sliding_work(trajectory)
+    impacts = -sum(_impact_work(toy, event) for event in trajectory.events)
+    peak = max(float(energy(toy, trajectory.q, trajectory.u)[0].max()), abs(initial - final))
+    return EnergyBalance(
+        initial=initial, final=final, friction=friction, impacts=impacts, largest=peak or 1.0
+    )
+
+
+def _initial(toy: Toy, state: State) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """Kernel state (7,) and contact states (3,); contacts at rest are decided by the kernel."""
+    values = (state.y, state.phi_m, state.phi_s, state.dy, state.dphi_m, state.dphi_s, 0.0)
+    z = np.array(values, dtype=float)
+    if not np.isfinite(z).all():
+        raise ValueError(f"a state must be finite, got {state}")
+    gaps = (toy.phi_s_max - z[2], toy.phi_m_max + z[1], toy.phi_m_max - z[1])
+    for contact, gap in enumerate(gaps, start=1):
+        if gap < 0.0:
+            raise ValueError(
+                f"the start penetrates contact {contact}: its angle is {-gap:.3g} rad too far"
+            )
+    rates = (-z[5], z[4], -z[4])
+    states = np.zeros(3, dtype=np.int64)
+    for i in range(3):
+        if gaps[i] == 0.0 and rates[i] == 0.0:
+            slip = float(np.dot(tangential_directions(toy)[i], z[3:6]))
+            states[i] = (
+                Contact.STICK if slip == 0.0
+                else Contact.SLIP_POSITIVE if slip > 0.0
+                else Contact.SLIP_NEGATIVE
+            )  # fmt: skip
+    return z, states
+
+
+def _state_at(numbers: Floats, phases: Floats, t: float) -> Floats:
+    out = np.empty((1, 7))
+    kernel.sample(numbers, phases, np.array([t]), False, out)
+    state: Floats = out[0]
+    return state
+
+
+def _pole_end(toy: Toy, numbers: Floats, phases: Floats, finish: float) -> float:
+    """Time at which y passes the end of the pole, by bisection of the last phase."""
+    low, high = float(phases[-1, 6]), finish
+    while low < (middle := 0.5 * (low + high)) < high:
+        if -_state_at(numbers, phases, middle)[0] > toy.pole:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+def _sample_times(
+    finish: float, samples: int, events: tuple[Event, ...]
+) -> tuple[Floats, npt.NDArray[np.bool_]]:
+    """Ascending times, and which of them mean the instant before an event."""
+    grid = np.linspace(0.0, finish, samples)
+    instants = np.array(sorted({event.time for event in events if 0.0 < event.time <= finish}))
+    times = np.concatenate([np.setdiff1d(grid, instants), instants, instants])
+    before = np.zeros(len(times), dtype=bool)
+    before[len(times) - 2 * len(instants) : len(times) - len(instants)] = True
+    order = np.lexsort((~before, times))
+    return times[order], before[order]
+
+
+def _event(row: Floats) -> Event:
+    kind, contacts = decode(int(row[1]))
+    impulses: tuple[Impulse, ...] = ()
+    if kind in (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT):
+        impulses = tuple(
+            Impulse(
+                contact=contact,
+                normal_compression=float(row[8 + 2 * (contact > 1)]),
+                tangential_compression=float(row[9 + 2 * (contact > 1)]),
+                normal_expansion=float(row[12 + 2 * (contact > 1)]),
+                tangential_expansion=float(row[13 + 2 * (contact > 1)]),
+            )
+            for contact in contacts
+        )
+    before, after = row[2:5].tolist(), row[5:8].tolist()
+    return Event(
+        symbol=symbol(int(row[1])),
+        kind=kind,
+        contacts=contacts,
+        time=float(row[0]),
+        u_before=tuple(before),
+        u_after=tuple(after),
+        impulses=impulses,
+    )
+
+
+def _sliding_work(trajectory: Trajectory) -> float:
+    """Integral of lambda_T g_T over all sliding phases [J], negative."""
+    numbers, toy = model(trajectory.toy), trajectory.toy
+    directions: Floats = np.array(tangential_directions(toy))
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    starts = trajectory.phases[:, 6]
+    ends = np.append(starts[1:], trajectory.t_end)
+    total = 0.0
+    for phase, start, end in zip(trajectory.phases, starts, ends, strict=True):
+        mode = int(phase[7])
+        sliding = [i for i, s in enumerate(mode_states(mode)) if s > Contact.STICK]
+        if not sliding or end <= start:
+            continue
+        pieces = 1 + int(2.0 * numbers[mode, OMEGA] * (end - start))
+        edges = np.linspace(0.0, end - start, pieces + 1)
+        half = 0.5 * np.diff(edges)[:, None]
+        times = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
+        out = np.empty((times.size, 7))
+        for k, t in enumerate(times):
+            kernel.flow(numbers, mode, phase[:7], t, out[k])
+        d = out[:, 2] - out[:, 1]
+        for i in sliding:
+            p, r = numbers[mode, LAMBDA + 4 * i + 2 : LAMBDA + 4 * i + 4]
+            power = (p + r * d) * (out[:, 3:6] @ directions[i])
+            total += float(np.sum(power.reshape(pieces, -1) * weights * half))
+    return total
+
+
+def _impact_work(toy: Toy, event: Event) -> float:
+    """Work of the impulses of an impact [J], negative, phase by phase."""
+    if not event.impulses:
+        return 0.0
+    mass: Floats = np.array(mass_matrix(toy))
+    normal: Floats = np.array(normal_directions(toy))
+    tangent: Floats = np.array(tangential_directions(toy))
+    u, work = np.array(event.u_before), 0.0
+    for phase in ("compression", "expansion"):
+        impulse = sum(
+            getattr(p, f"normal_{phase}") * normal[p.contact - 1]
+            + getattr(p, f"tangential_{phase}") * tangent[p.contact - 1]
+            for p in event.impulses
+        )
+        after = u + np.linalg.solve(mass, impulse)
+        work += float(impulse @ (u + after)) / 2.0
+        u = after
+    return work

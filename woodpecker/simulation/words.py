@@ -1,0 +1,78 @@
+"""Events and words: the sequence of events names a piece of the return map.
+
+A symbol is a kind and its contacts: ``I3`` an impact, ``I1+3`` one in which contacts 1 and 3 take
+part, ``D3`` a detachment, ``S2`` slip starts, ``J2`` sticking or jamming starts, ``R2`` slip
+reverses, ``C1`` impacts accumulated until contact 1 closed. ``I~1+3`` is an impact whose impulses
+the contact laws do not fix (:mod:`woodpecker.mechanics.impacts`). ``|`` separates the returns of
+P_j.
+
+In an impact a contact slides through compression and expansion unless letters behind its number say
+otherwise: ``s`` sticks, ``f`` separates; after ``-`` the same of the expansion, where ``r`` is a
+contact that stays although it stores impulse, or leaves although it stores none. So ``I3s`` sticks
+at the end of the compression, ``I1-s`` at the end of the expansion. With these letters a return
+map is smooth where its word is constant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+
+from woodpecker.mechanics.impacts import MARKS
+from woodpecker.simulation import kernel
+
+SEPARATOR = "|"
+
+
+class EventKind(Enum):
+    """What happens at an event; the value is the letter of its symbol."""
+
+    IMPACT = "I"
+    DETACH = "D"
+    SLIP = "S"
+    STICK = "J"
+    REVERSAL = "R"
+    CHATTER = "C"
+    INDETERMINATE_IMPACT = "I~"
+
+
+_KINDS = {
+    kernel.IMPACT: EventKind.IMPACT,
+    kernel.DETACH: EventKind.DETACH,
+    kernel.SLIP_START: EventKind.SLIP,
+    kernel.STICK_START: EventKind.STICK,
+    kernel.REVERSAL: EventKind.REVERSAL,
+    kernel.CHATTER_END: EventKind.CHATTER,
+    kernel.INDETERMINATE_IMPACT: EventKind.INDETERMINATE_IMPACT,
+}
+
+
+_COMPRESSION = ("", "s", "f")
+_EXPANSION = ("", "-s", "-r", "-rs")
+
+
+def decode(code: int) -> tuple[EventKind, tuple[int, ...]]:
+    """Kind and contacts (1-based, ascending) of an event code of the kernel."""
+    return _KINDS[code % 64 // 8], tuple(i + 1 for i in range(3) if code % 8 >> i & 1)
+
+
+def symbol(code: int) -> str:
+    """Symbol of an event code, e.g. ``"I1+3"``; code 0 separates returns."""
+    if code == 0:
+        return SEPARATOR
+    kind, contacts = decode(code)
+    marks = divmod(code // 64, MARKS)[::-1]
+    if kind is EventKind.INDETERMINATE_IMPACT:  # the two ends of the segment of solutions
+        letters = [f"e{mark}" for mark in marks]
+    else:
+        letters = [_COMPRESSION[mark % 3] + _EXPANSION[mark // 3] for mark in marks]
+    pairs = zip(contacts, [*letters, ""], strict=False)
+    return kind.value + "+".join(f"{contact}{text}" for contact, text in pairs)
+
+
+def word(codes: Iterable[int]) -> str:
+    """Word of a sequence of event codes: symbols joined by blanks."""
+    return " ".join([_SYMBOLS[code] if code in _SYMBOLS else symbol(code) for code in codes])
+
+
+_SYMBOLS = {code: symbol(code) for code in range(8 * len(_KINDS)) if code == 0 or code % 8}
