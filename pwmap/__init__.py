@@ -1,12 +1,10 @@
 """Exact analysis of piecewise-linear discontinuous maps; diagrams and their graphs."""
 
-from pwmap.assumptions import UndecidedError
-from pwmap.bifurcations import bifurcation_diagram
-from pwmap.budget import Budget, BudgetError, Progress
-from pwmap.cells import ParameterCell, ParameterCells, parameter_cells
-from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from pwmap.graph import read_graph, write_graph
-from pwmap.maps import (
+from pwmap.algebra.assumptions import UndecidedError
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.graph import read_graph, write_graph
+from pwmap.maps.budget import Budget, BudgetError, Progress
+from pwmap.maps.piecewise_linear import (
     Cycle,
     FixedInterval,
     FixedPoint,
@@ -15,7 +13,9 @@ from pwmap.maps import (
     Piece,
     PiecewiseLinearMap,
 )
-from pwmap.plane import ParameterPlane, Strip, parameter_plane
+from pwmap.parameters.bifurcations import bifurcation_diagram
+from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cells
+from pwmap.parameters.plane import ParameterPlane, Strip, parameter_plane
 
 __all__ = [
     "Branch",

@@ -11,12 +11,12 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
-from pwmap.bifurcations import bifurcation_diagram
-from pwmap.budget import BUDGET, Budget, Progress
-from pwmap.diagram import Diagram
-from pwmap.files import write_figure
-from pwmap.maps import PiecewiseLinearMap
-from pwmap.results import FILES, table_of_branches, table_of_points, write_results
+from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.files import write_figure
+from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
+from pwmap.maps.budget import BUDGET, Budget, Progress
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.bifurcations import bifurcation_diagram
 
 app = typer.Typer(
     help="Exact analysis of piecewise-linear discontinuous maps of the line.",

@@ -14,11 +14,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from sympy import QQ
 
-from pwmap.arithmetic import rational
-from pwmap.cells import ParameterCell
-from pwmap.diagram import Branch, BranchKind, Diagram, FloatArray, PointKind
-from pwmap.maps import PiecewiseLinearMap
-from pwmap.plane import ParameterPlane
+from pwmap.algebra.arithmetic import rational
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, FloatArray, PointKind
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.cells import ParameterCell
+from pwmap.parameters.plane import ParameterPlane
 
 STABLE, UNSTABLE, JUMP = "#08306b", "#d95f0e", "#238b45"
 MARKERS = {

@@ -23,7 +23,7 @@ from peer_kernel import PlainPython
 from peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from record import Results, command, environ
 
-from pwmap.diagram import Diagram
+from pwmap.diagrams.diagram import Diagram
 from woodpecker import Toy, continuation, first_return, return_map, shoot
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import COMPILED

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from pwmap.diagram import BranchKind, Diagram
+from pwmap.diagrams.diagram import BranchKind, Diagram
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler, worker_count
 from woodpecker.mechanics.toy import LAW, Toy, parameters

@@ -26,7 +26,7 @@ from readings import (
 )
 
 from pwmap import Diagram, bifurcation_diagram
-from pwmap.diagram import Hit
+from pwmap.diagrams.diagram import Hit
 
 
 @dataclass

@@ -24,13 +24,13 @@ from pwmap import (
     parameter_cells,
     parameter_plane,
 )
-from pwmap.arithmetic import fraction_of
-from pwmap.assumptions import Region, read_constraints
-from pwmap.exact import polynomial_ring
-from pwmap.inequalities import Constraint, value_at
-from pwmap.linear import Combination, Separation, combination
-from pwmap.parsing import term_of
-from pwmap.signs import possible_signs
+from pwmap.algebra.arithmetic import fraction_of
+from pwmap.algebra.assumptions import Region, read_constraints
+from pwmap.algebra.exact import polynomial_ring
+from pwmap.algebra.inequalities import Constraint, value_at
+from pwmap.algebra.linear import Combination, Separation, combination
+from pwmap.algebra.parsing import term_of
+from pwmap.algebra.signs import possible_signs
 
 TWO = polynomial_ring(sympy.symbols("a b"))
 A, B, MU, X = sympy.symbols("a b mu x")

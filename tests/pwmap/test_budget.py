@@ -17,9 +17,9 @@ from pwmap import (
     cli,
     parameter_cells,
 )
-from pwmap.cylinders import WHOLE_LINE, refined
-from pwmap.diagram import Diagram
-from pwmap.results import LONGEST, short
+from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.tables import LONGEST, short
+from pwmap.maps.cylinders import WHOLE_LINE, refined
 
 TENT = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
 

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from pwmap.graph import read_graph, sanitised, write_graph
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.graph import read_graph, sanitised, write_graph
 
 
 def branch(**changes: object) -> Branch:

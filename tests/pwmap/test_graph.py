@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 from thoroughness import thorough
 
-from pwmap.graph import read_graph, sanitised, write_graph
+from pwmap.diagrams.graph import read_graph, sanitised, write_graph
 
 SUFFIXES = (".graphml", ".gexf", ".json", ".dot", ".gv")
 every_format = pytest.mark.parametrize("suffix", SUFFIXES)

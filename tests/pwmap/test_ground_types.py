@@ -15,7 +15,7 @@ DIAGRAMS = """
 import json, pickle, sys
 from sympy import QQ
 from pwmap import PiecewiseLinearMap, bifurcation_diagram, parameter_cells
-from pwmap.graph import sanitised
+from pwmap.diagrams.graph import sanitised
 import networkx as nx
 
 paper = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])

@@ -19,8 +19,8 @@ from sympy import QQ, Rational
 from test_brute_force import Case, R, check_diagram, curves, number, written
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
-from pwmap.exact import floor, to_float
-from pwmap.roots import RealRoot, ceiling, real_roots, simplest_between, whole_part
+from pwmap.algebra.exact import floor, to_float
+from pwmap.algebra.roots import RealRoot, ceiling, real_roots, simplest_between, whole_part
 
 GOLDEN = real_roots([QQ(1), QQ(-1), QQ(-1)])[1]
 CLOSE = Fraction(1, 10**18)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.diagram import continuation
 from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy

@@ -10,9 +10,9 @@ from typing import Annotated, Any, NamedTuple
 import typer
 from rich.progress import Progress
 
-from pwmap.diagram import Diagram, PointKind
-from pwmap.files import write_figure
-from pwmap.results import FILES, table_of_points, write_results
+from pwmap.diagrams.diagram import Diagram, PointKind
+from pwmap.diagrams.files import write_figure
+from pwmap.diagrams.tables import FILES, table_of_points, write_results
 from woodpecker.cli.options import (
     GUESS,
     INTERRUPTED,

@@ -9,7 +9,7 @@ import numpy as np
 import typer
 from rich.table import Table
 
-from pwmap.files import write_figure, write_table
+from pwmap.diagrams.files import write_figure, write_table
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval
 from woodpecker.cli.options import (

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from rich.table import Table
 
-from pwmap.files import write_figure, write_table
+from pwmap.diagrams.files import write_figure, write_table
 from woodpecker.cli.options import (
     GUESS,
     CommandError,

@@ -14,8 +14,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
-from pwmap.diagram import BranchKind, PointKind
-from pwmap.files import write_whole
+from pwmap.diagrams.diagram import BranchKind, PointKind
+from pwmap.diagrams.files import write_whole
 from woodpecker.piecewise.borders import Edge
 from woodpecker.piecewise.maps import SAME_CYCLE, Evaluation
 from woodpecker.piecewise.network import Sample

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.piecewise.maps import Cycle, LabelledMap, correct, iterate, tangent
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stepping import PathPoint

@@ -15,7 +15,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pwmap.diagram import BranchKind
+from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Done, Pending, Scheduler
 from woodpecker.piecewise.checkpoint import DONE, PATH, Entry, Journal, of_runs, to_runs
 from woodpecker.piecewise.jumps import Jump

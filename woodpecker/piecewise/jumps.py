@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from scipy.optimize import brentq
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.piecewise.borders import (
     NEAR,
     ROUGHLY,

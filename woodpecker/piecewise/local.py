@@ -15,9 +15,9 @@ from fractions import Fraction
 
 import sympy
 
-from pwmap.bifurcations import bifurcation_diagram as exact_diagram
-from pwmap.diagram import BranchKind, Diagram, SpecialPoint
-from pwmap.maps import PiecewiseLinearMap
+from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.bifurcations import bifurcation_diagram as exact_diagram
 from woodpecker.piecewise.borders import Edge, edge_at
 from woodpecker.piecewise.maps import LabelledMap
 from woodpecker.piecewise.tolerances import DEFAULT, Tolerances

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.piecewise.borders import Edge
 from woodpecker.piecewise.jumps import JUMP_ENDS
 from woodpecker.piecewise.stepping import CLOSED, DIVIDES

@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from pwmap.diagram import runs_of
+from pwmap.diagrams.diagram import runs_of
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import interval, number, positive, whole
 from woodpecker.piecewise.borders import NEAR, WIDENINGS, Edge, is_continuous, limit_of

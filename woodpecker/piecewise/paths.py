@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import (
     Edge,

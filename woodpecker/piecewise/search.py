@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pwmap.diagram import Branch, BranchKind
+from pwmap.diagrams.diagram import Branch, BranchKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Pending, Scheduler
 from woodpecker.piecewise.checkpoint import SLICE, Entry

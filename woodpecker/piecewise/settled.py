@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.diagram import BranchKind, Diagram
+from pwmap.diagrams.diagram import BranchKind, Diagram
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, real_array, whole
 from woodpecker.piecewise.partition import SampledMap

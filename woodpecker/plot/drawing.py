@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from scipy.interpolate import CubicSpline
 
-from pwmap.files import write_whole
+from pwmap.diagrams.files import write_whole
 from pwmap.plot import UNSTABLE
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.modes import Contact, mode_states

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
-from pwmap.diagram import BranchKind, Diagram
+from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, plot_diagram
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.toy import Toy

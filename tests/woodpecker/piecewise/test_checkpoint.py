@@ -18,7 +18,7 @@ import pytest
 from maps import paper
 
 from pwmap import Branch, Diagram, PointKind, SpecialPoint
-from pwmap.diagram import BranchKind
+from pwmap.diagrams.diagram import BranchKind
 from woodpecker import Toy, bifurcation_diagram, continuation, find_all, saved_diagram, shoot
 from woodpecker.base.compiled import COMPILED
 from woodpecker.diagram import whole_diagram

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.diagram import connected
 from woodpecker.piecewise.conditioning import FINE, TOO_STEEP, TRANSIT, checked, gentle
 from woodpecker.piecewise.maps import Cycle, Evaluation, LabelledMap, correct, evaluate

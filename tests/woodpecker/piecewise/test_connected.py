@@ -24,7 +24,7 @@ from maps import (
     two_lines,
 )
 
-from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.diagram import WINDOW, connected, continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.explore import Stage

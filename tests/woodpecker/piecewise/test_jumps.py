@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 from maps import A, moving_edge, paper, staircase, two_lines
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.piecewise.borders import Edge, edge_between
 from woodpecker.piecewise.jumps import JumpPoint, follow_jump, jump_through
 from woodpecker.piecewise.maps import Evaluation, LabelledMap, iterate

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from pwmap.diagram import BranchKind, PointKind
+from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.piecewise.jumps import JUMP_ENDS
 from woodpecker.piecewise.network import Atlas, Sample
 

@@ -32,7 +32,7 @@ from maps import (
 )
 from thoroughness import thorough
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.piecewise.borders import Edge
 from woodpecker.piecewise.maps import Evaluation, LabelledMap, evaluate
 from woodpecker.piecewise.stepping import PathPoint, Settings, classify, follow, follow_from

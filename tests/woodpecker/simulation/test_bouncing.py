@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import reference_mpmath
 
-from pwmap.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker import Status, Toy, continuation, first_return, shoot
 from woodpecker.mechanics.toy import ExpansionFriction
 from woodpecker.toymaps import toy_map

@@ -5,8 +5,8 @@ cylindrical decomposition. Both are complete. Where all inequalities cannot be s
 that must be equations are solved for a parameter. Inside an interior points are moved along one
 parameter after the other, as far as the inequalities allow, which is exact too.
 
-Points depend on the order in which the parameters are listed (see :mod:`pwmap.ranks`), but not on
-their names, nor on the order of the inequalities.
+Points depend on the order in which the parameters are listed (:mod:`pwmap.algebra.ranks`), but not
+on their names, nor on the order of the inequalities.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.exact import Number, Ring, constant, is_constant, sign
-from pwmap.inequalities import (
+from pwmap.algebra.exact import Number, Ring, constant, is_constant, sign
+from pwmap.algebra.inequalities import (
     Constraint,
     affine,
     along,
@@ -33,9 +33,9 @@ from pwmap.inequalities import (
     value_at,
     variables,
 )
-from pwmap.linear import Combination, combination
-from pwmap.opencells import open_point
-from pwmap.roots import Real, bounds, real_roots, simplest_between
+from pwmap.algebra.linear import Combination, combination
+from pwmap.algebra.opencells import open_point
+from pwmap.algebra.roots import Real, bounds, real_roots, simplest_between
 
 SEED = 1
 DENOMINATORS = (7, 17, 97, 1009, 1000003)  # of the steps in a gap: plain numbers first, then large

@@ -17,10 +17,17 @@ from typing import Any, NamedTuple
 
 import sympy
 
-from pwmap.arithmetic import Arithmetic, NotPolynomialError, Quotient
-from pwmap.assumptions import Region, UndecidedError
-from pwmap.exact import Fraction_, Number, cancelled, constant, fraction_to_sympy, is_constant
-from pwmap.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name, shortened
+from pwmap.algebra.arithmetic import Arithmetic, NotPolynomialError, Quotient
+from pwmap.algebra.assumptions import Region, UndecidedError
+from pwmap.algebra.exact import (
+    Fraction_,
+    Number,
+    cancelled,
+    constant,
+    fraction_to_sympy,
+    is_constant,
+)
+from pwmap.algebra.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name, shortened
 
 MAX_BREAKS = 1000
 

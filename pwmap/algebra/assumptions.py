@@ -14,8 +14,8 @@ from itertools import islice
 import sympy
 from sympy.core.relational import Relational
 
-from pwmap.arithmetic import Arithmetic, Budget, worked_out
-from pwmap.exact import (
+from pwmap.algebra.arithmetic import Arithmetic, Budget, worked_out
+from pwmap.algebra.exact import (
     Number,
     Packed,
     Ring,
@@ -28,11 +28,11 @@ from pwmap.exact import (
     to_sympy,
     unpacked,
 )
-from pwmap.inequalities import Constraint, shown, variables
-from pwmap.ranks import ranked
-from pwmap.samples import points
-from pwmap.signs import possible_signs
-from pwmap.terms import Operation, Term, shortened
+from pwmap.algebra.inequalities import Constraint, shown, variables
+from pwmap.algebra.ranks import ranked
+from pwmap.algebra.samples import points
+from pwmap.algebra.signs import possible_signs
+from pwmap.algebra.terms import Operation, Term, shortened
 
 _OPPOSITES = {
     Operation.LESS: Operation.GREATER_EQUAL,

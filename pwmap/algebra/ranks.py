@@ -7,8 +7,8 @@ from typing import Any
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.exact import Number, Ring
-from pwmap.inequalities import Constraint
+from pwmap.algebra.exact import Number, Ring
+from pwmap.algebra.inequalities import Constraint
 
 
 def ranked(

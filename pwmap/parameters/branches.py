@@ -15,12 +15,12 @@ from itertools import pairwise
 from math import inf
 from typing import Any, NamedTuple
 
-from pwmap.axis import INFINITE, Axis
-from pwmap.cells import Cell
-from pwmap.cylinders import Cut, Cylinder, Place, minimal_period
-from pwmap.diagram import BranchKind
-from pwmap.exact import Fraction_, cancelled, is_constant
-from pwmap.itineraries import Judge, Orbits, Word
+from pwmap.algebra.exact import Fraction_, cancelled, is_constant
+from pwmap.diagrams.diagram import BranchKind
+from pwmap.maps.cylinders import Cut, Cylinder, Place, minimal_period
+from pwmap.maps.words import Judge, Orbits, Word
+from pwmap.parameters.axis import INFINITE, Axis
+from pwmap.parameters.cells import Cell
 
 Borders = set[tuple[int, int]]  # edge and word length of fixed points that others may end on
 Position = Fraction_ | None  # an x as a quotient; None is infinite

@@ -11,9 +11,15 @@ from string import ascii_uppercase
 import sympy
 from sympy import QQ
 
-from pwmap.arithmetic import MAX_PARAMETERS, Arithmetic, Budget, NotPolynomialError, Quotient
-from pwmap.assumptions import Region, UndecidedError, read_constraints
-from pwmap.exact import (
+from pwmap.algebra.arithmetic import (
+    MAX_PARAMETERS,
+    Arithmetic,
+    Budget,
+    NotPolynomialError,
+    Quotient,
+)
+from pwmap.algebra.assumptions import Region, UndecidedError, read_constraints
+from pwmap.algebra.exact import (
     Fraction_,
     Number,
     Ring,
@@ -24,11 +30,11 @@ from pwmap.exact import (
     polynomial_ring,
     to_sympy,
 )
-from pwmap.inequalities import Constraint, variables
-from pwmap.itineraries import Layout, Table
-from pwmap.parsing import checked_name, shown, term_of
-from pwmap.piecewise import Line, Profile, slot_name
-from pwmap.terms import Operation, Term, plain_name
+from pwmap.algebra.inequalities import Constraint, variables
+from pwmap.algebra.parsing import checked_name, shown, term_of
+from pwmap.algebra.terms import Operation, Term, plain_name
+from pwmap.maps.profiles import Line, Profile, slot_name
+from pwmap.maps.words import Layout, Table
 
 Affine = tuple[Fraction_, Fraction_]  # slope and intercept
 

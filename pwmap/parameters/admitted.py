@@ -9,14 +9,14 @@ from typing import Any
 
 from sympy import QQ
 
-from pwmap.arithmetic import rational
-from pwmap.assumptions import Region
-from pwmap.axis import Axis, ResampleError, identical
-from pwmap.exact import Number, is_constant
-from pwmap.inequalities import Constraint, degree
-from pwmap.maps import PiecewiseLinearMap
-from pwmap.samples import EmptyRegionError
-from pwmap.terms import own_name
+from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.assumptions import Region
+from pwmap.algebra.exact import Number, is_constant
+from pwmap.algebra.inequalities import Constraint, degree
+from pwmap.algebra.samples import EmptyRegionError
+from pwmap.algebra.terms import own_name
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.axis import Axis, ResampleError, identical
 
 Span = tuple[Number | None, Number | None]  # None is an infinite end
 TRIES = 40  # samples: all but the first few are generic but for an accident

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from sympy import QQ
 
-from pwmap.axis import Axis
-from pwmap.diagram import BranchKind, FloatArray, SpecialPoint
-from pwmap.exact import Fraction_, Number, to_float
-from pwmap.runs import Run, Sweep
+from pwmap.algebra.exact import Fraction_, Number, to_float
+from pwmap.diagrams.diagram import BranchKind, FloatArray, SpecialPoint
+from pwmap.parameters.axis import Axis
+from pwmap.parameters.branches import Run, Sweep
 
 SAMPLES = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
 ROUNDING = 2.0**-53  # of one operation, relative

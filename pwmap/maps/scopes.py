@@ -15,8 +15,8 @@ from typing import Any, Protocol
 import sympy
 from sympy import QQ
 
-from pwmap.assumptions import Region, UndecidedError
-from pwmap.exact import (
+from pwmap.algebra.assumptions import Region, UndecidedError
+from pwmap.algebra.exact import (
     Fraction_,
     Number,
     Packed,
@@ -29,8 +29,8 @@ from pwmap.exact import (
     to_sympy,
     unpacked,
 )
-from pwmap.inequalities import Constraint
-from pwmap.roots import (
+from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.roots import (
     Real,
     RealRoot,
     portable,

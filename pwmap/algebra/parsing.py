@@ -18,7 +18,7 @@ from typing import NamedTuple
 import sympy
 from sympy import QQ
 
-from pwmap.terms import (
+from pwmap.algebra.terms import (
     MAX_DEPTH,
     MAX_DIGITS,
     MAX_TERMS,

@@ -12,8 +12,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.exact import Number, is_constant, polynomial_ring
-from pwmap.inequalities import (
+from pwmap.algebra.exact import Number, is_constant, polynomial_ring
+from pwmap.algebra.inequalities import (
     Constraint,
     along,
     degree,
@@ -22,7 +22,7 @@ from pwmap.inequalities import (
     value_at,
     variables,
 )
-from pwmap.roots import gaps_and_roots, real_roots, simplest_between
+from pwmap.algebra.roots import gaps_and_roots, real_roots, simplest_between
 
 
 def open_point(

@@ -21,7 +21,7 @@ from itertools import islice
 from math import lcm, prod
 from typing import NamedTuple
 
-from pwmap.exact import (
+from pwmap.algebra.exact import (
     Fraction_,
     Number,
     Packed,

@@ -16,9 +16,9 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.arithmetic import rational
-from pwmap.exact import to_float
-from pwmap.roots import Dense, Real, RealRoot, real_roots, sign_at, trimmed
+from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.exact import to_float
+from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, sign_at, trimmed
 
 _T = sympy.Symbol("t")
 

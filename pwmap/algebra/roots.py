@@ -16,7 +16,7 @@ from sympy import QQ
 from sympy.polys.densearith import dup_mul, dup_rem
 from sympy.polys.euclidtools import dup_invert
 
-from pwmap.exact import Number, floor, pair, sign, to_float
+from pwmap.algebra.exact import Number, floor, pair, sign, to_float
 
 Dense = tuple[Number, ...]  # coefficients in QQ, highest power first, no leading zero
 _T = sympy.Symbol("t")

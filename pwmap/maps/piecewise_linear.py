@@ -13,12 +13,9 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
-from pwmap import cylinders as cyl
-from pwmap.arithmetic import fraction_of, rational
-from pwmap.assumptions import Region
-from pwmap.budget import checked_size
-from pwmap.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
-from pwmap.exact import (
+from pwmap.algebra.arithmetic import fraction_of, rational
+from pwmap.algebra.assumptions import Region
+from pwmap.algebra.exact import (
     Fraction_,
     Number,
     evaluate,
@@ -29,8 +26,14 @@ from pwmap.exact import (
     sign,
     to_ring,
 )
-from pwmap.inequalities import Constraint
-from pwmap.itineraries import (
+from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.terms import own_name, shortened
+from pwmap.maps import cylinders as cyl
+from pwmap.maps.budget import checked_size
+from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
+from pwmap.maps.reading import Model, read, read_formula
+from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
+from pwmap.maps.words import (
     Judge,
     Layout,
     Offset,
@@ -39,9 +42,6 @@ from pwmap.itineraries import (
     Word,
     over_one_denominator,
 )
-from pwmap.reading import Model, read, read_formula
-from pwmap.scopes import Edge, Scope, SymbolicEdge
-from pwmap.terms import own_name, shortened
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 

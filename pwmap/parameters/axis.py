@@ -19,8 +19,8 @@ from sympy import QQ
 from sympy.polys.densearith import dup_sub
 from sympy.polys.rings import PolyElement
 
-from pwmap.assumptions import Region
-from pwmap.exact import (
+from pwmap.algebra.assumptions import Region
+from pwmap.algebra.exact import (
     Fraction_,
     Number,
     dense,
@@ -33,10 +33,8 @@ from pwmap.exact import (
     to_ring,
     to_sympy,
 )
-from pwmap.inequalities import Constraint
-from pwmap.itineraries import IntegerOrbits, Judge, Orbits, Question
-from pwmap.reading import Model
-from pwmap.roots import (
+from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.roots import (
     Dense,
     RealRoot,
     bounds,
@@ -46,8 +44,10 @@ from pwmap.roots import (
     simplest_between,
     trimmed,
 )
-from pwmap.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
-from pwmap.signs import possible_signs, without_implied
+from pwmap.algebra.signs import possible_signs, without_implied
+from pwmap.maps.reading import Model
+from pwmap.maps.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
+from pwmap.maps.words import IntegerOrbits, Judge, Orbits, Question
 
 INFINITE = "infinite"
 

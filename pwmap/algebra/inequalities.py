@@ -15,9 +15,9 @@ from sympy import QQ
 from sympy.core.relational import Relational
 from sympy.polys.rings import PolyElement
 
-from pwmap.exact import Number, constant, dense, sign, to_sympy
-from pwmap.roots import Dense
-from pwmap.terms import shortened
+from pwmap.algebra.exact import Number, constant, dense, sign, to_sympy
+from pwmap.algebra.roots import Dense
+from pwmap.algebra.terms import shortened
 
 Signs = frozenset[int]
 ANY: Signs = frozenset((-1, 0, 1))

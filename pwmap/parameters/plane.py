@@ -9,11 +9,18 @@ from typing import Any
 
 import sympy
 
-from pwmap.axis import Axis, ResampleError, SymbolicAxis, real_to_sympy
-from pwmap.cells import Cell, ParameterCells, checked_orders, checked_span, shown_cells, with_cells
-from pwmap.maps import PiecewiseLinearMap
-from pwmap.roots import simplest_between
-from pwmap.terms import own_name
+from pwmap.algebra.roots import simplest_between
+from pwmap.algebra.terms import own_name
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.axis import Axis, ResampleError, SymbolicAxis, real_to_sympy
+from pwmap.parameters.cells import (
+    Cell,
+    ParameterCells,
+    checked_orders,
+    checked_span,
+    shown_cells,
+    with_cells,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

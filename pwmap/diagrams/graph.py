@@ -37,8 +37,8 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from pwmap.files import write_whole
-from pwmap.terms import shortened
+from pwmap.algebra.terms import shortened
+from pwmap.diagrams.files import write_whole
 
 Attributes = dict[str, Any]
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.table import Column, Table
 
-from pwmap.diagram import Branch, Diagram, PointKind, SpecialPoint
-from pwmap.files import write_table
-from pwmap.graph import write_graph
+from pwmap.diagrams.diagram import Branch, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.files import write_table
+from pwmap.diagrams.graph import write_graph
 
 LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
 FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json")

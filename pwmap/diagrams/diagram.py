@@ -2,7 +2,7 @@
 
 A branch is a curve over the parameter: fixed points of an iterate P_j, or a jump of P_j
 whose one-sided limits lie strictly on opposite sides of the diagonal. A special point ends
-branches. Both packages share these classes and their export (:mod:`pwmap.graph`).
+branches. Both packages share these classes and their export (:mod:`pwmap.diagrams.graph`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.slices import Slice, Value, exact_number
+from pwmap.diagrams.slices import Slice, Value, exact_number
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

@@ -20,11 +20,11 @@ from typing import Any, NamedTuple, TypeVar
 
 import sympy
 
-from pwmap.admitted import Span, Stretch, samples, shown_sample, stretches
-from pwmap.arithmetic import rational
-from pwmap.axis import Axis, ResampleError, axis_of, identical
-from pwmap.budget import BUDGET, Budget, BudgetError, checked_size
-from pwmap.cylinders import (
+from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.exact import Number
+from pwmap.algebra.terms import own_name
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, checked_size
+from pwmap.maps.cylinders import (
     WHOLE_LINE,
     Cylinder,
     Iterate,
@@ -34,10 +34,10 @@ from pwmap.cylinders import (
     place_of_fixed_point,
     refined,
 )
-from pwmap.exact import Number
-from pwmap.itineraries import Judge, Mark
-from pwmap.maps import PiecewiseLinearMap, checked_order
-from pwmap.terms import own_name
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.words import Judge, Mark
+from pwmap.parameters.admitted import Span, Stretch, samples, shown_sample, stretches
+from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
 
 Result = TypeVar("Result")
 

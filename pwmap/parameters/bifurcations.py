@@ -15,17 +15,25 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.admitted import Span
-from pwmap.axis import Axis
-from pwmap.budget import BUDGET, Budget, BudgetError, Progress, Report
-from pwmap.cells import Cell, Stage, checked_orders, checked_span, close, studied_at, with_cells
-from pwmap.cylinders import Place
-from pwmap.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from pwmap.drawn import is_isolated, samples
-from pwmap.exact import fraction_to_sympy, quotient_to_sympy
-from pwmap.maps import PiecewiseLinearMap
-from pwmap.roots import ceiling, whole_part
-from pwmap.runs import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
+from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.roots import ceiling, whole_part
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Progress, Report
+from pwmap.maps.cylinders import Place
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.admitted import Span
+from pwmap.parameters.arrays import is_isolated, samples
+from pwmap.parameters.axis import Axis
+from pwmap.parameters.branches import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
+from pwmap.parameters.cells import (
+    Cell,
+    Stage,
+    checked_orders,
+    checked_span,
+    close,
+    studied_at,
+    with_cells,
+)
 
 
 def bifurcation_diagram(

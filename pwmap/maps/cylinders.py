@@ -14,8 +14,8 @@ from enum import Enum
 from itertools import pairwise
 from typing import NamedTuple
 
-from pwmap.budget import BUDGET, Budget, BudgetError
-from pwmap.itineraries import Judge, Offset, Order, Word
+from pwmap.maps.budget import BUDGET, Budget, BudgetError
+from pwmap.maps.words import Judge, Offset, Order, Word
 
 
 class Cut(NamedTuple):

@@ -16,8 +16,8 @@ from itertools import chain, combinations, combinations_with_replacement, islice
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.exact import Number, Ring, constant, is_constant, sign
-from pwmap.inequalities import (
+from pwmap.algebra.exact import Number, Ring, constant, is_constant, sign
+from pwmap.algebra.inequalities import (
     ANY,
     Constraint,
     Signs,
@@ -32,8 +32,8 @@ from pwmap.inequalities import (
     value_at,
     variables,
 )
-from pwmap.linear import Combination, combination
-from pwmap.roots import gaps_and_roots, inside, real_roots, sign_at
+from pwmap.algebra.linear import Combination, combination
+from pwmap.algebra.roots import gaps_and_roots, inside, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
 Point = Sequence[Number]  # a value for each parameter

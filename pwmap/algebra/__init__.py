@@ -1,0 +1,1 @@
+"""Exact numbers, formulas, roots and signs of polynomials in the parameters."""

@@ -1,0 +1,1 @@
+"""Branches and special points, their graph, tables and files: of both packages."""

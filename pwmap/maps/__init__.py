@@ -1,0 +1,1 @@
+"""Words, pieces and the maps themselves."""

@@ -1,0 +1,1 @@
+"""Cells of parameters, branches over them, and where these meet."""
