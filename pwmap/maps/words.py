@@ -165,7 +165,8 @@ class Orbits:
         self._powers: list[Number] = [table.one]
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
-        self._slopes: dict[tuple[tuple[int, int], ...], Number] = {}
+        self._slopes: dict[Word, Fraction_] = {}
+        self._products: dict[tuple[tuple[int, int], ...], Number] = {}
         self._polynomials: dict[Question, Number] = {}
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
@@ -214,14 +215,17 @@ class Orbits:
 
     def slope(self, word: Word) -> Fraction_:
         """The slope of A_word, as numerator and denominator; the order of letters is no matter."""
-        counts = tuple(sorted(Counter(word).items()))
-        found = self._slopes.get(counts)
-        if found is None:
-            found = self.table.one
-            for letter, count in counts:
-                found = found * self.table.slopes[letter] ** count
-            self._slopes[counts] = found
-        return found, self.power(len(word))
+        known = self._slopes.get(word)
+        if known is None:
+            counts = tuple(sorted(Counter(word).items()))
+            found = self._products.get(counts)
+            if found is None:
+                found = self.table.one
+                for letter, count in counts:
+                    found = found * self.table.slopes[letter] ** count
+                self._products[counts] = found
+            known = self._slopes[word] = found, self.power(len(word))
+        return known
 
     def intercept(self, word: Word) -> Fraction_:
         """The intercept of A_word, as numerator and denominator."""

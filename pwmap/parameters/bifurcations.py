@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -249,7 +248,7 @@ def _branch(
 ) -> Branch:
     name, axis, orbits = run.name, sweep.axis, sweep.orbits
     low, high = (axis.to_sympy(place) for place in run.places)
-    exact: dict[str, sympy.Basic] = {"interval": _interval(low, high, *run.closed)}
+    exact: dict[str, sympy.Basic] = {"interval": _interval(run, low, high)}
     if run.band is None:
         exact["x"] = fraction_to_sympy(sweep.position(name))
     else:
@@ -278,9 +277,13 @@ def _branch(
     )
 
 
-@lru_cache(maxsize=4096)  # sympy compares the ends by their digits
-def _interval(low: sympy.Expr, high: sympy.Expr, starts: bool, stops: bool) -> sympy.Set:
-    return sympy.Interval(low, high, not starts, not stops)
+def _interval(run: Run, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
+    """The values of the parameter at which a run exists."""
+    if run.places[0] == run.places[1]:
+        return sympy.FiniteSet(low) if all(run.closed) else sympy.EmptySet
+    left, right = (sympy.false if closed else sympy.true for closed in run.closed)
+    # its constructor would compare the ends by their digits; that they ascend is known
+    return sympy.Basic.__new__(sympy.Interval, low, high, left, right)
 
 
 # --- What kind of point ---------------------------------------------------------------------------

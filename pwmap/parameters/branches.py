@@ -8,7 +8,7 @@ ends where the name does, or where its multiplier is +1 or -1. Ends that lie at 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key
 from itertools import pairwise
@@ -23,6 +23,8 @@ from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
 
 Borders = set[tuple[int, int]]  # edge and word length of fixed points that others may end on
+Met = dict[Any, dict[Any, float]]  # for each place exact values, and their floats
+EPSILON = 2.0**-52  # spacing of doubles at 1
 Position = Fraction_ | None  # an x as a quotient; None is infinite
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
@@ -180,6 +182,7 @@ class Sweep:
     unit: int
     span: tuple[Any, Any]
     _positions: dict[Name, Fraction_] = field(default_factory=dict, init=False, repr=False)
+    _values: dict[tuple[Name, Any], Any] = field(default_factory=dict, init=False, repr=False)
     _ends: dict[Run, tuple[End, End]] = field(default_factory=dict, init=False, repr=False)
     _units: dict[tuple[Any, Any], int] = field(default_factory=dict, init=False, repr=False)
 
@@ -275,27 +278,34 @@ class Sweep:
     def _changes(self, name: Name, i: int) -> bool:
         """Whether a fixed point changes its stability at an edge through which it passes."""
         stable = {shows.stable for k in (i - 1, i, i + 1) if (shows := self.present[k][name])}
-        return len(stable) > 1 or self.unit_multiplier(name, self.cells[i].lower) != 0
+        if len(stable) > 1 or name.kind is BranchKind.JUMP or name.cut is not None:
+            return len(stable) > 1
+        judge = self.cells[i].study.judge
+        hits = any(judge.multiplier(name.word, unit) == 0 for unit in (1, -1))
+        return hits and self.unit_multiplier(name, self.cells[i].lower) != 0
 
     def _met(
         self,
         stretches: Sequence[tuple[Name, list[int]]],
         bands: Sequence[tuple[Cylinder, Any]],
         borders: Borders,
-    ) -> set[tuple[Any, Any]]:
-        """Place and x of all ends at which a run may be met that passes there."""
+    ) -> Met:
+        """For each place the x of all ends at which a run may be met that passes there."""
         passed = {
             self.cells[i].lower for name, s in stretches for i in self._exposed(name, s, borders)
         }
-        met: set[tuple[Any, Any]] = set()
+        met: Met = {place: {} for place in passed}
         for name, stretch in stretches if passed else ():
             run = self._run(name, stretch)
-            met |= {(run.places[k], self._value(run, k)) for k in (0, 1) if run.places[k] in passed}
+            for k, place in enumerate(run.places):
+                value = self._value(run, k) if place in passed else None
+                if value is not None and not isinstance(value, Infinite):
+                    met[place][value] = self.axis.number(self.position(name), place)
         for cylinder, place in bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
                     x = self.orbits.preimage(cut.k, cylinder.word[: cut.steps])
-                    met.add((place, self.axis.value(x, place)))
+                    met[place][self.axis.value(x, place)] = self.axis.number(x, place)
         return met
 
     def _exposed(self, name: Name, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
@@ -315,17 +325,30 @@ class Sweep:
         return shows is not None and shows.place is not Place.INSIDE
 
     def _cut(
-        self, name: Name, stretch: Sequence[int], borders: Borders, met: set[tuple[Any, Any]]
+        self, name: Name, stretch: Sequence[int], borders: Borders, met: Met
     ) -> Iterator[Sequence[int]]:
         """The parts of a stretch between the places where other runs end on it."""
         start = 0
         for i in self._exposed(name, stretch, borders):
             place = self.cells[i].lower
-            if (place, self.axis.value(self.position(name), place)) in met:
+            if self._is_among(name, place, met[place]):
                 stop = stretch.index(i)
                 yield stretch[start : stop + 1]
                 start = stop
         yield stretch[start:]
+
+    def _is_among(self, name: Name, place: Any, values: Mapping[Any, float]) -> bool:
+        """Whether the x of what has a name, where it is finite, is one of some values.
+
+        Their floats, right but for the last bit, tell most of them apart; only where they do not,
+        the exact value is taken.
+        """
+        x = self.axis.number(self.position(name), place)
+        near = any(
+            not abs(x - other) > 4.0 * EPSILON * max(abs(x), abs(other))  # also if they overflow
+            for other in values.values()
+        )
+        return near and self._at(name, place) in values
 
     def _run(self, name: Name, stretch: Sequence[int]) -> Run:
         first, last = self.cells[stretch[0]], self.cells[stretch[-1]]
@@ -466,6 +489,12 @@ class Sweep:
             self._positions[name] = name.x(self.orbits)
         return self._positions[name]
 
+    def _at(self, name: Name, place: Any) -> Any:
+        """The x of what has a name at a place, in canonical form."""
+        if (name, place) not in self._values:
+            self._values[name, place] = self.axis.value(self.position(name), place)
+        return self._values[name, place]
+
     def _x(self, run: Run, which: int) -> Position:
         """The x of an end as a quotient."""
         return self.position(run.name) if run.band is None else run.band[which]
@@ -475,7 +504,7 @@ class Sweep:
         x, place = self._x(run, which), run.places[which]
         if x is None:
             return Infinite(2 * which - 1)
-        value = self.axis.value(x, place)
+        value = self._at(run.name, place) if run.band is None else self.axis.value(x, place)
         if value != INFINITE:
             return value
         one = self.orbits.table.one
