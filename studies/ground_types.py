@@ -108,7 +108,8 @@ def draw(timings: dict[str, Timing], names: list[str], kinds: list[str]) -> plt.
         seconds = [timings[f"{name}, {kind}"]["cpu_median"] for name in names]
         at = [row + (i - 0.5) * height for row in range(len(names))]
         bars = ax.barh(at, seconds, height, color=COLORS[kind], label=NAMES[kind])
-        ax.bar_label(bars, fmt="%.2g s", fontsize=7, padding=3)
+        labels = [f"{s:.2g} s" if s > 0.1 else f"{1e3 * s:.2g} ms" for s in seconds]
+        ax.bar_label(bars, labels, fontsize=7, padding=3)
     ax.set_yticks(
         range(len(names)), [name.replace(", orders", ",\norders") for name in names], fontsize=8
     )

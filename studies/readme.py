@@ -431,6 +431,17 @@ def symbolic(results: All) -> str:
     return rows(["", "CPU time"], lines)
 
 
+def ground(results: All) -> str:
+    """Exact jobs with sympy's own rationals and with those of python-flint."""
+    found = results["ground_types"]
+    times = {name: timing["cpu_median"] for name, timing in found["timings"].items()}
+    lines = [
+        [name, seconds(times[f"{name}, python"]), seconds(times[f"{name}, flint"]), f"{gain:.2f}"]
+        for name, gain in found["ratios"].items()
+    ]
+    return rows(["", "sympy's rationals", "python-flint", "ratio"], lines)
+
+
 def machine(results: All) -> str:
     """What the results were measured on."""
     found = results["work_precision"]["environment"]
@@ -445,7 +456,7 @@ BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
         paper, vertices, sensitivities, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
-        machine,
+        ground, machine,
     )
 }  # fmt: skip
 
