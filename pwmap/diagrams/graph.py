@@ -146,7 +146,7 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
         reason = "it is nested too deep"
     except (
         *(ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError),
-        nx.NetworkXError,
+        *(RuntimeError, nx.NetworkXError),  # networkx has a bare "raise"
     ) as error:
         reason = shortened(" ".join(str(error).split()), 200)
     raise ValueError(f"{path} does not hold a graph written by write_graph: {reason}")
@@ -284,6 +284,11 @@ def _once(names: Iterable[Any], what: str) -> None:
 
 def _from_graphml(content: bytes) -> nx.MultiGraph:
     root = _xml(content, ("data", "key"), "id")
+    for key in root.iterfind(".//{*}key"):
+        if key.get("attr.type") is None or key.get("attr.name") is None:
+            raise ValueError(f"the key {shortened(str(key.get('id')))} has no name or no type")
+    if root.find(".//{*}port") is not None:
+        raise ValueError("it has ports, which are not read")
     for data in root.iterfind(".//{*}data"):
         data.text = data.text or ""  # networkx < 3.3 passes over attributes without text
     reader = nx.GraphMLReader(edge_key_type=str, force_multigraph=True)

@@ -142,3 +142,12 @@ def test_mutated_files_are_graphs_or_refused(
 
     check()
     assert {p.name for p in folder.iterdir()} == {f"graph{suffix}", f"other{suffix}"}
+
+
+@pytest.mark.parametrize("missing", ["attr.type", "attr.name"])
+def test_a_key_of_graphml_without_a_name_or_a_type_is_refused(missing: str, tmp_path: Path) -> None:
+    path = tmp_path / "graph.graphml"
+    text = written(".graphml", tmp_path)
+    path.write_text(re.sub(rf' {missing}="[^"]*"', "", text, count=1), encoding="utf-8")
+    with pytest.raises(ValueError, match="has no name or no type"):
+        read_graph(path)

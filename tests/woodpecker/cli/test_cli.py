@@ -321,13 +321,16 @@ def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_pa
 @pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="the first starts take long without numba")
 def test_an_interrupted_map_keeps_what_there_is(tmp_path: Path) -> None:
-    """Ctrl-C as a terminal sends it, while a million starts would take minutes."""
+    """Ctrl-C as a terminal sends it, while a million starts would take minutes.
+
+    The command runs elsewhere, so that it takes the package that was compiled here.
+    """
     return_map(Toy(), np.linspace(-1.0, -0.9, 1024))  # compiles, if that was not done before
     command = [sys.executable, "-m", "woodpecker.cli.app", "map", "--order", "10"]
     folder = tmp_path / "out"
     process = subprocess.Popen(
         [*command, "--points", "1000000", "--out", str(folder)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parents[3],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path,
         env={**os.environ, "COLUMNS": "200"},
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # if it was ignored
     )  # fmt: skip
