@@ -114,10 +114,10 @@ class Region:
             return sign(constant(polynomial))
         found = possible_signs(polynomial, self.constraints, lambda: self._witnesses)
         if len(found) != 1:
+            known = f"follow from {self}" if self.constraints else "follow without assumptions"
             raise UndecidedError(
                 f"the sign of {shortened(str(sympy.factor(to_sympy(polynomial))))} "
-                f"does not follow from {self}: "
-                "assume more (given=[...]) or give a parameter a value (.at)"
+                f"does not {known}: assume more (given=[...]) or give a parameter a value (.at)"
             )
         return next(iter(found))
 

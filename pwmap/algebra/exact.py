@@ -87,6 +87,12 @@ def to_float(number: Number) -> float:
         return math.inf if top > 0 else -math.inf
 
 
+@lru_cache(maxsize=256)
+def names_of(ring: Ring) -> tuple[str, ...]:
+    """Names of the generators of a ring."""
+    return tuple(str(symbol) for symbol in ring.symbols)
+
+
 def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
     """Put rational values for some generators; the result is an element of ``ring``.
 
@@ -95,8 +101,7 @@ def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number
     """
     if not isinstance(number, PolyElement):
         return number if ring is None else ring.ground_new(number)
-    generators = number.ring.symbols
-    fixed = [values.get(str(symbol)) for symbol in generators]
+    fixed = [values.get(name) for name in names_of(number.ring)]
     kept = [i for i, value in enumerate(fixed) if value is None]
     terms: dict[tuple[int, ...], Number] = {}
     for exponents, coefficient in number.terms():

@@ -27,6 +27,7 @@ from pwmap.algebra.exact import (
     evaluate,
     factored_to_sympy,
     is_constant,
+    names_of,
     polynomial_ring,
     sign,
     to_float,
@@ -227,12 +228,11 @@ class Axis(ABC):
     def identity(self) -> Fraction_:
         """The parameter itself, as a quotient."""
         ring = self.model.ring
-        names = [str(symbol) for symbol in ring.symbols]
-        return ring.gens[names.index(self.name)], ring.one
+        return ring.gens[names_of(ring).index(self.name)], ring.one
 
     def degree(self, number: Number) -> int:
         """Degree of a polynomial in the parameter of the axis; 0 for zero."""
-        index = [str(symbol) for symbol in self.model.ring.symbols].index(self.name)
+        index = names_of(self.model.ring).index(self.name)
         return max(0, int(number.degree(index))) if number else 0
 
     def closing(self, places: Sequence[Any]) -> None:  # noqa: B027

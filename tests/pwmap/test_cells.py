@@ -187,5 +187,5 @@ def test_maps_of_different_cells_do_not_compose() -> None:
         with pytest.raises(ValueError, match="r = 2 lies outside of the cell 0 < r < 2"):
             both.at({r: 2})
     shifted = PiecewiseLinearMap([("x/2", "x <= p"), ("x/3", "x > p")])
-    with pytest.raises(UndecidedError, match=r"the sign of .* does not follow from no assumption"):
+    with pytest.raises(UndecidedError, match=r"the sign of .* does not follow without assumptions"):
         (cells[2].map @ shifted).fixed_points()
