@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cache
-from math import lcm
 from typing import NamedTuple
 
 import sympy
@@ -123,12 +122,6 @@ def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:
 def dense_in(polynomial: PolyElement, variable: int) -> Dense:
     """Coefficients of a polynomial in this one generator only."""
     return dense(polynomial, variable)
-
-
-def integers(numbers: Sequence[Number]) -> list[int]:
-    """Rationals times their common denominator."""
-    scale = lcm(*(int(QQ.denom(number)) for number in numbers))
-    return [int(QQ.numer(number)) * (scale // int(QQ.denom(number))) for number in numbers]
 
 
 @cache

@@ -31,9 +31,9 @@ def trimmed(coefficients: Iterable[Number]) -> Dense:
     return tuple(result)
 
 
-def integers(polynomial: Iterable[Number]) -> tuple[int, ...]:
-    """The coefficients of the least positive multiple of a polynomial that has integers only."""
-    pairs = [pair(coefficient) for coefficient in polynomial]
+def integers(numbers: Iterable[Number]) -> tuple[int, ...]:
+    """Rationals, such as the coefficients of a polynomial, times their common denominator."""
+    pairs = [pair(number) for number in numbers]
     common = lcm(*(bottom for _, bottom in pairs))
     return tuple(top * (common // bottom) for top, bottom in pairs)
 

@@ -27,7 +27,6 @@ from pwmap.algebra.inequalities import (
     connected,
     degree,
     factors,
-    integers,
     shown,
     total_degree,
     value_at,
@@ -35,7 +34,7 @@ from pwmap.algebra.inequalities import (
 )
 from pwmap.algebra.linear import Combination, combination
 from pwmap.algebra.opencells import open_point
-from pwmap.algebra.roots import Real, bounds, real_roots, simplest_between
+from pwmap.algebra.roots import Real, bounds, integers, real_roots, simplest_between
 
 SEED = 1
 DENOMINATORS = (7, 17, 97, 1009, 1000003)  # of the steps in a gap: plain numbers first, then large

@@ -26,14 +26,13 @@ from pwmap.algebra.inequalities import (
     degree,
     dense_in,
     factors,
-    integers,
     proportion,
     total_degree,
     value_at,
     variables,
 )
 from pwmap.algebra.linear import Combination, combination
-from pwmap.algebra.roots import gaps_and_roots, inside, real_roots, sign_at
+from pwmap.algebra.roots import gaps_and_roots, inside, integers, real_roots, sign_at
 
 Constraints = tuple[Constraint, ...]
 Point = Sequence[Number]  # a value for each parameter
