@@ -37,6 +37,7 @@ class PointKind(StrEnum):
 
     LP = "LP"
     PD = "PD"
+    BP = "BP"
     BC = "BC"
     FF = "FF"
     WC = "WC"
@@ -57,6 +58,7 @@ class PointKind(StrEnum):
 _MEANINGS = {
     "LP": "fold: multiplier +1",
     "PD": "flip: multiplier -1",
+    "BP": "branch point: multiplier +1, two branches cross",
     "BC": "border collision: a fixed point meets a jump",
     "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
     "WC": "word change: the sequence of events changes, the map does not jump",

@@ -1,0 +1,485 @@
+"""Branches of orbits with fixed pieces: predictor, corrector, step control, and one locator.
+
+A *stretch* is a piece of a branch along which no piece changes. It ends where a condition holds:
+a margin vanishes, an orbit leaves the window, the branch turns round. Each such end is an orbit that
+obeys that condition, found by Newton's method, not the last of some halvings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+from scipy.optimize import brentq
+
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.borders import lowest_dip
+from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.orbits import (
+    Closed,
+    Condition,
+    Coordinate,
+    Distance,
+    Margin,
+    Orbit,
+    Solution,
+    moved,
+    orbit_of,
+    scales,
+    solve,
+    tangent,
+)
+from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.settings import Settings
+
+
+class Stop(Enum):
+    """Why a stretch ends."""
+
+    BORDER = "a margin vanishes"
+    FOLD = "the branch turns round"
+    FLIP = "the multiplier is -1"
+    BRANCHING = "another branch crosses"
+    LIMIT = "a limit of the jump meets the diagonal"
+    TAIL = "a limit of the jump meets a border"
+    SPAN = "end of the parameter span"
+    WINDOW = "end of the window"
+    CLOSED = "the branch closes"
+    OTHER_PIECE = "the map takes another piece"
+    SHORT = "steps become too short"
+    MANY = "as many samples as allowed"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """An orbit of a branch, and the way it goes.
+
+    Attributes
+    ----------
+    orbit
+        The orbit.
+    tangent
+        (n + 1,) in scaled unknowns, forward.
+    forward
+        Whether this is the sign of :func:`woodpecker.engine.orbits.tangent`; it changes at branch
+        points.
+    jump
+        The jump at the end of a border orbit, if one is followed.
+    """
+
+    orbit: Orbit
+    tangent: Floats
+    forward: bool = True
+    jump: Jump | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """Orbits of a branch whose pieces do not change.
+
+    Attributes
+    ----------
+    samples
+        From the start to the end, at least one.
+    stop
+        Why it ends.
+    margins
+        Which margins vanish at the end.
+    inner, meeting
+        Of a jump: which of its limits meets the diagonal or a border there, and the orbit up to
+        that place.
+    """
+
+    samples: tuple[Sample, ...]
+    stop: Stop
+    margins: tuple[Margin, ...] = ()
+    inner: bool = True
+    meeting: Orbit | None = None
+
+    @property
+    def end(self) -> Orbit:
+        """The last orbit."""
+        return self.samples[-1].orbit
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Test:
+    """A function of samples whose change of sign ends a stretch."""
+
+    stop: Stop
+    value: Callable[[Sample], float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Event:
+    """An end that lies between two samples."""
+
+    stop: Stop
+    sample: Sample
+    distance: float
+    margins: tuple[Margin, ...] = ()
+    inner: bool = True
+    meeting: Orbit | None = None
+
+
+class _LostError(Exception):
+    """A branch cannot be followed where it was followed before."""
+
+
+BLURRED = 1e-4  # a step on which a limit may change its pieces without a border being found: there
+# are infinitely many in such places
+
+FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
+NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
+
+
+class Stepper:
+    """Follows branches of one kind.
+
+    Parameters
+    ----------
+    map_
+        The map; it has the last word on which piece is taken.
+    closing
+        The condition that makes orbits a branch: a cycle closes, a border orbit ends at a border.
+    settings
+        Steps and tolerances.
+    tests
+        Functions whose changes of sign end a stretch.
+    """
+
+    def __init__(
+        self, map_: PiecewiseMap, closing: Condition, settings: Settings,
+        tests: Sequence[Test] = (), order: int = 0,
+    ) -> None:  # fmt: skip
+        self.map, self.closing, self.settings, self.tests = map_, closing, settings, tuple(tests)
+        self.order = order
+
+    def sample(self, orbit: Orbit, along: Floats) -> Sample:
+        """An orbit with its tangent, which points like another one."""
+        direction = tangent(orbit, self.closing, self.settings)
+        forward = bool(direction @ along >= 0.0)
+        return self._complete(Sample(orbit, direction if forward else -direction, forward))
+
+    def _complete(self, sample: Sample) -> Sample:
+        """A sample with its jump, if jumps are followed."""
+        if not (self.order and isinstance(self.closing, Margin)):
+            return sample
+        jump = jump_of(self.map, sample.orbit, self.closing, self.order, self.settings)
+        return replace(sample, jump=jump)
+
+    def follow(
+        self, start: Sample, ignored: Stop | None = None, origin: Sample | None = None
+    ) -> Stretch:
+        """Follow a branch from a sample to its end.
+
+        Parameters
+        ----------
+        start
+            A sample; it may lie on the end of another stretch.
+        ignored
+            What ended that one: it is not looked for in the first step.
+        origin
+            A sample at which the branch has come round.
+        """
+        samples, step = [start], self.settings.step
+        while len(samples) < self.settings.max_samples:
+            if step < self.settings.min_step:
+                return Stretch(tuple(samples), Stop.SHORT)
+            last = samples[-1]
+            found = self.advance(last, step)
+            if isinstance(found, float):
+                step = found
+                continue
+            skipped = ignored if len(samples) == 1 else None
+            events = self._events(last, found, step, skipped, origin)
+            if events is None:
+                step *= 0.5
+                continue
+            if events:
+                first = min(events, key=lambda event: event.distance)
+                return Stretch(
+                    (*samples, first.sample), first.stop, first.margins, first.inner, first.meeting
+                )
+            if not self._agrees(found.orbit):
+                if 0.25 * step < self.settings.min_step:
+                    return Stretch(tuple(samples), Stop.OTHER_PIECE)
+                step *= 0.25
+                continue
+            samples.append(found)
+            turned = _angle(last.tangent, found.tangent) / self.settings.max_turn
+            step = min(self.settings.max_step, step * min(2.0, 0.7 / max(turned, 0.1)))
+        return Stretch(tuple(samples), Stop.MANY)
+
+    def advance(self, last: Sample, step: float) -> Sample | float:
+        """The sample one step ahead, or a shorter step to try."""
+        scale = scales(len(last.orbit), self.settings)
+        predicted = self._predicted(last, step, scale)
+        if not predicted.defined:
+            return 0.5 * step
+        distance = Distance(last.orbit.point, last.tangent, step, scale)
+        solution = solve(predicted, (self.closing, distance), self.settings)
+        if not solution.converged:
+            return 0.5 * step
+        found = tangent(solution.orbit, self.closing, self.settings)
+        if not np.isfinite(found).all():
+            return 0.5 * step
+        forward = bool(found @ last.tangent >= 0.0)
+        found = found if forward else -found
+        if _angle(last.tangent, found) > self.settings.max_turn:
+            return 0.5 * step
+        return self._complete(Sample(solution.orbit, found, forward))
+
+    @staticmethod
+    def _predicted(last: Sample, step: float, scale: Floats) -> Orbit:
+        move = step * last.tangent * scale
+        x, p = last.orbit.x + move[:-1], last.orbit.p + float(move[-1])
+        images = tuple(
+            image.piece.at(float(value), p)
+            for image, value in zip(last.orbit.images, x, strict=True)
+        )
+        return Orbit(x, p, images)
+
+    def _agrees(self, orbit: Orbit) -> bool:
+        """Whether the map takes the pieces of an orbit, except at the end of a border orbit."""
+        points = zip(orbit.x.tolist(), orbit.images, strict=True)
+        return all(
+            self.map.at(x, orbit.p).piece.key == image.piece.key
+            for i, (x, image) in enumerate(points)
+            if not self._on_border(i)
+        )
+
+    def _on_border(self, i: int) -> bool:
+        return isinstance(self.closing, Margin) and self.closing.index == i
+
+    # --- What lies between two samples ------------------------------------------------------------
+
+    def _events(
+        self, a: Sample, b: Sample, step: float, skipped: Stop | None, start: Sample | None
+    ) -> list[_Event] | None:
+        """Ends between two samples; None if a shorter step is needed to tell."""
+        found: list[_Event] = []
+        crossed = self._crossed(a, b, step)
+        if crossed is None:
+            return None
+        for margin in crossed:
+            event = self._at_border(a, b, step, margin)
+            if event is None:
+                return None
+            found.append(event)
+        if not found and self._dips(a, b, step):
+            return None
+        found += self._at_ends(a, b, step)
+        crosses = a.forward != b.forward and not self.order
+        for test in (FOLD, *self.tests):
+            if test.stop is skipped or (crosses and test.stop is Stop.FOLD):
+                continue
+            before, after = test.value(a), test.value(b)
+            if before * after < 0.0 or (after == 0.0 and before != 0.0):
+                event = self._located(a, step, test, FINEST)
+                if event is None:
+                    return None
+                found.append(event)
+        if crosses and not found and skipped is not Stop.BRANCHING:
+            folds = a.tangent[-1] * b.tangent[-1] < 0.0
+            event = self._located(a, step, FOLD if folds else BRANCHING, NEAR)
+            if event is None:
+                return None
+            found.append(event)
+        limits = self._at_limits(a, b, step, skipped)
+        if limits is None:
+            return None
+        found += limits
+        if start is not None and not found:
+            found += self._closing_up(a, b, start)
+        return found
+
+    def _crossed(self, a: Sample, b: Sample, step: float) -> list[Margin] | None:
+        """Margins that are positive at a and negative at b; None if one was not there at a."""
+        found = []
+        for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
+            for code in other.causes[other.margins < 0.0].tolist():
+                if self._on_border(i) and self.closing.code == code:  # type: ignore[attr-defined]
+                    continue
+                if not one.margin(code) > 0.0:
+                    return None
+                found.append(Margin(i, code))
+        return found
+
+    def _dips(self, a: Sample, b: Sample, step: float) -> bool:
+        """Whether a margin may vanish between two samples at which it is positive."""
+        scale = scales(len(a.orbit), self.settings)
+        ends = a.tangent * scale, b.tangent * scale
+        for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
+            along, there = (np.array([end[i], end[-1]]) for end in ends)
+            if lowest_dip(one, other, step, along, there) is not None:
+                return True
+        return False
+
+    def _at_border(self, a: Sample, b: Sample, step: float, margin: Margin) -> _Event | None:
+        """Where a margin vanishes between two samples; None if another one does so before."""
+        before = a.orbit.images[margin.index].margin(margin.code)
+        after = b.orbit.images[margin.index].margin(margin.code)
+        part = before / (before - after)
+        orbit = self._between(a, b, part)
+        solution = solve(orbit, (self.closing, margin), self.settings)
+        if not solution.converged:
+            return None
+        return self._event(a, step, Stop.BORDER, solution.orbit, (margin,))
+
+    def _event(
+        self, a: Sample, step: float, stop: Stop, orbit: Orbit, margins: tuple[Margin, ...] = ()
+    ) -> _Event | None:
+        scale = scales(len(orbit), self.settings)
+        distance = float(a.tangent @ ((orbit.point - a.orbit.point) / scale))
+        if not -self.settings.same <= distance <= step * (1.0 + 1e-6) + self.settings.same:
+            return None
+        return _Event(stop, self.sample(orbit, a.tangent), distance, margins)
+
+    @staticmethod
+    def _between(a: Sample, b: Sample, part: float) -> Orbit:
+        x = a.orbit.x + part * (b.orbit.x - a.orbit.x)
+        p = a.orbit.p + part * (b.orbit.p - a.orbit.p)
+        images = tuple(
+            image.piece.at(float(value), p) for image, value in zip(a.orbit.images, x, strict=True)
+        )
+        return Orbit(x, p, images)
+
+    def _at_ends(self, a: Sample, b: Sample, step: float) -> Iterator[_Event]:
+        """Ends of the span and of the window."""
+        for stop, index, (low, high) in (
+            (Stop.SPAN, -1, self.settings.span),
+            *((Stop.WINDOW, i, self.settings.window) for i in range(len(a.orbit))),
+        ):
+            one = a.orbit.p if index == -1 else float(a.orbit.x[index])
+            other = b.orbit.p if index == -1 else float(b.orbit.x[index])
+            for end in (low, high):
+                if (other - end) * (one - end) < 0.0 or (other == end != one):
+                    outside = not low <= other <= high or other == end
+                    if not outside:
+                        continue
+                    orbit = self._between(a, b, (end - one) / (other - one))
+                    condition = Coordinate(index, end)
+                    solution = solve(orbit, (self.closing, condition), self.settings)
+                    event = self._event(a, step, stop, solution.orbit)
+                    if solution.converged and event is not None:
+                        yield event
+
+    def _located(self, a: Sample, step: float, test: Test, finest: float) -> _Event | None:
+        """Where a test function vanishes; None if the branch is lost on the way."""
+        found: dict[float, Sample] = {}
+
+        def value(distance: float) -> float:
+            sample = a if distance == 0.0 else self.advance(a, distance)
+            if isinstance(sample, float):
+                raise _LostError
+            found[distance] = sample
+            return test.value(sample)
+
+        try:
+            root = float(brentq(value, 0.0, step, xtol=finest * step))
+        except (_LostError, ValueError):
+            return None
+        nearest = min(found, key=lambda distance: abs(distance - root))
+        return _Event(test.stop, found[nearest], nearest)
+
+    def _at_limits(
+        self, a: Sample, b: Sample, step: float, skipped: Stop | None
+    ) -> list[_Event] | None:
+        """Where a limit of a jump meets the diagonal, or the border of a piece that it takes."""
+        if a.jump is None or b.jump is None:
+            return []
+        found = []
+        for inner, before, after in zip((True, False), a.jump.offsets, b.jump.offsets, strict=True):
+            one, other = (j.inner if inner else j.outer for j in (a.jump, b.jump))
+            if one.keys == other.keys:
+                if before * after < 0.0 and skipped is not Stop.LIMIT:
+                    event = self._at_diagonal(a, b, step, inner)
+                else:
+                    continue
+            else:
+                event = self._at_tail(a, b, step, inner)
+                if event is None and step <= BLURRED:
+                    continue
+            if event is None:
+                return None
+            found.append(event)
+        return found
+
+    def _at_diagonal(self, a: Sample, b: Sample, step: float, inner: bool) -> _Event | None:
+        """Where a limit meets the diagonal: there the jump's orbit closes."""
+        assert a.jump is not None and b.jump is not None
+        one, other = a.jump.offsets[0 if inner else 1], b.jump.offsets[0 if inner else 1]
+        part, cycle = one / (one - other), a.jump.cycle(inner)
+        guess = moved(cycle, part * (b.jump.cycle(inner).point - cycle.point))
+        margin = Margin(len(a.orbit) - 1, a.jump.code(inner))
+        solution = solve(guess, (Closed(), margin), self.settings)
+        return self._at_head(a, step, Stop.LIMIT, solution, inner, (margin,))
+
+    def _at_tail(self, a: Sample, b: Sample, step: float, inner: bool) -> _Event | None:
+        """Where the orbit of a limit meets a border."""
+        assert a.jump is not None and b.jump is not None
+        k = len(a.orbit)
+        limit, there = a.jump.inner if inner else a.jump.outer, a.jump.cycle(inner)
+        images, x = list(b.orbit.images[:-1]), list(b.orbit.x)
+        margin, before, after = None, 1.0, 0.0
+        for m, image in enumerate(limit.images):
+            images.append(image.piece.at(x[-1], b.orbit.p))
+            own = a.jump.code(inner) if m == 0 else -1
+            bad = [c for c in images[-1].causes[images[-1].margins < 0.0].tolist() if c != own]
+            bad = [c for c in bad if image.margin(c) > 0.0]
+            if bad:
+                margin = Margin(k - 1 + m, bad[0])
+                before, after = image.margin(bad[0]), images[-1].margin(bad[0])
+                break
+            if images[-1].reason:
+                break
+            x.append(images[-1].value)
+        if margin is None:
+            return None
+        n = len(images)
+        far, near = np.append(x[:n], b.orbit.p), np.append(there.x[:n], a.orbit.p)
+        start = Orbit(there.x[:n], a.orbit.p, there.images[:n])
+        guess = moved(start, before / (before - after) * (far - near))
+        closing = Margin(k - 1, a.jump.code(inner))
+        solution = solve(guess, (closing, margin), self.settings)
+        return self._at_head(a, step, Stop.TAIL, solution, inner, (margin,))
+
+    def _at_head(
+        self, a: Sample, step: float, stop: Stop, solution: Solution, inner: bool,
+        margins: tuple[Margin, ...],
+    ) -> _Event | None:  # fmt: skip
+        """An event of a limit as one of the border orbit."""
+        if not solution.converged:
+            return None
+        orbit, k = solution.orbit, len(a.orbit)
+        head = orbit_of(a.orbit.pieces, orbit.x[:k], orbit.p)
+        event = self._event(a, step, stop, head, margins)
+        return None if event is None else replace(event, inner=inner, meeting=orbit)
+
+    def _closing_up(self, a: Sample, b: Sample, start: Sample) -> list[_Event]:
+        """Whether the branch passes through its own start."""
+        if b.orbit.keys != start.orbit.keys:
+            return []
+        scale = scales(len(start.orbit), self.settings)
+        one, other = ((s.orbit.point - start.orbit.point) / scale for s in (a, b))
+        length = float(np.linalg.norm(other - one))
+        before, after = float(start.tangent @ one), float(start.tangent @ other)
+        if not (before < 0.0 <= after and np.linalg.norm(one) <= 2.0 * length):
+            return []
+        off = one + (other - one) * (before / (before - after))
+        if np.linalg.norm(off) > self.settings.max_turn * length:
+            return []
+        return [_Event(Stop.CLOSED, Sample(start.orbit, start.tangent), length)]
+
+
+def _angle(one: Floats, other: Floats) -> float:
+    return math.acos(min(1.0, max(-1.0, float(one @ other))))
+
+
+FOLD = Test(Stop.FOLD, lambda sample: float(sample.tangent[-1]))
+BRANCHING = Test(Stop.BRANCHING, lambda sample: sample.orbit.multiplier - 1.0)
+FLIP = Test(Stop.FLIP, lambda sample: sample.orbit.multiplier + 1.0)
