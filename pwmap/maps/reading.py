@@ -14,9 +14,9 @@ from sympy import QQ
 from pwmap.algebra.arithmetic import (
     MAX_PARAMETERS,
     Arithmetic,
-    Budget,
     NotPolynomialError,
     Quotient,
+    WorkLimit,
 )
 from pwmap.algebra.assumptions import Region, UndecidedError, read_constraints
 from pwmap.algebra.exact import (
@@ -107,7 +107,7 @@ def _read(
     given = [given] if isinstance(given, str | sympy.Basic) else list(given)
     assumed = [term_of(condition, [x]) for condition in given]
     region = _region([term for pair in pairs for term in pair], assumed, x)
-    line = Line(x, region, Arithmetic(region.ring, Budget()))
+    line = Line(x, region, Arithmetic(region.ring, WorkLimit()))
     conditions = [line.condition(condition) for _, condition in pairs]
     formulas = [_formula(formula, line) for formula, _ in pairs]
     breaks = line.union([*conditions, *formulas])
