@@ -34,10 +34,10 @@ from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minima
 from pwmap.maps.reading import Model, read, read_formula
 from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
 from pwmap.maps.words import (
-    Judge,
     Layout,
     Offset,
     Orbits,
+    SignOracle,
     Table,
     Word,
     over_one_denominator,
@@ -235,11 +235,11 @@ class Cycle:
 
 
 class Decided(NamedTuple):
-    """Where the answers of a map hold, who gives them, and what is known already."""
+    """Where the decisions of a map hold, what makes them, and what is known already."""
 
     scope: Scope
     orbits: Orbits  # affine forms in the ring of the parameters
-    judge: Judge
+    oracle: SignOracle
     iterates: Mapping[Chain, Iterate]  # those that the cell of the map was cut for
 
 
@@ -306,7 +306,7 @@ class PiecewiseLinearMap:
         if decided is None:
             orbits = Orbits(model.table)
             decide = sign if model.ring is None else model.region.sign
-            decided = Decided(model.region, orbits, Judge(orbits, decide), {})
+            decided = Decided(model.region, orbits, SignOracle(orbits, decide), {})
         self._decided = decided
         self._known: dict[Chain, tuple[Cylinder, ...]] = (
             {(): cyl.WHOLE_LINE, **{c: it.cylinders for c, it in decided.iterates.items()}}
@@ -320,7 +320,7 @@ class PiecewiseLinearMap:
         map_: PiecewiseLinearMap,
         scope: Scope,
         orbits: Orbits,
-        judge: Judge,
+        oracle: SignOracle,
         iterates: Mapping[Chain, Iterate],
     ) -> PiecewiseLinearMap:
         """A map whose decisions are made for one cell of a parameter.
@@ -329,13 +329,13 @@ class PiecewiseLinearMap:
         ----------
         scope
             The cell.
-        orbits, judge
-            Affine forms in the ring of all parameters, and who decides there.
+        orbits, oracle
+            Affine forms in the ring of all parameters, and their signs there.
         iterates
             What iterates show there.
         """
         self = cls.__new__(cls)
-        self._set(map_._model, map_._chain, Decided(scope, orbits, judge, iterates))
+        self._set(map_._model, map_._chain, Decided(scope, orbits, oracle, iterates))
         return self
 
     def __reduce__(self) -> tuple[Callable[..., PiecewiseLinearMap], tuple[object, ...]]:
@@ -352,9 +352,9 @@ class PiecewiseLinearMap:
         return self._decided.scope
 
     @property
-    def judge(self) -> Judge:
-        """Who answers for all these values."""
-        return self._decided.judge
+    def oracle(self) -> SignOracle:
+        """The signs that hold for all these values."""
+        return self._decided.oracle
 
     @property
     def orbits(self) -> Orbits:
@@ -404,7 +404,7 @@ class PiecewiseLinearMap:
         chain, known = self._chain, self._known
         start = next(n for n in range(len(chain), -1, -1) if chain[:n] in known)
         for n in range(start, len(chain)):
-            known[chain[: n + 1]] = cyl.refined(known[chain[:n]], chain[n], self.judge)
+            known[chain[: n + 1]] = cyl.refined(known[chain[:n]], chain[n], self.oracle)
         return known[chain]
 
     @cached_property
@@ -506,7 +506,7 @@ class PiecewiseLinearMap:
             other._set(model, chain)
         else:
             orbits = Orbits(model.table)
-            other._set(model, chain, Decided(cell, orbits, Judge(orbits, cell.sign), {}))
+            other._set(model, chain, Decided(cell, orbits, SignOracle(orbits, cell.sign), {}))
         return other
 
     def __matmul__(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
@@ -605,7 +605,7 @@ class PiecewiseLinearMap:
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
             return iterate.places[i]
-        return cyl.place_of_fixed_point(self.cylinders[i], self.judge)
+        return cyl.place_of_fixed_point(self.cylinders[i], self.oracle)
 
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
         """All isolated fixed points, from left to right.
@@ -625,7 +625,7 @@ class PiecewiseLinearMap:
             place = self._place(i)
             if place in (Place.NONE, Place.BAND) or (place is Place.VIRTUAL and not virtual):
                 continue
-            if place is Place.VIRTUAL and self.judge.multiplier(cylinder.word, 1) == 0:
+            if place is Place.VIRTUAL and self.oracle.multiplier(cylinder.word, 1) == 0:
                 continue
             found.append(self._fixed_point(i, place))
         return tuple(found)
@@ -654,7 +654,7 @@ class PiecewiseLinearMap:
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
             return iterate.stable[i]
-        return cyl.is_stable(self.cylinders, i, place, self.judge)
+        return cyl.is_stable(self.cylinders, i, place, self.oracle)
 
     def _period(self, word: Word) -> int:
         """Minimal period of a point with a word, counted in single maps."""
@@ -677,12 +677,12 @@ class PiecewiseLinearMap:
     def _band_period(self, word: Word) -> int:
         """Where a word's own slope is -1, points beside its fixed point have twice its period."""
         period = self._period(word)
-        return period if self.judge.slope(word[:period]) > 0 else 2 * period
+        return period if self.oracle.slope(word[:period]) > 0 else 2 * period
 
     def jump_crossings(self) -> tuple[JumpCrossing, ...]:
         """All discontinuities that cross the diagonal strictly, from left to right."""
         iterate = self._decided.iterates.get(self._chain)
-        found = cyl.crossings(self.cylinders, self.judge) if iterate is None else iterate.crossings
+        found = cyl.crossings(self.cylinders, self.oracle) if iterate is None else iterate.crossings
         return tuple(map(self._jump_crossing, found))
 
     def _jump_crossing(self, crossing: Crossing) -> JumpCrossing:
@@ -811,9 +811,9 @@ class PiecewiseLinearMap:
         All points of such a word are fixed, or none. The cycle is isolated where the word has one
         point only: its neighbours, on both sides, visit other pieces.
         """
-        if self.judge.ask(Offset(word)) == 0:
+        if self.oracle.sign(Offset(word)) == 0:
             chain = self._chain * (len(word) // self.order)
-            cylinder = cyl.cylinder_of(word, chain, self.judge)
+            cylinder = cyl.cylinder_of(word, chain, self.oracle)
             if cylinder is not None and cylinder.is_point:
                 assert cylinder.lower is not None
                 return cylinder.lower

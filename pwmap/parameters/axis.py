@@ -48,7 +48,7 @@ from pwmap.algebra.roots import (
 from pwmap.algebra.signs import possible_signs, without_implied
 from pwmap.maps.reading import Model
 from pwmap.maps.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
-from pwmap.maps.words import IntegerOrbits, Judge, Orbits, Question
+from pwmap.maps.words import Decision, IntegerOrbits, Orbits, SignOracle
 
 INFINITE = "infinite"
 
@@ -140,20 +140,20 @@ class Axis(ABC):
         """A place strictly between two others; None is an infinite end."""
 
     @abstractmethod
-    def judge(self, place: Any) -> Judge:
+    def oracle(self, place: Any) -> SignOracle:
         """Who decides all signs at a place."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
         self.orbits = Orbits(model.table)
         self.sample = {}
-        self._roots: dict[Question | PolyElement, tuple[Any, ...] | None] = {}
+        self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
 
-    def roots(self, question: Question) -> tuple[Any, ...] | None:
-        """Places where the answer to a question is zero; None if it is zero everywhere."""
-        if question not in self._roots:
-            self._roots[question] = self.zeros(self.orbits.polynomial(question))
-        return self._roots[question]
+    def roots(self, decision: Decision) -> tuple[Any, ...] | None:
+        """Places where the sign of a decision is zero; None if it is zero everywhere."""
+        if decision not in self._roots:
+            self._roots[decision] = self.zeros(self.orbits.polynomial(decision))
+        return self._roots[decision]
 
     def limits(self, constraint: Constraint) -> tuple[Any, ...]:
         """Places where an assumption begins or ceases to hold.
@@ -219,7 +219,7 @@ class Axis(ABC):
 
     @abstractmethod
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the answers of a cell hold that was cut for some orders of iterates.
+        """Where the decisions of a cell hold that was cut for some orders of iterates.
 
         With other parameters symbolic, after :meth:`closing`.
         """
@@ -272,11 +272,11 @@ class RationalAxis(Axis):
     def between(self, low: Any, high: Any) -> Number:
         return simplest_between(low, high)
 
-    def judge(self, place: Any) -> Judge:
+    def oracle(self, place: Any) -> SignOracle:
         if isinstance(place, RealRoot):
-            return Judge(self.orbits, _SignAt(place))
+            return SignOracle(self.orbits, _SignAt(place))
         table = self.model.table.mapped(lambda number: _at(number, place))
-        return Judge(IntegerOrbits(table), sign)
+        return SignOracle(IntegerOrbits(table), sign)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         symbol = self.model.ring.symbols[0]
@@ -360,10 +360,10 @@ class SymbolicAxis(Axis):
         ends = (end.value if end is not None else None for end in (low, high))
         return self.place(simplest_between(*ends))
 
-    def judge(self, place: Threshold) -> Judge:
+    def oracle(self, place: Threshold) -> SignOracle:
         values = {**self.sample, self.name: place.value}
         table = self.model.table.mapped(lambda n: evaluate(n, values, None))
-        return Judge(IntegerOrbits(table), sign)
+        return SignOracle(IntegerOrbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         if not polynomial:

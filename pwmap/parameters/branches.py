@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from pwmap.algebra.exact import Fraction_, cancelled, is_constant
 from pwmap.diagrams.diagram import BranchKind
 from pwmap.maps.cylinders import Cut, Cylinder, Place, minimal_period
-from pwmap.maps.words import Judge, Orbits, Word
+from pwmap.maps.words import Orbits, SignOracle, Word
 from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
 
@@ -208,12 +208,12 @@ class Sweep:
         return found
 
     def _names(self, cell: Cell) -> Iterator[tuple[Name, Shows | None]]:
-        judge = cell.study.judge
+        oracle = cell.study.oracle
         for order, iterate in cell.study.iterates.items():
             for cylinder, place, stable in zip(
                 iterate.cylinders, iterate.places, iterate.stable, strict=True
             ):
-                if self._is_own(cylinder, place, order, judge):
+                if self._is_own(cylinder, place, order, oracle):
                     for cut in _cuts(cylinder, place):
                         name = Name(BranchKind.FIXED_POINT, (cylinder.word,), cut)
                         yield name, Shows(place, stable)
@@ -221,13 +221,13 @@ class Sweep:
                 words = crossing.left, crossing.right
                 yield Name(BranchKind.JUMP, words, crossing.cut), None
 
-    def _is_own(self, cylinder: Cylinder, place: Place, order: int, judge: Judge) -> bool:
+    def _is_own(self, cylinder: Cylinder, place: Place, order: int, oracle: SignOracle) -> bool:
         """Whether there are fixed points whose minimal period is the order."""
         if place in (Place.VIRTUAL, Place.NONE):
             return False
         period = minimal_period(cylinder.word, self.unit)
         if place is Place.BAND and order == 2 * period:
-            return judge.slope(cylinder.word[: len(cylinder.word) // 2]) < 0
+            return oracle.slope(cylinder.word[: len(cylinder.word) // 2]) < 0
         return period == order
 
     @cached_property
@@ -280,8 +280,8 @@ class Sweep:
         stable = {shows.stable for k in (i - 1, i, i + 1) if (shows := self.present[k][name])}
         if len(stable) > 1 or name.kind is BranchKind.JUMP or name.cut is not None:
             return len(stable) > 1
-        judge = self.cells[i].study.judge
-        hits = any(judge.multiplier(name.word, unit) == 0 for unit in (1, -1))
+        oracle = self.cells[i].study.oracle
+        hits = any(oracle.multiplier(name.word, unit) == 0 for unit in (1, -1))
         return hits and self.unit_multiplier(name, self.cells[i].lower) != 0
 
     def _met(
@@ -380,7 +380,7 @@ class Sweep:
                     if (
                         place is Place.BAND
                         and cylinder.word not in beside
-                        and self._is_own(cylinder, place, order, cell.study.judge)
+                        and self._is_own(cylinder, place, order, cell.study.oracle)
                     ):
                         yield cylinder, cell.lower
 
