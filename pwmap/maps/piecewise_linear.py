@@ -30,7 +30,7 @@ from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.terms import own_name, shortened
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import checked_size
-from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
+from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Inclusion, Iterate, minimal_period
 from pwmap.maps.reading import Model, read, read_formula
 from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
 from pwmap.maps.words import (
@@ -600,12 +600,12 @@ class PiecewiseLinearMap:
 
     # --- The diagonal ---------------------------------------------------------------------------
 
-    def _place(self, i: int) -> Place:
-        """Where the fixed point of a cylinder lies."""
+    def _inclusion(self, i: int) -> Inclusion:
+        """Whether the fixed point of a cylinder lies in it, and where."""
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
-            return iterate.places[i]
-        return cyl.place_of_fixed_point(self.cylinders[i], self.oracle)
+            return iterate.inclusion[i]
+        return cyl.inclusion_of(self.cylinders[i], self.oracle)
 
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
         """All isolated fixed points, from left to right.
@@ -622,18 +622,19 @@ class PiecewiseLinearMap:
         """
         found = []
         for i, cylinder in enumerate(self.cylinders):
-            place = self._place(i)
-            if place in (Place.NONE, Place.BAND) or (place is Place.VIRTUAL and not virtual):
+            inclusion = self._inclusion(i)
+            if inclusion in (Inclusion.NONE, Inclusion.BAND):
                 continue
-            if place is Place.VIRTUAL and self.oracle.multiplier(cylinder.word, 1) == 0:
+            is_virtual = inclusion is Inclusion.VIRTUAL
+            if is_virtual and (not virtual or self.oracle.multiplier(cylinder.word, 1) == 0):
                 continue
-            found.append(self._fixed_point(i, place))
+            found.append(self._fixed_point(i, inclusion))
         return tuple(found)
 
-    def _fixed_point(self, i: int, place: Place) -> FixedPoint:
+    def _fixed_point(self, i: int, inclusion: Inclusion) -> FixedPoint:
         cylinder = self.cylinders[i]
         word = cylinder.word
-        if place is Place.POINT:
+        if inclusion is Inclusion.POINT:
             assert cylinder.lower is not None
             x = self.cut_to_sympy(word, cylinder.lower)
         else:
@@ -641,20 +642,20 @@ class PiecewiseLinearMap:
         multiplier = quotient_to_sympy(self.orbits.slope(word))
         return FixedPoint(
             x=x,
-            multiplier=sympy.nan if place is Place.POINT else multiplier,
+            multiplier=sympy.nan if inclusion is Inclusion.POINT else multiplier,
             word=self.spelled(word),
             order=self.order,
             period=self._period(word),
-            admissible=place is not Place.VIRTUAL,
-            stable=self._is_stable(i, place),
-            at_border=place in (Place.LOWER, Place.UPPER, Place.POINT),
+            admissible=inclusion is not Inclusion.VIRTUAL,
+            stable=self._is_stable(i, inclusion),
+            at_border=inclusion in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT),
         )
 
-    def _is_stable(self, i: int, place: Place) -> bool:
+    def _is_stable(self, i: int, inclusion: Inclusion) -> bool:
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
             return iterate.stable[i]
-        return cyl.is_stable(self.cylinders, i, place, self.oracle)
+        return cyl.is_stable(self.cylinders, i, inclusion, self.oracle)
 
     def _period(self, word: Word) -> int:
         """Minimal period of a point with a word, counted in single maps."""
@@ -671,7 +672,7 @@ class PiecewiseLinearMap:
                 period=self._band_period(piece.cylinder.word),
             )
             for i, piece in enumerate(self.pieces)
-            if self._place(i) is Place.BAND
+            if self._inclusion(i) is Inclusion.BAND
         )
 
     def _band_period(self, word: Word) -> int:

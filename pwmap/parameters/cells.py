@@ -27,11 +27,11 @@ from pwmap.maps.budget import BUDGET, Budget, BudgetError, checked_size
 from pwmap.maps.cylinders import (
     WHOLE_LINE,
     Cylinder,
+    Inclusion,
     Iterate,
-    Place,
     crossings,
+    inclusion_of,
     is_stable,
-    place_of_fixed_point,
     refined,
 )
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -62,7 +62,11 @@ class Study:
         """The iterates, without telling apart fixed points that are virtual or missing."""
         return {
             order: replace(
-                it, places=tuple(Place.VIRTUAL if p is Place.NONE else p for p in it.places)
+                it,
+                inclusion=tuple(
+                    Inclusion.VIRTUAL if found is Inclusion.NONE else found
+                    for found in it.inclusion
+                ),
             )
             for order, it in self.iterates.items()
         }
@@ -106,9 +110,9 @@ def grown(
     for layout in chain:
         current = refined(current, layout, oracle, budget)
     if shown:
-        places = tuple(place_of_fixed_point(cylinder, oracle) for cylinder in current)
-        stable = tuple(is_stable(current, i, place, oracle) for i, place in enumerate(places))
-        found = Iterate(current, places, stable, tuple(crossings(current, oracle)))
+        inclusion = tuple(inclusion_of(cylinder, oracle) for cylinder in current)
+        stable = tuple(is_stable(current, i, each, oracle) for i, each in enumerate(inclusion))
+        found = Iterate(current, inclusion, stable, tuple(crossings(current, oracle)))
         iterates = {**iterates, order: found}
     return Study(oracle, iterates, current)
 
