@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from pwmap.maps.budget import BUDGET, Budget, BudgetError
-from pwmap.maps.words import Offset, Order, SignOracle, Word
+from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
 
 
 class Cut(NamedTuple):
@@ -140,7 +140,7 @@ def above_diagonal(oracle: SignOracle, word: Word, cut: Cut) -> int:
     slope that is not zero, and A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k for the word w = uv.
     """
     prefix, rest = word[: cut.steps], word[cut.steps :]
-    return oracle.slope(prefix) * oracle.sign(Order(cut.k, rest + prefix, cut.k))
+    return oracle.slope(prefix) * oracle.sign(CriticalOrbit(cut.k, rest + prefix, cut.k))
 
 
 class Inclusion(Enum):

@@ -41,6 +41,7 @@ from pwmap.algebra.roots import (
     bounds,
     integers,
     real_roots,
+    real_to_sympy,
     sign_at,
     simplest_between,
     trimmed,
@@ -187,11 +188,11 @@ class Axis(ABC):
         """A quotient at a place, in a canonical form, or INFINITE."""
 
     @abstractmethod
-    def order(self, first: Fraction_, second: Fraction_, place: Any) -> int:
+    def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         """Sign of the difference of two finite quotients at a place."""
 
     @abstractmethod
-    def compare(self, first: Any, second: Any, place: Any) -> int:
+    def compare_values(self, first: Any, second: Any, place: Any) -> int:
         """Sign of the difference of two values, as :meth:`value` returned them for a place.
 
         With symbolic parameters it is the sign at their sample, which is not recorded.
@@ -298,12 +299,12 @@ class RationalAxis(Axis):
             return place.quotient(top, bottom)
         return _at(fraction[0], place) / _at(fraction[1], place)
 
-    def order(self, first: Fraction_, second: Fraction_, place: Any) -> int:
+    def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         (a, b), (c, d) = first, second
         bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
         return sign_at(dense(a * d - c * b), place) * bottom
 
-    def compare(self, first: Any, second: Any, place: Any) -> int:
+    def compare_values(self, first: Any, second: Any, place: Any) -> int:
         if isinstance(place, RealRoot):
             return sign_at(_difference(first, second), place)
         return sign(first - second)
@@ -436,7 +437,7 @@ class SymbolicAxis(Axis):
         top, bottom = top * scale ** max(0, m - n), bottom * scale ** max(0, n - m)
         return SymbolicValue(self._at_sample(top, bottom), top, bottom)
 
-    def order(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
+    def compare(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
         one, other = self.value(first, place), self.value(second, place)
         difference = one.top * other.bottom - other.top * one.bottom
         if not difference:
@@ -444,7 +445,7 @@ class SymbolicAxis(Axis):
         self._keep_sign_of(_quotient(difference, one.bottom * other.bottom))
         return sign(one.value - other.value)
 
-    def compare(self, first: Any, second: Any, place: Threshold) -> int:
+    def compare_values(self, first: Any, second: Any, place: Threshold) -> int:
         return sign(first.value - second.value)
 
     def to_sympy(self, place: Threshold) -> sympy.Expr:
@@ -584,11 +585,6 @@ def identical(first: Any, second: Any) -> bool:
 def axis_of(model: Model, name: str, sample: dict[str, Number]) -> Axis:
     """The axis of a parameter; the others, if any, stay symbolic, with values at a sample."""
     return SymbolicAxis(model, name, sample) if sample else RationalAxis(model)
-
-
-def real_to_sympy(x: Any) -> sympy.Expr:
-    """A rational or algebraic number as an expression."""
-    return x.to_sympy() if isinstance(x, RealRoot) else QQ.to_sympy(x)
 
 
 def _at(number: PolyElement, value: Number) -> Number:

@@ -413,7 +413,7 @@ class Sweep:
         self, cylinder: Cylinder, place: Any, junctions: Sequence[Junction]
     ) -> Iterator[Segment]:
         """The segments of such a piece, which special points inside it part."""
-        word, order = cylinder.word, self.axis.order
+        word, compare = cylinder.word, self.axis.compare
         low, high = (
             None if cut is None else self.orbits.preimage(cut.k, word[: cut.steps])
             for cut in (cylinder.lower, cylinder.upper)
@@ -424,12 +424,12 @@ class Sweep:
             if junction.place == place
             and (x := junction.ends[0].x) is not None
             and not isinstance(junction.value, Infinite)
-            and (low is None or order(low, x, place) < 0)
-            and (high is None or order(x, high, place) < 0)
+            and (low is None or compare(low, x, place) < 0)
+            and (high is None or compare(x, high, place) < 0)
         }
 
         def by_size(first: Fraction_, second: Fraction_) -> int:
-            return order(first, second, place)
+            return compare(first, second, place)
 
         stops: list[Position] = [low, *sorted(inner.values(), key=cmp_to_key(by_size)), high]
         for j, band in enumerate(pairwise(stops)):
@@ -480,7 +480,7 @@ class Sweep:
             return -1 if place < second.place else 1
         values = first.value, second.value
         sides = [value.side if isinstance(value, Infinite) else 0 for value in values]
-        return sides[0] - sides[1] if any(sides) else self.axis.compare(*values, place)
+        return sides[0] - sides[1] if any(sides) else self.axis.compare_values(*values, place)
 
     def ends(self, segment: Segment) -> tuple[End, End]:
         """Both ends of a segment."""
@@ -529,7 +529,7 @@ class Sweep:
         one = self.orbits.table.one
         inside = self.axis.between(*segment.places)  # the denominator has no zero there
         top, bottom = (
-            self.axis.order((number, one), (one - one, one), where)
+            self.axis.compare((number, one), (one - one, one), where)
             for number, where in zip(x, (place, inside), strict=True)
         )
         return Infinite(top * bottom)
@@ -547,8 +547,8 @@ class Sweep:
         if not self.is_finite(slope, place):
             return 0
         if (slope, place) not in self._units:
-            order = self.axis.order
-            units = (u for u in (1, -1) if order(slope, (u * one, one), place) == 0)
+            compare = self.axis.compare
+            units = (u for u in (1, -1) if compare(slope, (u * one, one), place) == 0)
             self._units[slope, place] = next(units, 0)
         return self._units[slope, place]
 
@@ -563,7 +563,7 @@ class Sweep:
         if place != segment.places[1]:  # at its end the multiplier may be 1 in size
             place = self.axis.between(*segment.places)
         (top, bottom), one = self.orbits.slope(segment.key.word), self.orbits.table.one
-        return self.axis.order((top * top, bottom * bottom), (one, one), place) > 0
+        return self.axis.compare((top * top, bottom * bottom), (one, one), place) > 0
 
     def _number(self, end: End) -> float:
         """The x of an end as a float, which may be infinite."""

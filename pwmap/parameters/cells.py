@@ -36,7 +36,13 @@ from pwmap.maps.cylinders import (
 )
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Mark, SignOracle
-from pwmap.parameters.admitted import Span, Stretch, samples, shown_sample, stretches
+from pwmap.parameters.admitted import (
+    AdmittedInterval,
+    Span,
+    admitted_intervals,
+    samples,
+    shown_sample,
+)
 from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
 
 Result = TypeVar("Result")
@@ -406,7 +412,7 @@ def with_cells(
     for values in samples(map_, name, span, sample):
         axis = axis_of(map_.model, name, values)
         try:
-            found = stretches(axis, span)
+            found = admitted_intervals(axis, span)
             cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), budget))
             close(axis, cells)
             return build(axis, cells)
@@ -415,17 +421,17 @@ def with_cells(
     raise ResampleError(f"at {shown_sample(values)} edges meet by chance: choose another sample")
 
 
-def uncut(axis: Axis, admitted: Sequence[Stretch], with_ends: bool) -> list[Cell]:
+def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> list[Cell]:
     """One cell for each part of a span that the assumptions admit, and the gaps between them."""
     cells: list[Cell] = []
-    for stretch in admitted:
-        ends = stretch.closed_ends if with_ends else ()
-        sample = axis.between(stretch.low, stretch.high)
-        found = [_unstudied(axis, stretch.low, stretch.high, sample)]
-        if stretch.low in ends:
-            found.insert(0, _unstudied(axis, stretch.low, stretch.low, stretch.low))
-        if stretch.high in ends:
-            found.append(_unstudied(axis, stretch.high, stretch.high, stretch.high))
+    for interval in admitted:
+        ends = interval.closed_ends if with_ends else ()
+        sample = axis.between(interval.low, interval.high)
+        found = [_unstudied(axis, interval.low, interval.high, sample)]
+        if interval.low in ends:
+            found.insert(0, _unstudied(axis, interval.low, interval.low, interval.low))
+        if interval.high in ends:
+            found.append(_unstudied(axis, interval.high, interval.high, interval.high))
         cells += [*(_gap(cells[-1], found[0]) if cells else ()), *found]
     return cells
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import sympy
 
-from pwmap.algebra.roots import simplest_between
+from pwmap.algebra.roots import real_to_sympy, simplest_between
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.axis import Axis, ResampleError, SymbolicAxis, real_to_sympy
+from pwmap.parameters.axis import Axis, ResampleError, SymbolicAxis
 from pwmap.parameters.cells import (
     Cell,
     ParameterCells,
