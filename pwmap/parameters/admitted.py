@@ -83,7 +83,7 @@ def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
 def _limits(axis: Axis) -> list[Any]:
     """Places at which assumptions begin or cease to hold, from left to right."""
     found: dict[Any, Any] = {}
-    for constraint in axis.model.region.constraints:
+    for constraint in axis.definition.region.constraints:
         for place in axis.limits(constraint) if axis.degree(constraint.polynomial) else ():
             if not identical(found.setdefault(place, place), place):
                 raise ResampleError
@@ -92,7 +92,7 @@ def _limits(axis: Axis) -> list[Any]:
 
 def _broken(axis: Axis, place: Any) -> Constraint | None:
     """The first assumption that does not hold at a place."""
-    constraints = axis.model.region.constraints
+    constraints = axis.definition.region.constraints
     return next((c for c in constraints if not c.holds(axis.sign(c.polynomial, place))), None)
 
 
@@ -126,16 +126,16 @@ def samples(
         values = {own_name(key, map_.parameters): rational(value) for key, value in chosen.items()}
         if set(values) != others:
             raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
-        broken = map_.model.region.contains(values)
+        broken = map_.definition.region.contains(values)
         if broken is not None:
             raise ValueError(f"the sample {dict(chosen)} contradicts the assumption {broken}")
         _ = map_.at(values)  # complains if nothing is left to the parameter of the axis
         yield values
         return
-    table = map_.model.table
+    table = map_.definition.table
     coefficients = (*table.breaks, *table.slopes, *table.intercepts)
     seen: list[dict[str, Number]] = []
-    for values in islice(_over(map_.model.region, name, span).samples(coefficients), TRIES):
+    for values in islice(_over(map_.definition.region, name, span).samples(coefficients), TRIES):
         del values[name]
         if values not in seen:
             seen.append(values)

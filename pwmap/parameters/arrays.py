@@ -15,7 +15,7 @@ from sympy import QQ
 from pwmap.algebra.exact import Fraction_, Number, to_float
 from pwmap.diagrams.diagram import BranchKind, FloatArray, SpecialPoint
 from pwmap.parameters.axis import Axis
-from pwmap.parameters.branches import Segment, Sweep
+from pwmap.parameters.branches import Continuation, Segment
 
 POINTS = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
 ROUNDING = 2.0**-53  # of one operation, relative
@@ -32,16 +32,16 @@ class BranchArrays(NamedTuple):
 
 
 def branch_arrays(
-    sweep: Sweep, segment: Segment, ends: tuple[SpecialPoint, SpecialPoint]
+    continuation: Continuation, segment: Segment, ends: tuple[SpecialPoint, SpecialPoint]
 ) -> BranchArrays:
     """Parameter, x and multiplier along a segment, few points where that is enough."""
-    axis, slope = sweep.axis, sweep.orbits.slope(segment.key.word)
+    axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
     smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated
     outer = [
         (
             end.parameter,
             end.x,
-            axis.number(slope, place) if smooth and sweep.is_finite(slope, place) else nan,
+            axis.number(slope, place) if smooth and continuation.is_finite(slope, place) else nan,
         )
         for end, place in zip(ends, segment.places, strict=True)
     ]
@@ -49,7 +49,7 @@ def branch_arrays(
         return BranchArrays(*np.array(outer).T)
     if segment.places[0] == segment.places[1]:
         return BranchArrays(*np.array(outer[:1]).T)
-    position = sweep.position(segment.key)
+    position = continuation.position(segment.key)
     degrees = [axis.degree(number) for number in (*position, *slope)]
     if degrees[0] <= 1 and not any(degrees[1:]):
         return BranchArrays(*np.array(outer).T)

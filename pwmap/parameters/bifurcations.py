@@ -27,11 +27,11 @@ from pwmap.parameters.branches import (
     LEFT,
     RIGHT,
     BranchKey,
+    Continuation,
     End,
     Infinite,
     Junction,
     Segment,
-    Sweep,
 )
 from pwmap.parameters.cells import (
     Cell,
@@ -99,7 +99,7 @@ def bifurcation_diagram(
             close(axis, cells)
         else:
             ends = axis.place(limits[0]), axis.place(limits[1])
-        found = _assembled(map_, Sweep(axis, cells, len(map_.chain), ends))
+        found = _assembled(map_, Continuation(axis, cells, len(map_.chain), ends))
         return replace(found, given=(*found.given, *watch.left_out))
 
     return with_cells(
@@ -193,9 +193,9 @@ def _number(place: Any) -> Any:
     return getattr(place, "value", place)
 
 
-def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
+def _assembled(map_: PiecewiseLinearMap, continuation: Continuation) -> Diagram:
     """Name segments and junctions, and put them together."""
-    segments = sweep.segments()
+    segments = continuation.segments()
     counts: dict[str, int] = defaultdict(int)
     branch_ids: dict[Segment, str] = {}
     for segment in segments:
@@ -204,37 +204,39 @@ def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
         branch_ids[segment] = f"{letter}{counts[letter]}"
     points: list[SpecialPoint] = []
     ends: dict[tuple[Segment, int], SpecialPoint] = {}
-    for junction in sweep.junctions(segments):
-        kind, note = classify(junction, at_span_end=junction.place in sweep.stops)
-        if junction.place in sweep.stops and junction.place not in sweep.span:
+    for junction in continuation.junctions(segments):
+        kind, note = classify(junction, at_span_end=junction.place in continuation.stops)
+        if junction.place in continuation.stops and junction.place not in continuation.span:
             note = "end of what is assumed"
         counts[kind] += 1
-        point = _point(sweep, junction, f"{kind}{counts[kind]}", kind, note, branch_ids)
+        point = _point(continuation, junction, f"{kind}{counts[kind]}", kind, note, branch_ids)
         points.append(point)
         ends.update({(end.segment, end.which): point for end in junction.ends})
     branches = [
-        _branch(map_, sweep, segment, branch_ids[segment], (ends[segment, 0], ends[segment, 1]))
+        _branch(
+            map_, continuation, segment, branch_ids[segment], (ends[segment, 0], ends[segment, 1])
+        )
         for segment in segments
     ]
     return Diagram(
-        parameter_name=sweep.axis.name,
+        parameter_name=continuation.axis.name,
         x_name=str(map_.x),
         branches=tuple(branches),
         points=tuple(points),
-        given=tuple(str(relation) for relation in sweep.axis.given),
-        sample={name: QQ.to_sympy(value) for name, value in sweep.axis.sample.items()},
+        given=tuple(str(relation) for relation in continuation.axis.given),
+        sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
     )
 
 
 def _point(
-    sweep: Sweep,
+    continuation: Continuation,
     junction: Junction,
     point_id: str,
     kind: PointKind,
     note: str,
     branch_ids: Mapping[Segment, str],
 ) -> SpecialPoint:
-    axis, place = sweep.axis, junction.place
+    axis, place = continuation.axis, junction.place
     x = junction.value
     exact_x = sympy.oo * x.side if isinstance(x, Infinite) else axis.value_to_sympy(x, place)
     return SpecialPoint(
@@ -243,7 +245,7 @@ def _point(
         parameter=axis.number(axis.identity, place),
         x=junction.x,
         branches=tuple(dict.fromkeys(branch_ids[end.segment] for end in junction.ends)),
-        order=lowest(junction.ends) // sweep.length,
+        order=lowest(junction.ends) // continuation.length,
         note=note,
         exact={"parameter": axis.to_sympy(place), "x": exact_x},
     )
@@ -251,16 +253,16 @@ def _point(
 
 def _branch(
     map_: PiecewiseLinearMap,
-    sweep: Sweep,
+    continuation: Continuation,
     segment: Segment,
     branch_id: str,
     ends: tuple[SpecialPoint, SpecialPoint],
 ) -> Branch:
-    key, axis, orbits = segment.key, sweep.axis, sweep.orbits
+    key, axis, orbits = segment.key, continuation.axis, continuation.orbits
     low, high = (axis.to_sympy(place) for place in segment.places)
     exact: dict[str, sympy.Basic] = {"interval": _interval(segment, low, high)}
     if segment.band is None:
-        exact["x"] = fraction_to_sympy(sweep.position(key))
+        exact["x"] = fraction_to_sympy(continuation.position(key))
     else:
         exact["interval"] = sympy.FiniteSet(low)
         lower, upper = segment.band
@@ -273,11 +275,11 @@ def _branch(
         slope = quotient_to_sympy(orbits.slope(key.word))
         exact["multiplier"] = sympy.nan if segment.is_isolated else slope
     location = segment.location
-    drawn = branch_arrays(sweep, segment, ends)
+    drawn = branch_arrays(continuation, segment, ends)
     return Branch(
         id=branch_id,
         kind=key.kind,
-        order=len(key.word) // sweep.length,
+        order=len(key.word) // continuation.length,
         word="|".join(map_.spelled(word) for word in key.words),
         parameter=drawn.parameter,
         x=drawn.x,

@@ -54,7 +54,7 @@ class BranchKey:
         return self.words[0]
 
     def x(self, orbits: Orbits) -> Fraction_:
-        """Its position as a quotient in lowest terms; see :meth:`Sweep.position`."""
+        """Its position as a quotient in lowest terms; see :meth:`Continuation.position`."""
         if self.cut is None:
             return cancelled(orbits.fixed_point(self.word))
         return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
@@ -177,8 +177,8 @@ class Junction:
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
-    """The cells of a parameter, from left to right, and what lies on the diagonal in them.
+class Continuation:
+    """What lies on the diagonal, followed through the cells of a parameter from left to right.
 
     Attributes
     ----------

@@ -410,7 +410,7 @@ def with_cells(
     checked_size(max(orders), len(map_.chain), budget)
     values: Mapping[str, Number] = {}
     for values in samples(map_, name, span, sample):
-        axis = axis_of(map_.model, name, values)
+        axis = axis_of(map_.definition, name, values)
         try:
             found = admitted_intervals(axis, span)
             cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), budget))

@@ -96,7 +96,7 @@ def parameter_plane(
     while waiting:
         left, right = waiting.pop()
         sample = {str(across): simplest_between(left, right)}
-        broken = map_.model.region.contains(sample)
+        broken = map_.definition.region.contains(sample)
         if broken is not None:
             value = real_to_sympy(sample[str(across)])
             raise ValueError(f"{across} = {value} in the span contradicts the assumption {broken}")
