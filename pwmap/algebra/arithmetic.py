@@ -1,4 +1,4 @@
-"""Polynomials in the variable of a map, over the parameters, within a budget.
+"""Polynomials in the variable of a map, over the parameters, within a limit of work.
 
 A value is a quotient: a polynomial in the variable, whose coefficients are elements of the ring of
 the parameters, over one element of that ring. Every operation first tells what it is going to cost,
@@ -38,7 +38,7 @@ class Quotient(NamedTuple):
 
 
 @dataclass(slots=True)
-class Budget:
+class WorkLimit:
     """How much work a formula may still cause."""
 
     left: int = MAX_WORK
@@ -59,13 +59,13 @@ class Arithmetic:
     ----------
     ring
         The ring of the parameters, or None for no parameters.
-    budget
+    limit
         What all of it may cost.
     """
 
-    def __init__(self, ring: Ring, budget: Budget) -> None:
+    def __init__(self, ring: Ring, limit: WorkLimit) -> None:
         self.ring = ring
-        self.budget = budget
+        self.limit = limit
         self.one: Number = ring.one if ring is not None else QQ.one
         self.zero: Number = self.one - self.one
         generators = zip(ring.symbols, ring.gens, strict=True) if ring is not None else ()
@@ -79,14 +79,14 @@ class Arithmetic:
             return b if a == self.one else a
         (n, bits, degree), (m, more_bits, more) = _size(a), _size(b)
         self._check(bits + more_bits, degree + more)
-        self.budget.spend(n * m * _words(bits, more_bits))
+        self.limit.spend(n * m * _words(bits, more_bits))
         return a * b
 
     def plus(self, a: Number, b: Number) -> Number:
         """A sum of two coefficients."""
         (n, bits, _), (m, more_bits, _) = _size(a), _size(b)
         self._check(max(bits, more_bits), 0)
-        self.budget.spend((n + m) * _words(bits, more_bits))
+        self.limit.spend((n + m) * _words(bits, more_bits))
         return a + b
 
     def _check(self, bits: int, degree: int) -> None:
@@ -298,7 +298,7 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
     unknown = sorted(term.names().keys() - {plain_name(symbol) for symbol in symbols})
     if unknown:
         raise ValueError(f"{what} {term} holds the unknown symbol {unknown[0]}")
-    return cancelled(worked_out(term, Arithmetic(ring, Budget())))
+    return cancelled(worked_out(term, Arithmetic(ring, WorkLimit())))
 
 
 def rational(value: object) -> Number:
@@ -314,5 +314,5 @@ def rational(value: object) -> Number:
     term = term_of(value)
     if term.names() or term.operation in CONDITIONS:
         raise ValueError(f"expected a rational number, got {shown(value)}")
-    top, bottom = worked_out(term, Arithmetic(None, Budget()))
+    top, bottom = worked_out(term, Arithmetic(None, WorkLimit()))
     return top / bottom

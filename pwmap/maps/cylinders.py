@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from pwmap.maps.budget import BUDGET, Budget, BudgetError
-from pwmap.maps.words import Judge, Offset, Order, Word
+from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
 
 
 class Cut(NamedTuple):
@@ -44,7 +44,7 @@ WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 
 
 def refined(
-    cylinders: Sequence[Cylinder], layout: int, judge: Judge, budget: Budget = BUDGET
+    cylinders: Sequence[Cylinder], layout: int, oracle: SignOracle, budget: Budget = BUDGET
 ) -> tuple[Cylinder, ...]:
     """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
 
@@ -55,7 +55,7 @@ def refined(
     """
     pieces: list[Cylinder] = []
     for cylinder in cylinders:
-        pieces += _split(cylinder, layout, judge)
+        pieces += _split(cylinder, layout, oracle)
         if len(pieces) > budget.pieces:
             raise BudgetError(
                 f"an iterate with words of {len(cylinder.word) + 1} letters has more than "
@@ -64,38 +64,38 @@ def refined(
     return tuple(pieces)
 
 
-def cylinder_of(word: Word, layouts: Sequence[int], judge: Judge) -> Cylinder | None:
+def cylinder_of(word: Word, layouts: Sequence[int], oracle: SignOracle) -> Cylinder | None:
     """The cylinder of one word, or None where it is empty."""
     found: Cylinder | None = WHOLE_LINE[0]
     for letter, layout in zip(word, layouts, strict=True):
         assert found is not None
-        found = next((c for c in _split(found, layout, judge) if c.word[-1] == letter), None)
+        found = next((c for c in _split(found, layout, oracle) if c.word[-1] == letter), None)
         if found is None:
             break
     return found
 
 
-def _split(cylinder: Cylinder, layout: int, judge: Judge) -> Iterator[Cylinder]:
+def _split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> Iterator[Cylinder]:
     word = cylinder.word
-    direction = judge.slope(word)
-    slots = judge.orbits.table.layouts[layout].slots
+    direction = oracle.slope(word)
+    slots = oracle.orbits.table.layouts[layout].slots
     if cylinder.is_point or direction == 0:
-        slot = judge.slot(layout, *_constant_value(cylinder, judge))
+        slot = oracle.slot(layout, *_constant_value(cylinder, oracle))
         yield cylinder._replace(word=(*word, slots[slot]))
         return
-    breaks = judge.orbits.table.layouts[layout].breaks
+    breaks = oracle.orbits.table.layouts[layout].breaks
     first, last = (0, len(slots) - 1)[::direction]
 
     def atoms() -> Iterator[tuple[int, Cut | None, Cut | None, bool]]:
         """Slots that the image crosses, with their preimages, from left to right."""
         start, stop = first, last
         if cylinder.lower is not None:
-            start = judge.slot(layout, cylinder.lower.k, word[cylinder.lower.steps :])
+            start = oracle.slot(layout, cylinder.lower.k, word[cylinder.lower.steps :])
             if cylinder.lower_closed:
                 yield slots[start], cylinder.lower, cylinder.lower, True
             start += direction * (start % 2)
         if cylinder.upper is not None:
-            stop = judge.slot(layout, cylinder.upper.k, word[cylinder.upper.steps :])
+            stop = oracle.slot(layout, cylinder.upper.k, word[cylinder.upper.steps :])
         inner_stop = stop - direction * (stop % 2)
         left = cylinder.lower
         for slot in range(start, inner_stop, 2 * direction):
@@ -119,32 +119,32 @@ def _split(cylinder: Cylinder, layout: int, judge: Judge) -> Iterator[Cylinder]:
     yield pending
 
 
-def _constant_value(cylinder: Cylinder, judge: Judge) -> tuple[int, Word]:
+def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
     """A critical orbit that equals the one value of the iterate on a cylinder.
 
     On a point it is the orbit of its end. After a letter of slope zero the orbit of any break.
     """
     if cylinder.lower is not None and cylinder.is_point:
         return cylinder.lower.k, cylinder.word[cylinder.lower.steps :]
-    flat = max(i for i, letter in enumerate(cylinder.word) if judge.slope((letter,)) == 0)
+    flat = max(i for i, letter in enumerate(cylinder.word) if oracle.slope((letter,)) == 0)
     return 0, cylinder.word[flat:]
 
 
 # --- The diagonal ---------------------------------------------------------------------------------
 
 
-def above_diagonal(judge: Judge, word: Word, cut: Cut) -> int:
+def above_diagonal(oracle: SignOracle, word: Word, cut: Cut) -> int:
     """Sign of A_word(x) - x at a cut x of the word.
 
     Follow both sides along the prefix u that leads from x to its break: A_u is affine with a
     slope that is not zero, and A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k for the word w = uv.
     """
     prefix, rest = word[: cut.steps], word[cut.steps :]
-    return judge.slope(prefix) * judge.ask(Order(cut.k, rest + prefix, cut.k))
+    return oracle.slope(prefix) * oracle.sign(CriticalOrbit(cut.k, rest + prefix, cut.k))
 
 
-class Place(Enum):
-    """Where the fixed point of a word's affine map lies."""
+class Inclusion(Enum):
+    """Whether the fixed point of a word's affine map lies in its cylinder, and where."""
 
     INSIDE = "inside its cylinder"
     LOWER = "at the lower end, which belongs to its cylinder"
@@ -168,38 +168,38 @@ class Iterate:
     """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
 
     cylinders: tuple[Cylinder, ...]
-    places: tuple[Place, ...]  # of the fixed point of each cylinder
+    inclusion: tuple[Inclusion, ...]  # of the fixed point of each cylinder
     stable: tuple[bool, ...]  # whether it attracts
     crossings: tuple[Crossing, ...]
 
 
-def place_of_fixed_point(cylinder: Cylinder, judge: Judge) -> Place:
-    """Where the fixed point of a cylinder's affine map lies."""
+def inclusion_of(cylinder: Cylinder, oracle: SignOracle) -> Inclusion:
+    """Whether the fixed point of a cylinder's affine map lies in it, and where."""
     word = cylinder.word
-    steepness = judge.multiplier(word, 1)
+    steepness = oracle.multiplier(word, 1)
     if steepness == 0:
-        if judge.ask(Offset(word)) != 0:
-            return Place.NONE
-        return Place.POINT if cylinder.is_point else Place.BAND
+        if oracle.sign(Offset(word)) != 0:
+            return Inclusion.NONE
+        return Inclusion.POINT if cylinder.is_point else Inclusion.BAND
     sides = [
-        0 if cut is None else -steepness * above_diagonal(judge, word, cut)
+        0 if cut is None else -steepness * above_diagonal(oracle, word, cut)
         for cut in (cylinder.lower, cylinder.upper)
     ]  # sign of (fixed point - end)
     if cylinder.is_point:
-        return Place.POINT if sides[0] == 0 else Place.VIRTUAL
+        return Inclusion.POINT if sides[0] == 0 else Inclusion.VIRTUAL
     if cylinder.lower is not None and sides[0] <= 0:
-        return Place.LOWER if sides[0] == 0 and cylinder.lower_closed else Place.VIRTUAL
+        return Inclusion.LOWER if sides[0] == 0 and cylinder.lower_closed else Inclusion.VIRTUAL
     if cylinder.upper is not None and sides[1] >= 0:
-        return Place.UPPER if sides[1] == 0 and cylinder.upper_closed else Place.VIRTUAL
-    return Place.INSIDE
+        return Inclusion.UPPER if sides[1] == 0 and cylinder.upper_closed else Inclusion.VIRTUAL
+    return Inclusion.INSIDE
 
 
-def crossings(cylinders: Sequence[Cylinder], judge: Judge) -> Iterator[Crossing]:
+def crossings(cylinders: Sequence[Cylinder], oracle: SignOracle) -> Iterator[Crossing]:
     """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal."""
     for left, right in pairwise(c for c in cylinders if not c.is_point):
         cut = right.lower
         assert cut is not None
-        sides = [above_diagonal(judge, c.word, cut) for c in (left, right)]
+        sides = [above_diagonal(oracle, c.word, cut) for c in (left, right)]
         if sides[0] * sides[1] < 0:
             yield Crossing(cut, left.word, right.word)
 
@@ -211,23 +211,25 @@ def minimal_period(word: Word, unit: int = 1) -> int:
     return next(d for d in lengths if word[:d] * (n // d) == word) // unit
 
 
-def is_stable(cylinders: Sequence[Cylinder], i: int, place: Place, judge: Judge) -> bool:
+def is_stable(
+    cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion, oracle: SignOracle
+) -> bool:
     """Whether a fixed point attracts from both sides.
 
     At a cut it does if the iterate is continuous there, with slopes m and n on its sides such
     that m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
     """
     cylinder = cylinders[i]
-    if place is Place.INSIDE:
+    if inclusion is Inclusion.INSIDE:
         word = cylinder.word
-        return judge.multiplier(word, 1) < 0 < judge.multiplier(word, -1)
-    if place not in (Place.LOWER, Place.UPPER, Place.POINT):
+        return oracle.multiplier(word, 1) < 0 < oracle.multiplier(word, -1)
+    if inclusion not in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT):
         return False
-    cut = cylinder.upper if place is Place.UPPER else cylinder.lower
+    cut = cylinder.upper if inclusion is Inclusion.UPPER else cylinder.lower
     assert cut is not None
-    left = cylinder if place is Place.UPPER else cylinders[i - 1]
-    right = cylinder if place is Place.LOWER else cylinders[i + 1]
-    if any(above_diagonal(judge, side.word, cut) for side in (left, right)):
+    left = cylinder if inclusion is Inclusion.UPPER else cylinders[i - 1]
+    right = cylinder if inclusion is Inclusion.LOWER else cylinders[i + 1]
+    if any(above_diagonal(oracle, side.word, cut) for side in (left, right)):
         return False
     slopes = (left.word, right.word, left.word + right.word)
-    return all(judge.multiplier(word, 1) < 0 for word in slopes)
+    return all(oracle.multiplier(word, 1) < 0 for word in slopes)

@@ -1,4 +1,4 @@
-"""Words, the affine maps they stand for, and the only questions that ever need a sign.
+"""Words, the affine maps they stand for, and the only decisions that ever need a sign.
 
 Let the pieces of a map be A_i(x) = m_i x + c_i and its breaks b_k. A word w = i_1 ... i_n names
 the affine map A_w = A_{i_n} o ... o A_{i_1}. Every break of an iterate is a preimage of some b_k
@@ -108,7 +108,7 @@ def _table(kept: Packed, letters: int, layouts: tuple[Layout, ...]) -> Table:
     return Table(slopes, intercepts, numbers[2 * letters : -2], layouts, *numbers[-2:])
 
 
-class Order(NamedTuple):
+class CriticalOrbit(NamedTuple):
     """Where the critical orbit of break k is after a word: A_word(b_k) - b_l."""
 
     k: int
@@ -130,19 +130,19 @@ class Multiplier(NamedTuple):
 
 
 class Offset(NamedTuple):
-    """The intercept of a word, asked where its slope is 1."""
+    """The intercept of a word, which decides where its slope is 1."""
 
     word: Word
     name: str = "offset"
 
 
-Question = Order | Slope | Multiplier | Offset
+Decision = CriticalOrbit | Slope | Multiplier | Offset
 
 
 class Mark(NamedTuple):
-    """How much a judge knew at some time: numbers of answers and of slots."""
+    """How much an oracle knew at some time: numbers of signs and of slots."""
 
-    answers: int
+    signs: int
     slots: int
 
 
@@ -167,7 +167,7 @@ class Orbits:
         self._orbits: dict[tuple[int, Word], Number] = {}
         self._slopes: dict[Word, Fraction_] = {}
         self._products: dict[tuple[tuple[int, int], ...], Number] = {}
-        self._polynomials: dict[Question, Number] = {}
+        self._polynomials: dict[Decision, Number] = {}
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
         return Orbits, (self.table,)
@@ -248,25 +248,25 @@ class Orbits:
         slope, intercept = self.affine(word)
         return intercept, self.power(len(word)) - slope
 
-    def polynomial(self, question: Question) -> Number:
-        """The number whose sign answers a question."""
-        found = self._polynomials.get(question)
+    def polynomial(self, decision: Decision) -> Number:
+        """The number whose sign makes a decision."""
+        found = self._polynomials.get(decision)
         if found is None:
-            found = self._polynomials[question] = self._polynomial(question)
+            found = self._polynomials[decision] = self._polynomial(decision)
         return found
 
-    def _polynomial(self, question: Question) -> Number:
-        found = self._numerator(question)
-        while found and not self._plain:  # a factor that is positive answers nothing
+    def _polynomial(self, decision: Decision) -> Number:
+        found = self._numerator(decision)
+        while found and not self._plain:  # a factor that is positive decides nothing
             quotient, rest = found.div(self.table.denominator)
             if rest:
                 break
             found = quotient
         return found
 
-    def _numerator(self, question: Question) -> Number:
-        match question:
-            case Order(k, word, l):
+    def _numerator(self, decision: Decision) -> Number:
+        match decision:
+            case CriticalOrbit(k, word, l):
                 b = self.table.breaks[l]
                 return self.orbit(k, word) - (b if self._plain else b * self.power(len(word)))
             case Slope(letter):
@@ -304,10 +304,10 @@ class IntegerOrbits:
     def __reduce__(self) -> tuple[type[IntegerOrbits], tuple[Table]]:
         return IntegerOrbits, (self.table,)
 
-    def polynomial(self, question: Question) -> int:
-        """An integer with the sign that answers a question."""
-        match question:
-            case Order(k, word, l):
+    def polynomial(self, decision: Decision) -> int:
+        """An integer with the sign that makes a decision."""
+        match decision:
+            case CriticalOrbit(k, word, l):
                 return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
             case Slope(letter):
                 return self._slopes[letter]
@@ -341,50 +341,50 @@ class IntegerOrbits:
         return self._powers[n]
 
 
-class Judge:
-    """Answers questions, and remembers all it was asked.
+class SignOracle:
+    """Gives the signs of decisions, and remembers them.
 
     Parameters
     ----------
     orbits
         Where the polynomials come from.
-    sign
+    sign_of
         The sign of such a polynomial: -1, 0 or +1.
     recorded
-        Answers that are known already.
+        Signs that are known already.
     """
 
     def __init__(
         self,
         orbits: Orbits | IntegerOrbits,
-        sign: Callable[[Number], int],
-        recorded: Mapping[Question, int] | None = None,
+        sign_of: Callable[[Number], int],
+        recorded: Mapping[Decision, int] | None = None,
     ) -> None:
         self.orbits = orbits
-        self.answers: dict[Question, int] = dict(recorded or {})
+        self.signs: dict[Decision, int] = dict(recorded or {})
         self._keeps = recorded is not None  # when it is pickled: they may be beyond proof by then
-        self.sign = sign
+        self.sign_of = sign_of
         self._slots: dict[tuple[int, int, Word], int] = {}
         self._slopes: dict[Word, int] = {(): 1}
 
-    def __reduce__(self) -> tuple[type[Judge], tuple[object, ...]]:
-        return Judge, (self.orbits, self.sign, self.answers if self._keeps else None)
+    def __reduce__(self) -> tuple[type[SignOracle], tuple[object, ...]]:
+        return SignOracle, (self.orbits, self.sign_of, self.signs if self._keeps else None)
 
     def mark(self) -> Mark:
         """How much is known by now."""
-        return Mark(len(self.answers), len(self._slots))
+        return Mark(len(self.signs), len(self._slots))
 
-    def learn(self, other: Judge, mark: Mark) -> None:
-        """Take over what another judge knew at some time, which must hold here too."""
-        self.answers.update(islice(other.answers.items(), mark.answers))
+    def learn(self, other: SignOracle, mark: Mark) -> None:
+        """Take over what another oracle knew at some time, which must hold here too."""
+        self.signs.update(islice(other.signs.items(), mark.signs))
         self._slots.update(islice(other._slots.items(), mark.slots))
 
-    def ask(self, question: Question) -> int:
-        """The sign of the polynomial of a question."""
-        answer = self.answers.get(question)
-        if answer is None:
-            answer = self.answers[question] = self.sign(self.orbits.polynomial(question))
-        return answer
+    def sign(self, decision: Decision) -> int:
+        """The sign of the polynomial of a decision."""
+        found = self.signs.get(decision)
+        if found is None:
+            found = self.signs[decision] = self.sign_of(self.orbits.polynomial(decision))
+        return found
 
     def slope(self, word: Word) -> int:
         """Sign of the slope of a word."""
@@ -392,7 +392,7 @@ class Judge:
         if product is None:
             product = 1
             for letter in word:
-                product *= self.ask(Slope(letter))
+                product *= self.sign(Slope(letter))
                 if not product:
                     break
             self._slopes[word] = product
@@ -400,7 +400,7 @@ class Judge:
 
     def multiplier(self, word: Word, unit: int) -> int:
         """Sign of the slope of a word minus a unit, +1 or -1."""
-        return self.ask(Multiplier(tuple(sorted(word)), unit))
+        return self.sign(Multiplier(tuple(sorted(word)), unit))
 
     def slot(self, layout: int, k: int, word: Word) -> int:
         """The slot of a map in which A_word(b_k) lies."""
@@ -415,7 +415,7 @@ class Judge:
         low, high = 0, len(breaks)
         while low < high:
             middle = (low + high) // 2
-            side = self.ask(Order(k, word, breaks[middle]))
+            side = self.sign(CriticalOrbit(k, word, breaks[middle]))
             if side == 0:
                 return 2 * middle + 1
             if side < 0:

@@ -1,8 +1,8 @@
 """Parameter cells: where along a parameter the same words describe the iterates of a map.
 
-A map is studied at an exact sample; every sign that was asked for is remembered with the
+A map is studied at an exact sample; every sign that decided something is remembered with the
 polynomial behind it. The nearest roots of these polynomials bound the cell of the sample: inside
-it no answer changes, so all words, fixed points and crossings are the same. The next sample is
+it no sign changes, so all words, fixed points and crossings are the same. The next sample is
 taken beyond. Edges are cells of their own, studied exactly at the root.
 
 With other parameters symbolic the same is done at a sample of these; every polynomial must then be
@@ -27,16 +27,22 @@ from pwmap.maps.budget import BUDGET, Budget, BudgetError, checked_size
 from pwmap.maps.cylinders import (
     WHOLE_LINE,
     Cylinder,
+    Inclusion,
     Iterate,
-    Place,
     crossings,
+    inclusion_of,
     is_stable,
-    place_of_fixed_point,
     refined,
 )
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
-from pwmap.maps.words import Judge, Mark
-from pwmap.parameters.admitted import Span, Stretch, samples, shown_sample, stretches
+from pwmap.maps.words import Mark, SignOracle
+from pwmap.parameters.admitted import (
+    AdmittedInterval,
+    Span,
+    admitted_intervals,
+    samples,
+    shown_sample,
+)
 from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
 
 Result = TypeVar("Result")
@@ -46,7 +52,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Study:
-    """All iterates at one place, and the judge who decided them.
+    """All iterates at one place, and the oracle that decided them.
 
     Attributes
     ----------
@@ -54,7 +60,7 @@ class Study:
         Of the last iterate that was composed.
     """
 
-    judge: Judge
+    oracle: SignOracle
     iterates: dict[int, Iterate]
     cylinders: tuple[Cylinder, ...] = WHOLE_LINE
 
@@ -62,7 +68,11 @@ class Study:
         """The iterates, without telling apart fixed points that are virtual or missing."""
         return {
             order: replace(
-                it, places=tuple(Place.VIRTUAL if p is Place.NONE else p for p in it.places)
+                it,
+                inclusion=tuple(
+                    Inclusion.VIRTUAL if found is Inclusion.NONE else found
+                    for found in it.inclusion
+                ),
             )
             for order, it in self.iterates.items()
         }
@@ -70,12 +80,12 @@ class Study:
     def agreed(self, *others: Study) -> Study:
         """What this study and others that show the same have in common."""
         shared = {
-            question: answer
-            for question, answer in self.judge.answers.items()
-            if all(other.judge.answers.get(question) == answer for other in others)
+            decision: sign
+            for decision, sign in self.oracle.signs.items()
+            if all(other.oracle.signs.get(decision) == sign for other in others)
         }
-        judge = Judge(self.judge.orbits, self.judge.sign, shared)
-        return Study(judge, self.shown())
+        oracle = SignOracle(self.oracle.orbits, self.oracle.sign_of, shared)
+        return Study(oracle, self.shown())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,15 +112,15 @@ def grown(
     study: Study, chain: tuple[int, ...], order: int, *, shown: bool, budget: Budget = BUDGET
 ) -> Study:
     """A study of one order more, with every sign that its fixed points depend on if it is shown."""
-    judge, current, iterates = study.judge, study.cylinders, study.iterates
+    oracle, current, iterates = study.oracle, study.cylinders, study.iterates
     for layout in chain:
-        current = refined(current, layout, judge, budget)
+        current = refined(current, layout, oracle, budget)
     if shown:
-        places = tuple(place_of_fixed_point(cylinder, judge) for cylinder in current)
-        stable = tuple(is_stable(current, i, place, judge) for i, place in enumerate(places))
-        found = Iterate(current, places, stable, tuple(crossings(current, judge)))
+        inclusion = tuple(inclusion_of(cylinder, oracle) for cylinder in current)
+        stable = tuple(is_stable(current, i, each, oracle) for i, each in enumerate(inclusion))
+        found = Iterate(current, inclusion, stable, tuple(crossings(current, oracle)))
         iterates = {**iterates, order: found}
-    return Study(judge, iterates, current)
+    return Study(oracle, iterates, current)
 
 
 class Stage(NamedTuple):
@@ -131,7 +141,7 @@ def stages(
     """Cut cells of which nothing is known into cells and edges, order by order.
 
     What a cell knows of lower orders holds in all its parts and on the edges between them, so that
-    only the questions of the new order are asked there.
+    only the decisions of the new order are made there.
 
     Parameters
     ----------
@@ -167,14 +177,14 @@ def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]
     """A cell, or what an order more cuts it into: cells and the edges between them."""
     if cell.is_excluded:
         return [cell]
-    mark = cell.study.judge.mark()
+    mark = cell.study.oracle.mark()
     if cell.is_edge:
         return [_edge(axis, cell.sample, grow(cell.study), mark)]
 
     def study_at(place: Any) -> Study:
-        judge = axis.judge(place)
-        judge.learn(cell.study.judge, mark)
-        return grow(replace(cell.study, judge=judge))
+        oracle = axis.oracle(place)
+        oracle.learn(cell.study.oracle, mark)
+        return grow(replace(cell.study, oracle=oracle))
 
     opened: list[Cell] = []
     waiting = [(cell.lower, cell.upper)]
@@ -183,12 +193,12 @@ def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]
         old = (left is None or left < cell.sample) and (right is None or cell.sample < right)
         sample = cell.sample if old else axis.between(left, right)
         study = grow(cell.study) if old else study_at(sample)
-        new = islice(study.judge.answers.items(), mark.answers, None)
-        edge = _edge_at(axis, study.judge, sample, mark)
+        new = islice(study.oracle.signs.items(), mark.signs, None)
+        edge = _edge_at(axis, study.oracle, sample, mark)
         if edge is not None:  # the sample is no inner point of a cell
             waiting += [(left, edge), (edge, right)]
             continue
-        roots = {root for question, _ in new for root in axis.roots(question) or ()}
+        roots = {root for decision, _ in new for root in axis.roots(decision) or ()}
         start = max((x for x in roots if x < sample and (left is None or left < x)), default=left)
         stop = min((x for x in roots if sample < x and (right is None or x < right)), default=right)
         opened.append(Cell(start, stop, study, sample))
@@ -205,24 +215,24 @@ def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
     """An edge at some place in or beside a cell, with the same iterates."""
-    study = Study(axis.judge(place), {})
+    study = Study(axis.oracle(place), {})
     for order in range(1, max(cell.study.iterates) + 1):
         study = grown(study, chain, order, shown=order in cell.study.iterates)
     return Cell(place, place, study, place)
 
 
 def _edge(axis: Axis, place: Any, study: Study, mark: Mark) -> Cell:
-    found = _edge_at(axis, study.judge, place, mark)
+    found = _edge_at(axis, study.oracle, place, mark)
     if found is not None and not identical(found, place):
         raise ResampleError
     return Cell(place, place, study, place)
 
 
-def _edge_at(axis: Axis, judge: Judge, place: Any, mark: Mark) -> Any:
-    """The root that a place hits, if a new answer is zero there but not everywhere."""
+def _edge_at(axis: Axis, oracle: SignOracle, place: Any, mark: Mark) -> Any:
+    """The root that a place hits, if a new sign is zero there but not everywhere."""
     found = None
-    for question, answer in islice(judge.answers.items(), mark.answers, None):
-        roots = axis.roots(question) if answer == 0 else None
+    for decision, sign in islice(oracle.signs.items(), mark.signs, None):
+        roots = axis.roots(decision) if sign == 0 else None
         if roots is None:
             continue
         hit = next((root for root in roots if root == place), None)
@@ -366,7 +376,7 @@ def shown_cells(
             map_,
             scope,
             axis.orbits,
-            Judge(axis.orbits, scope.sign, cell.study.judge.answers),
+            SignOracle(axis.orbits, scope.sign, cell.study.oracle.signs),
             {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
         )
         shown.append(ParameterCell(lower=lower, upper=upper, map=decided))
@@ -400,9 +410,9 @@ def with_cells(
     checked_size(max(orders), len(map_.chain), budget)
     values: Mapping[str, Number] = {}
     for values in samples(map_, name, span, sample):
-        axis = axis_of(map_.model, name, values)
+        axis = axis_of(map_.definition, name, values)
         try:
-            found = stretches(axis, span)
+            found = admitted_intervals(axis, span)
             cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), budget))
             close(axis, cells)
             return build(axis, cells)
@@ -411,28 +421,28 @@ def with_cells(
     raise ResampleError(f"at {shown_sample(values)} edges meet by chance: choose another sample")
 
 
-def uncut(axis: Axis, admitted: Sequence[Stretch], with_ends: bool) -> list[Cell]:
+def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> list[Cell]:
     """One cell for each part of a span that the assumptions admit, and the gaps between them."""
     cells: list[Cell] = []
-    for stretch in admitted:
-        ends = stretch.closed_ends if with_ends else ()
-        sample = axis.between(stretch.low, stretch.high)
-        found = [_unstudied(axis, stretch.low, stretch.high, sample)]
-        if stretch.low in ends:
-            found.insert(0, _unstudied(axis, stretch.low, stretch.low, stretch.low))
-        if stretch.high in ends:
-            found.append(_unstudied(axis, stretch.high, stretch.high, stretch.high))
+    for interval in admitted:
+        ends = interval.closed_ends if with_ends else ()
+        sample = axis.between(interval.low, interval.high)
+        found = [_unstudied(axis, interval.low, interval.high, sample)]
+        if interval.low in ends:
+            found.insert(0, _unstudied(axis, interval.low, interval.low, interval.low))
+        if interval.high in ends:
+            found.append(_unstudied(axis, interval.high, interval.high, interval.high))
         cells += [*(_gap(cells[-1], found[0]) if cells else ()), *found]
     return cells
 
 
 def _unstudied(axis: Axis, low: Any, high: Any, sample: Any) -> Cell:
-    return Cell(low, high, Study(axis.judge(sample), {}), sample)
+    return Cell(low, high, Study(axis.oracle(sample), {}), sample)
 
 
 def _gap(before: Cell, after: Cell) -> list[Cell]:
     """Cells without a study, edges and an open cell in turn, between two cells."""
-    nothing = Study(before.study.judge, {}, ())
+    nothing = Study(before.study.oracle, {}, ())
     left, right = before.upper, after.lower
     if left == right:
         return [Cell(left, left, nothing, left)]

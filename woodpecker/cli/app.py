@@ -38,7 +38,3 @@ def run() -> None:
     """Entry point of the command."""
     logging.basicConfig(format="%(message)s")
     app()
-
-
-if __name__ == "__main__":
-    run()

@@ -399,7 +399,7 @@ def carry_out(
     case, impulses
         Output: the last index combination of each contact (2,), impulses (2, 4) of both phases.
     pair
-        Room for an impact at two contacts.
+        Room for an impact at two contacts, as :func:`prepare` or :func:`decide` leaves it.
     """
     for k in range(4):
         impulses[0, k] = impulses[1, k] = 0.0
@@ -595,8 +595,8 @@ def _carry_out_double(
     model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
     seed: Floats, case: Ints, impulses: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    prepare(model, contacts, z, pair)
     free, floor, middle, after, end = pair.free, pair.floor, pair.middle, pair.after, pair.end
+    floor[0] = floor[1] = 0.0
     table, expands = PAIR + 36 * (contacts[1] - 1), choice[2] != UNSOLVED
     for side in range(2):
         pair.first[side, 0], pair.first[side, 1] = choice[side] % 6, choice[side] // 6

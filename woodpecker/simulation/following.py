@@ -40,7 +40,6 @@ from woodpecker.mechanics.modes import (
     GAP,
     GUARDS,
     KAPPA,
-    LIMIT,
     MU,
     NORMAL,
     OMEGA,
@@ -73,6 +72,7 @@ from woodpecker.simulation.kernel import (
     stop,
     sum_bounces,
     time_to_minimum,
+    touch,
     typed,
 )
 
@@ -118,7 +118,7 @@ def follow(
     -------
     RETURNED, or NO_ROOT.
     """
-    gaps, work, states, slips = room.gaps, room.work, room.closed, room.slips
+    gaps, work, states = room.gaps, room.work, room.closed
     measure(model, z, gaps)
     found[0] = 0
     fired = typed(-1)
@@ -137,7 +137,7 @@ def follow(
         if step[STRUCK] != 0:
             still_contacts(states, tangents)
         if len(margins) > 0:
-            _start_margins(model, step, k, z, gaps, states, slips, fired, margins, causes, found)
+            _start_margins(model, step, k, z, gaps, states, fired, margins, causes, found)
         guard = step[GUARD]
         if guard == SECTION:
             t = _time_of_section(model, mode, z, times[k])
@@ -204,7 +204,7 @@ def _event(
     struck, closed, mark = step[STRUCK], step[CLOSED], room.mark
     for i in range(3):
         if states[i] != OPEN or struck >> i & 1:
-            z[ANGLE[i]], gaps[i] = -SIGN[i] * model[CONTACT + i, LIMIT], 0.0
+            touch(model, i, z, gaps)
     if struck == 0:
         for i in range(3):
             if states[i] == STICK or fired == SLIP + i:
@@ -219,6 +219,8 @@ def _event(
     choice[0], choice[1], choice[2] = step[FIRST], step[OTHER], step[SECOND]
     if len(margins) > 0:
         _impact_margins(model, contacts, choice, k, z, margins, causes, found, room)
+    if n == 2:
+        prepare(model, contacts, z, room.pair)
     carry_out(
         model, change, contacts, choice, z, tangents, seed, room.case, room.impulses, room.pair
     )
@@ -249,8 +251,8 @@ def _note(margins: Floats, causes: Ints, found: Ints, margin: float, cause: int)
 
 @jit
 def _start_margins(
-    model: Floats, step: Ints, k: int, z: Floats, gaps: Floats, states: Ints, slips: Ints,
-    fired: int, margins: Floats, causes: Ints, found: Ints,
+    model: Floats, step: Ints, k: int, z: Floats, gaps: Floats, states: Ints, fired: int,
+    margins: Floats, causes: Ints, found: Ints,
 ) -> None:  # fmt: skip
     """What keeps each touching contact in its state where a phase begins.
 

@@ -550,52 +550,20 @@ def arrive(
     ``states`` becomes the new mode, ``slips`` keeps the signs of the tangential velocities (0:
     exactly zero), symbols go to ``word`` (their number is counts[0]), details to ``event``.
     """
-    closed, before, case, impulses = room.closed, room.before, room.case, room.impulses
+    closed, before, decided = room.closed, room.before, room.decided
     for i in range(3):
         closed[i], before[i] = 0, states[i]
-    decided = room.decided
     for k in range(STEP_COLUMNS):
         decided[k] = 0
     n, striking = _touching(model, z, gaps, states, fired, closed, room.touching)
-    contacts = room.touching[:n]
     for k in range(EVENT_COLUMNS):
         event[k] = z[1 + k] if 2 <= k < 5 else 0.0
     if striking:
-        marks = room.marks
-        marks[0] = marks[1] = 0
-        for k in range(4):
-            impulses[0, k] = impulses[1, k] = 0.0
-        status = impact(
-            model,
-            change,
-            contacts,
-            z,
-            tangents,
-            seed,
-            room.choice,
-            case,
-            impulses,
-            marks,
-            room.pair,
+        status = _strike(
+            model, change, room.touching[:n], z, tangents, seed, slips, word, counts, event, room
         )
         if status in (NO_SOLUTION, AMBIGUOUS):
             return status
-        kind = INDETERMINATE_IMPACT if status == INDETERMINATE else IMPACT
-        mask = 0
-        for k in range(len(contacts)):
-            i = contacts[k]
-            mask += 1 << i
-            closed[i] = 1 if case[k] // 3 == REST else 0
-            slips[i] = 0 if case[k] % 3 == HOLD else _sign(rates(model, i, z)[1])
-            room.stopped[i] = 1 if status == INDETERMINATE or halts(marks[k]) else 0
-            column = 8 + (0 if i == 0 else 2)
-            for phase in range(2):
-                event[column + 4 * phase] = impulses[phase, 2 * k]
-                event[column + 4 * phase + 1] = impulses[phase, 2 * k + 1]
-        _append(word, counts, 64 * (marks[0] + MARKS * marks[1]) + 8 * kind + mask)
-        decided[STRUCK] = mask
-        for k in range(3):
-            decided[FIRST + k] = room.choice[k]
         for i in range(3):
             before[i] = before[i] if before[i] != OPEN or not closed[i] else SLIP_POSITIVE
         fired = typed(-1)
@@ -616,6 +584,38 @@ def arrive(
         _append_transitions(before, states, fired, word, counts)
         if striking:
             still_contacts(states, tangents)
+    return status
+
+
+@jit
+def _strike(
+    model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
+    slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
+) -> int:  # fmt: skip
+    """The impact of some contacts: velocities, slips, which of them stay closed, and its symbol."""
+    closed, case, impulses, marks = room.closed, room.case, room.impulses, room.marks
+    marks[0] = marks[1] = 0
+    status = impact(
+        model, change, contacts, z, tangents, seed, room.choice, case, impulses, marks, room.pair
+    )
+    if status in (NO_SOLUTION, AMBIGUOUS):
+        return status
+    kind = INDETERMINATE_IMPACT if status == INDETERMINATE else IMPACT
+    mask = 0
+    for k in range(len(contacts)):
+        i = contacts[k]
+        mask += 1 << i
+        closed[i] = 1 if case[k] // 3 == REST else 0
+        slips[i] = 0 if case[k] % 3 == HOLD else _sign(rates(model, i, z)[1])
+        room.stopped[i] = 1 if status == INDETERMINATE or halts(marks[k]) else 0
+        column = 8 + (0 if i == 0 else 2)
+        for phase in range(2):
+            event[column + 4 * phase] = impulses[phase, 2 * k]
+            event[column + 4 * phase + 1] = impulses[phase, 2 * k + 1]
+    _append(word, counts, 64 * (marks[0] + MARKS * marks[1]) + 8 * kind + mask)
+    room.decided[STRUCK] = mask
+    for k in range(3):
+        room.decided[FIRST + k] = room.choice[k]
     return status
 
 
@@ -643,22 +643,27 @@ def still_contacts(states: Ints, tangents: Floats) -> None:
 
 
 @jit
+def touch(model: Floats, i: int, z: Floats, gaps: Floats) -> None:
+    """Make exact that contact i has no gap."""
+    z[ANGLE[i]], gaps[i] = -SIGN[i] * model[CONTACT + i, LIMIT], 0.0
+
+
+@jit
 def _touching(
     model: Floats, z: Floats, gaps: Floats, states: Ints, fired: int, closed: Ints, found: Ints
 ) -> tuple[int, bool]:
     """Find contacts with zero gap, and whether one of them strikes; their angles become exact."""
     n, striking = 0, False
     for i in range(3):
-        j, sign = ANGLE[i], SIGN[i]
         if states[i] != OPEN:
             closed[i] = 1
-        elif fired == GAP + i or (gaps[i] <= 0.0 and sign * z[3 + j] < 0.0):
+        elif fired == GAP + i or (gaps[i] <= 0.0 and SIGN[i] * z[3 + ANGLE[i]] < 0.0):
             striking = True  # the second: it closes in the same instant
         else:
             if gaps[i] < 0.0:  # it is just leaving, and rounding put it inside
-                z[j], gaps[i] = -sign * model[CONTACT + i, LIMIT], 0.0
+                touch(model, i, z, gaps)
             continue
-        z[j], gaps[i] = -sign * model[CONTACT + i, LIMIT], 0.0
+        touch(model, i, z, gaps)
         if n < 2:
             found[n] = i
             n += 1
@@ -938,7 +943,8 @@ def shut(
     for k in range(3):
         if mask >> k & 1:
             j = ANGLE[k]
-            z[j], z[3 + j], gaps[k] = -SIGN[k] * model[CONTACT + k, LIMIT], 0.0, 0.0
+            touch(model, k, z, gaps)
+            z[3 + j] = 0.0
             for m in range(len(tangents)):
                 tangents[m, j] = tangents[m, 3 + j] = 0.0
             if len(change) > 0:

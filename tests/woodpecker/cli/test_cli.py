@@ -111,6 +111,15 @@ def test_units_of_the_toy_are_those_of_the_readme() -> None:
     assert found == set(parameters())
 
 
+@pytest.mark.slow
+def test_the_command_runs_as_a_module(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "woodpecker.cli", "simulate", "--out", str(tmp_path)]
+    result = subprocess.run([*command, "--m-s", "-1"], capture_output=True, text=True)
+    assert result.returncode == 2
+    assert result.stderr == "Error: m_s must be positive and finite, got -1.0\n"
+    assert not list(tmp_path.iterdir())
+
+
 # --- wrong values --------------------------------------------------------------------------------
 
 
@@ -326,7 +335,7 @@ def test_an_interrupted_map_keeps_what_there_is(tmp_path: Path) -> None:
     The command runs elsewhere, so that it takes the package that was compiled here.
     """
     return_map(Toy(), np.linspace(-1.0, -0.9, 1024))  # compiles, if that was not done before
-    command = [sys.executable, "-m", "woodpecker.cli.app", "map", "--order", "10"]
+    command = [sys.executable, "-m", "woodpecker.cli", "map", "--order", "10"]
     folder = tmp_path / "out"
     process = subprocess.Popen(
         [*command, "--points", "1000000", "--out", str(folder)],
