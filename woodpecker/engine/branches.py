@@ -91,8 +91,6 @@ class End:
         How well the parameter is located.
     collision
         The cycle that meets a jump, if one does.
-    key
-        What tells the branch from others that end in the same collision.
     """
 
     kind: PointKind
@@ -102,7 +100,6 @@ class End:
     cause: str = ""
     precision: float = 0.0
     collision: Collision | None = None
-    key: tuple[object, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -113,9 +110,10 @@ class Curve:
     ----------
     kind, order
         Cycles of P_order, or jumps of it.
-    parameter, points, multiplier
-        Samples (m,), (m, n) and (m,), the ends included; of a jump there is one point, and the
-        multiplier is nan.
+    parameter, multiplier
+        Samples (m,), the ends included; the multiplier of a jump is nan.
+    points
+        m times the points (n,) of a cycle, or those up to the border of a jump.
     word, marks
         The first word, and its changes in this order.
     ends
@@ -125,7 +123,7 @@ class Curve:
     kind: BranchKind
     order: int
     parameter: Floats
-    points: Floats
+    points: tuple[Floats, ...]
     multiplier: Floats
     word: str
     marks: tuple[Mark, ...]
@@ -225,7 +223,7 @@ class Cycles:
             return mark, lost, None
         if kind is BorderKind.JUMP:
             met = collision(self.map, orbit, margin, border, self.settings)
-            return mark, end_of(met, orbit, (BranchKind.FIXED_POINT,)), None
+            return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
         if there is None:
             lost = end_at(PointKind.EP, orbit, "no branch beyond a border", border.cause)
@@ -288,14 +286,14 @@ class Jumps:
         behind = [] if ahead[-1].stop is Stop.CLOSED else self.legs((turned(start),), start)
         return curves_of(ahead, behind, BranchKind.JUMP, self.order)
 
-    def starts(self, met: Collision, shift: int) -> list[tuple[tuple[object, ...], Sample, Sample]]:
+    def starts(self, met: Collision, shift: int) -> list[tuple[Sample, Sample]]:
         """Branches that start where a cycle meets a jump, seen from one of its points.
 
         The orbit may have gone round some times before it meets the border.
 
         Returns
         -------
-        For each its key, the sample at the collision, and the next one.
+        For each the sample at the collision, and the next one.
         """
         n, found = len(met.orbit), []
         orbit = met.orbit.rotated(shift)
@@ -309,8 +307,7 @@ class Jumps:
             for sign in (1.0, -1.0):
                 there = self._beside(start, sign)
                 if there is not None:
-                    first = start if sign > 0.0 else turned(start)
-                    found.append((jump_key(self.order, shift, first), first, there))
+                    found.append((start if sign > 0.0 else turned(start), there))
         return found
 
     def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
@@ -359,6 +356,8 @@ class Jumps:
         """
         assert start.jump is not None
         closing = start.jump.closing
+        if any(image.slope == 0.0 for image in start.orbit.images[:-1]):
+            return None  # where the orbit starts does not change where it ends: P_order has no jump
         base = start if sign > 0.0 else turned(start)
         away = self.settings.beside
         while away >= self.settings.min_step:
@@ -379,9 +378,7 @@ class Jumps:
         margin = stretch.margins[0]
         border = border_at(self.map, stretch.meeting, margin, self.settings)
         met = collision(self.map, stretch.meeting, margin, border, self.settings)
-        shift = shift_of(met.orbit, float(stretch.end.x[0]))
-        key = jump_key(self.order, shift, turned(stretch.samples[-1]))
-        return end_of(met, stretch.end, key)
+        return end_of(met, stretch.end)
 
     def _beyond(self, stretch: Stretch) -> tuple[Mark, Sample | None]:
         """Where a jump branch goes on when one of its orbits meets another border."""
@@ -438,11 +435,6 @@ class Jumps:
         return found[0] if len(found) == 1 else None
 
 
-def jump_key(order: int, shift: int, sample: Sample) -> tuple[object, ...]:
-    """What tells a jump branch from others that leave one collision."""
-    return BranchKind.JUMP, order, shift, len(sample.orbit), bool(sample.tangent[-1] > 0.0)
-
-
 # --- Borders and collisions -----------------------------------------------------------------------
 
 
@@ -484,20 +476,15 @@ def collision(
     return replace(met, note="fold", kind=PointKind.FF if steep else PointKind.BC)
 
 
-def shift_of(orbit: Orbit, x: float) -> int:
-    """Which point of a cycle is nearest to x."""
-    return int(np.argmin(np.abs(orbit.x - x)))
-
-
 def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> End:
     """A special point that is no collision with a jump."""
     return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=cause)
 
 
-def end_of(met: Collision, orbit: Orbit, key: tuple[object, ...]) -> End:
+def end_of(met: Collision, orbit: Orbit) -> End:
     """A collision with a jump, as an orbit meets it."""
     return End(
-        kind=met.kind, p=orbit.p, x=orbit.x, note=met.note, cause=met.cause, collision=met, key=key
+        kind=met.kind, p=orbit.p, x=orbit.x, note=met.note, cause=met.cause, collision=met
     )
 
 
@@ -605,7 +592,7 @@ def _curve(
         word = inner.jump.word if inner.jump is not None else word_of(inner.orbit)
     return Curve(
         kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
-        points=np.array([s.orbit.x[:1] if jumps else s.orbit.x for s in samples]),
+        points=tuple(s.orbit.x for s in samples),
         multiplier=np.array([np.nan if jumps else s.orbit.multiplier for s in samples]),
         word=word, marks=marks, ends=ends,
     )  # fmt: skip
