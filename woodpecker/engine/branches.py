@@ -14,6 +14,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.borders import Border, BorderKind, beyond
+from woodpecker.engine.jumps import Jump
 from woodpecker.engine.orbits import (
     Closed,
     Condition,
@@ -30,6 +31,7 @@ from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
 MOST_LEGS = 10_000
+ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,8 +42,6 @@ class Mark:
     ----------
     sample
         Index of the sample at the border; the word changes after it.
-    words
-        Before and after.
     cause
         A sentence on what happens there.
     kind
@@ -49,9 +49,28 @@ class Mark:
     """
 
     sample: int
-    words: tuple[str, str]
     cause: str
     kind: BorderKind
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Word:
+    """A stretch of a branch along which no piece changes.
+
+    Attributes
+    ----------
+    first
+        Its first sample; the last is the first of the next stretch.
+    text
+        The words of its pieces.
+    keys
+        The keys of the pieces of a cycle; of a jump those of the points before the border, and a
+        set of those on its two sides.
+    """
+
+    first: int
+    text: str
+    keys: tuple[object, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,8 +133,10 @@ class Curve:
         Samples (m,), the ends included; the multiplier of a jump is nan.
     points
         m times the points (n,) of a cycle, or those up to the border of a jump.
-    word, marks
-        The first word, and its changes in this order.
+    words
+        Stretches between changes of word, in this order.
+    marks
+        These changes, one less.
     ends
         Why it begins and ends.
     """
@@ -125,7 +146,7 @@ class Curve:
     parameter: Floats
     points: tuple[Floats, ...]
     multiplier: Floats
-    word: str
+    words: tuple[Word, ...]
     marks: tuple[Mark, ...]
     ends: tuple[End, End]
 
@@ -217,7 +238,9 @@ class Cycles:
         orbit, margin, last = stretch.end, stretch.margins[0], stretch.samples[-1]
         border = border_at(self.map, orbit, margin, self.settings)
         kind = border.kind(self.settings)
-        mark = Mark(sample=0, words=(word_of(orbit), ""), cause=border.cause, kind=kind)
+        mark = Mark(sample=0, cause=border.cause, kind=kind)
+        if self._halves(stretch):
+            return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
         if kind is BorderKind.LOST:
             lost = end_at(PointKind.FALL, orbit, border.outer.reason, border.cause)
             return mark, lost, None
@@ -228,7 +251,6 @@ class Cycles:
         if there is None:
             lost = end_at(PointKind.EP, orbit, "no branch beyond a border", border.cause)
             return mark, lost, None
-        mark = replace(mark, words=(word_of(orbit), word_of(there.orbit)))
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
         before, after = (abs(o.multiplier) < 1.0 for o in (orbit, there.orbit))
@@ -333,13 +355,14 @@ class Jumps:
                 following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
                 end = self._end(stretch)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+            met = self._closed_early(stretch)
+            if met is not None:
+                return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
             mark, there = self._beyond(stretch)
             if there is None:
                 end = end_at(PointKind.EP, stretch.end, "the jump ends", mark.cause)
                 return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
-            assert there.jump is not None
-            words = (last.jump.word, there.jump.word)
-            marks.append(replace(mark, sample=len(samples) - 1, words=words))
+            marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there)
 
     def _stepper(self, closing: Margin) -> Stepper:
@@ -380,6 +403,20 @@ class Jumps:
         met = collision(self.map, stretch.meeting, margin, border, self.settings)
         return end_of(met, stretch.end)
 
+    def _closed_early(self, stretch: Stretch) -> Collision | None:
+        """The collision of a cycle of smaller period, if an orbit comes back to its own border."""
+        last = stretch.samples[-1].jump
+        assert last is not None
+        meeting, margin = stretch.meeting or stretch.end, stretch.margins[0]
+        own = Margin(last.closing.index, last.code(stretch.inner))
+        first, second = sorted((own, margin), key=lambda each: each.index)
+        i, k = first.index, second.index
+        if i == k or abs(meeting.x[k] - meeting.x[i]) > self.settings.same * self.settings.x_scale:
+            return None
+        cycle, there = Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), Margin(0, first.code)
+        border = border_at(self.map, cycle, there, self.settings)
+        return collision(self.map, cycle, there, border, self.settings)
+
     def _beyond(self, stretch: Stretch) -> tuple[Mark, Sample | None]:
         """Where a jump branch goes on when one of its orbits meets another border."""
         end, margin = stretch.samples[-1], stretch.margins[0]
@@ -387,7 +424,7 @@ class Jumps:
         assert end.jump is not None
         border = border_at(self.map, meeting, margin, self.settings)
         kind = border.kind(self.settings)
-        mark = Mark(sample=0, words=("", ""), cause=border.cause, kind=kind)
+        mark = Mark(sample=0, cause=border.cause, kind=kind)
         if stretch.stop is Stop.TAIL:
             return mark, self._beside(end) or self._round_corner(end, meeting, margin)
         if margin.index == end.jump.closing.index:
@@ -566,10 +603,7 @@ def _rest(legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
 
 def _reversed(leg: Leg) -> Leg:
     n = len(leg.samples)
-    marks = tuple(
-        replace(mark, sample=n - 1 - mark.sample - 1, words=mark.words[::-1])
-        for mark in reversed(leg.marks)
-    )
+    marks = tuple(replace(mark, sample=n - 2 - mark.sample) for mark in reversed(leg.marks))
     return replace(leg, samples=leg.samples[::-1], marks=marks)
 
 
@@ -586,13 +620,23 @@ def _curve(
     order: int,
 ) -> Curve:  # fmt: skip
     jumps = kind is BranchKind.JUMP
-    inner = samples[len(samples) // 2]
-    word = marks[0].words[0] if marks else ""
-    if not word:
-        word = inner.jump.word if inner.jump is not None else word_of(inner.orbit)
+    firsts = [0, *(mark.sample for mark in marks)]
+    lasts = [*(mark.sample for mark in marks), len(samples) - 1]
+    words = []
+    for first, last in zip(firsts, lasts, strict=True):
+        inside = samples[(first + last + 1) // 2]  # the sample at a border has the pieces before it
+        text = word_of(inside.orbit) if inside.jump is None else inside.jump.word
+        words.append(Word(first, text, keys_of(inside.orbit, inside.jump)))
     return Curve(
         kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
         points=tuple(s.orbit.x for s in samples),
         multiplier=np.array([np.nan if jumps else s.orbit.multiplier for s in samples]),
-        word=word, marks=marks, ends=ends,
+        words=tuple(words), marks=marks, ends=ends,
     )  # fmt: skip
+
+
+def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
+    """The pieces of an orbit, see :class:`Word`."""
+    if jump is None:
+        return orbit.keys
+    return *orbit.keys[:-1], frozenset((jump.inner.keys[0], jump.outer.keys[0]))

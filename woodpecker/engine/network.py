@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field
 
@@ -78,7 +79,7 @@ class Network:
             name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
                 Branch(
-                    id=name, kind=curve.kind, order=curve.order, word=curve.word,
+                    id=name, kind=curve.kind, order=curve.order, word=curve.words[0].text,
                     parameter=curve.parameter, x=x, multiplier=curve.multiplier,
                     ends=(ends[0].id, ends[1].id),
                 )
@@ -142,8 +143,16 @@ class Known:
         self._seen = 0
         self._chords = np.empty((0, 7))  # p, x_0 at both ends; numbers of curve, sample and point
 
-    def explains(self, orbit: Orbit, closing: Condition) -> bool:
-        """Whether a branch passes through an orbit that obeys a closing condition."""
+    def explains(self, orbit: Orbit, closing: Condition, keys: tuple[object, ...]) -> bool:
+        """Whether a branch passes through an orbit.
+
+        Parameters
+        ----------
+        orbit, closing
+            The orbit, and the condition that makes it a cycle or a border orbit.
+        keys
+            Its pieces, see :class:`woodpecker.engine.branches.Word`.
+        """
         self._update()
         slack = self.settings.same
         p0, x0, p1, x1 = self._chords[:, :4].T
@@ -154,7 +163,7 @@ class Known:
         off = np.abs(x1 - x0) + self._bulge(p1 - p0, x1 - x0)
         near &= np.minimum(x0, x1) - off <= orbit.x[0]
         near &= orbit.x[0] <= np.maximum(x0, x1) + off
-        return any(self._reaches(row, orbit, closing) for row in self._chords[near])
+        return any(self._reaches(row, orbit, closing, keys) for row in self._chords[near])
 
     def _bulge(self, dp: Floats, dx: Floats) -> Floats:
         """How far a branch may stray from the chord of two samples: by its largest turn, and more."""
@@ -162,20 +171,25 @@ class Known:
         found: Floats = (self.settings.max_turn * length + self.settings.same) * self.settings.x_scale
         return found
 
-    def _reaches(self, row: Floats, orbit: Orbit, closing: Condition) -> bool:
+    def _reaches(
+        self, row: Floats, orbit: Orbit, closing: Condition, keys: tuple[object, ...]
+    ) -> bool:
         p0, _, p1, _ = row[:4].tolist()
         curve, k, shift = self.network.curves[int(row[4])], int(row[5]), int(row[6])
+        own = curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1].keys
+        if not agree((*own[shift:], *own[:shift]), keys):
+            return False
         one, other = (np.roll(curve.points[j], -shift) for j in (k, k + 1))
         if len(one) != len(orbit) or len(other) != len(orbit):
-            return len(one) != len(other)  # a corner of a branch of jumps
+            return False
         part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
         x = one + part * (other - one)
         before = float(np.abs(x - orbit.x).max())
         if before <= self.settings.same * self.settings.x_scale:
             return True
-        if before > float(np.abs(other - one).max()) + float(self._bulge(p1 - p0, other[0] - one[0])):
-            return False
-        step = newton_step(orbit_of(orbit.pieces, x, orbit.p), (closing, Coordinate(-1, orbit.p)), self.settings)
+        step = newton_step(
+            orbit_of(orbit.pieces, x, orbit.p), (closing, Coordinate(-1, orbit.p)), self.settings
+        )
         after = float(np.abs(x + step[:-1] - orbit.x).max())
         return after <= CLOSER * before
 
@@ -199,3 +213,14 @@ class Known:
 
 
 CLOSER = 0.5  # part of its distance that a Newton step leaves at most, if it leads to an orbit
+
+
+def agree(one: tuple[object, ...], other: tuple[object, ...]) -> bool:
+    """Whether two orbits take the same pieces; at a border one side is enough.
+
+    What is on the other side of a jump may be a piece so thin that rounding decides whether it is seen.
+    """
+    return len(one) == len(other) and all(
+        not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
+        for a, b in zip(one, other, strict=True)
+    )

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
+from woodpecker.engine.branches import keys_of
 from woodpecker.engine.network import Known, Network
 from woodpecker.engine.orbits import Closed
 from woodpecker.engine.settings import Settings
@@ -88,7 +89,8 @@ class Explorer:
             met = self.network.waiting.popleft()
             for start in self._done(self.scheduler.submit("starts", met, self.orders)):
                 known = self._known[start.kind, start.order]
-                if not known.explains(start.samples[-1].orbit, start.closing):
+                last = start.samples[-1]
+                if not known.explains(last.orbit, start.closing, keys_of(last.orbit, last.jump)):
                     self._keep(self.scheduler.submit("ahead", start))
 
     def see(self, found: Slice) -> bool:
@@ -96,10 +98,10 @@ class Explorer:
         before = len(self.network.curves)
         cycles, jumps = (self._known[kind, found.order] for kind in BranchKind)
         for orbit in found.cycles:
-            if not cycles.explains(orbit, Closed()):
+            if not cycles.explains(orbit, Closed(), orbit.keys):
                 self.follow("cycle", orbit)
         for jump in found.jumps:
-            if not jumps.explains(jump.head, jump.closing):
+            if not jumps.explains(jump.head, jump.closing, keys_of(jump.head, jump)):
                 self.follow("jump", jump)
         return len(self.network.curves) > before
 

@@ -402,7 +402,7 @@ class Stepper:
                     continue
             else:
                 event = self._at_tail(a, b, step, inner)
-                if event is None and step <= BLURRED:
+                if event is None and step <= BLURRED and b.jump.crosses:
                     continue
             if event is None:
                 return None
