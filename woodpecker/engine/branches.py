@@ -320,11 +320,10 @@ class Jumps:
         n, found = len(met.orbit), []
         orbit = met.orbit.rotated(shift)
         to_border = (met.margin.index - shift) % n
-        for rounds in range(self.order // n):
-            length = rounds * n + to_border + 1
-            head = Orbit(
-                np.tile(orbit.x, rounds + 1)[:length], orbit.p, (orbit.images * (rounds + 1))[:length]
-            )
+        for length in range(to_border + 1, self.order + 1, n):
+            rounds = -(-length // n)
+            x, images = np.tile(orbit.x, rounds)[:length], (orbit.images * rounds)[:length]
+            head = Orbit(x, orbit.p, images)
             start = self._sample(head, Margin(length - 1, met.margin.code))
             for sign in (1.0, -1.0):
                 there = self._beside(start, sign)

@@ -90,6 +90,9 @@ class Explorer:
             for start in self._done(self.scheduler.submit("starts", met, self.orders)):
                 known = self._known[start.kind, start.order]
                 last = start.samples[-1]
+                low, high = self.network.settings.span
+                if not low <= last.orbit.p <= high:
+                    continue
                 if not known.explains(last.orbit, start.closing, keys_of(last.orbit, last.jump)):
                     self._keep(self.scheduler.submit("ahead", start))
 
@@ -127,7 +130,7 @@ def complete(explorer: Explorer, settings: Settings, search: Search) -> list[Sli
     """
     low, high = settings.span
     taken: list[Slice] = []
-    places = [van_der_corput(k) for k in range(1, search.slices + 1)]
+    places = first_places(search)
     arranged = sorted([0.0, *places, 1.0])
     k = 0
     while k < len(places):
@@ -148,9 +151,14 @@ def complete(explorer: Explorer, settings: Settings, search: Search) -> list[Sli
     return taken
 
 
-def van_der_corput(k: int) -> float:
-    """The k-th of 1/2, 1/4, 3/4, 1/8, ...: numbers that fill (0, 1) evenly."""
-    value, half = 0.0, 0.5
-    while k:
-        value, half, k = value + half * (k & 1), 0.5 * half, k >> 1
-    return value
+def first_places(search: Search) -> list[float]:
+    """Where slices are taken first, as parts of the span: near both ends, then evenly.
+
+    Multiples of the golden ratio fill (0, 1) evenly, and fall on no value that a map may have in its
+    formulas.
+    """
+    near = 0.5 * search.finest
+    return [near, 1.0 - near, *((k * GOLDEN) % 1.0 for k in range(1, search.slices + 1))]
+
+
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.engine.borders import Border, BorderKind, bracketed
+from woodpecker.engine.borders import Border, BorderKind, bracketed, depth
 from woodpecker.engine.branches import is_inside
 from woodpecker.engine.itineraries import Itineraries
 from woodpecker.engine.jumps import Jump, jump_of
@@ -84,7 +84,7 @@ def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterat
     turned = [
         orbit.rotated(int(np.argmin(orbit.x)))
         for orbit in cycles
-        if minimal_period(orbit, settings) == order
+        if minimal_period(orbit, settings) == order and not _on_border(orbit, settings)
     ]
     last: Orbit | None = None
     for orbit in sorted(turned, key=lambda orbit: float(orbit.x[0])):
@@ -92,6 +92,12 @@ def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterat
         if last is None or np.abs(orbit.x - last.x).max() > same:
             yield orbit
         last = orbit
+
+
+def _on_border(orbit: Orbit, settings: Settings) -> bool:
+    """Whether rounding decides which pieces a cycle takes; it is then one of a border collision."""
+    least = settings.nearest * settings.x_scale
+    return any(abs(depth(image)) <= least for image in orbit.images)
 
 
 def _jumps(

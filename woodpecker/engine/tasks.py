@@ -96,7 +96,7 @@ class Tasks:
             end = end_of(met, met.orbit)
             found.append(Start(BranchKind.FIXED_POINT, n, (first,), Closed(), end))
         for order in orders:
-            for shift in range(n) if order % n == 0 else ():
+            for shift in range(n) if order >= n else ():
                 end = end_of(met, met.orbit.rotated(shift))
                 for samples in Jumps(self.map, order, self.settings).starts(met, shift):
                     closing = Margin(len(samples[0].orbit) - 1, met.margin.code)
