@@ -529,26 +529,46 @@ def restart(
 ) -> Sample | None:
     """The orbit beyond a border, whose margin there is small and positive; None if there is none.
 
-    That is well posed also where the piece beyond begins with a square root.
+    That is well posed also where the piece beyond begins with a square root. It lies so close to
+    the border that no fold or flip is passed.
     """
-    scale = scales(len(orbit), settings)
+    images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
+    at_border = Orbit(orbit.x, orbit.p, images).multiplier
+    found: Sample | None = None
     away = settings.beside * settings.x_scale
     while away >= settings.nearest * settings.x_scale:
-        x, images = orbit.x.copy(), list(orbit.images)
-        x[index] += border.side * away
-        images[index] = border.outer.piece.at(float(x[index]), orbit.p)
-        value = images[index].margin(border.outer_code)
-        if value > 0.0:
-            margin = Margin(index, border.outer_code, value)
-            solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
-            found = solution.orbit
-            direction = tangent(found, closing, settings)
-            if solution.converged and np.isfinite(direction).all() and is_inside(found, closing):
-                gradient = found.images[index].gradient(border.outer_code)
-                rise = float(gradient @ (direction * scale)[[index, -1]])
-                return Sample(found, direction if rise > 0.0 else -direction, rise > 0.0)
+        there = _restarted(orbit, closing, border, index, away, settings)
+        found = there or found
+        if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
+            return there
         away *= SHRINK
-    return None
+    return found
+
+
+def _sides(multiplier: float) -> tuple[bool, bool]:
+    """On which sides of a fold and a flip a multiplier lies."""
+    return multiplier > 1.0, multiplier > -1.0
+
+
+def _restarted(
+    orbit: Orbit, closing: Condition, border: Border, index: int, away: float, settings: Settings
+) -> Sample | None:
+    """The orbit about a distance beyond a border; None if there is none that is admissible."""
+    x, images = orbit.x.copy(), list(orbit.images)
+    x[index] += border.side * away
+    images[index] = border.outer.piece.at(float(x[index]), orbit.p)
+    value = images[index].margin(border.outer_code)
+    if not value > 0.0:
+        return None
+    margin = Margin(index, border.outer_code, value)
+    solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
+    found = solution.orbit
+    direction = tangent(found, closing, settings)
+    if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
+        return None
+    gradient = found.images[index].gradient(border.outer_code)
+    rise = float(gradient @ (direction * scales(len(orbit), settings))[[index, -1]])
+    return Sample(found, direction if rise > 0.0 else -direction, rise > 0.0)
 
 
 def is_inside(orbit: Orbit, closing: Condition) -> bool:

@@ -19,11 +19,13 @@ from woodpecker.mechanics.impacts import UNSOLVED, carry_out, hold, prepare
 from woodpecker.mechanics.modes import (
     ANGLE,
     CONTACT,
+    FORCE,
     KAPPA,
     LIMIT,
     NORMAL,
     OMEGA,
     OPEN,
+    POLE,
     SECTION,
     SIGN,
     SLIP,
@@ -56,6 +58,7 @@ from woodpecker.simulation.kernel import (
 )
 from woodpecker.simulation.margins import (
     BOUNCES,
+    LENGTH,
     Route,
     exact_jet,
     guard_rates,
@@ -132,6 +135,9 @@ def _follow(
             phase_margins(model, change, step, mode, guard, t, k, c, notes, route)
         times[k] = t
         _move(model, change, mode, t, c, route)
+        if watched and model[FORCE, POLE] < math.inf:
+            left, x, p = model[FORCE, POLE] + z[0], route.tangents[0, 0], route.tangents[1, 0]
+            note(notes, route, 1000 * k + 100 * LENGTH, left, x, p)
         route.fired[0] = guard
     put_on_section(model, change, z, route.tangents)
     return RETURNED
