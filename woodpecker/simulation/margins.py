@@ -63,13 +63,13 @@ from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring
 from woodpecker.simulation.roots import Ratios, deflated, deflated_change, ratios
 
 # Kinds of margins, in the order in which a phase meets them.
-COMPRESSION, EXPANDING, BOUNCES, START, EARLY, SPEED, MEETING, DIP, SWING = range(9)
+COMPRESSION, EXPANDING, BOUNCES, START, EARLY, SPEED, MEETING, DIP, SWING, LENGTH = range(10)
 # COMPRESSION, EXPANDING: slack 4 * contact + inequality of an impact (12 more at the second end of
 # an indeterminate one); BOUNCES: 1 - ratio of bounces that accumulate; START: a guard where the
 # phase begins; EARLY: the duration of a phase, if it is negative though its guard begins positive;
 # SPEED: rate of the guard that fires, times its modulus; MEETING: a guard where another one fires;
 # DIP: least value of a guard at its minima in a phase; SWING: time between the minimum of phi_S
-# that counts and the neighbouring ones
+# that counts and the neighbouring ones; LENGTH: what is left of the pole where a phase ends
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 OTHER_END = 12
 
@@ -128,13 +128,23 @@ Route = np.record  # of ROUTE
 def note(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float
 ) -> None:
-    """Enter a margin with its derivatives, in ascending order of causes."""
-    k = route.count[0]
-    route.count[0] = k + 1
+    """Enter a margin with its derivatives, in ascending order of causes.
+
+    Where a bounce repeats the least margin of each cause counts.
+    """
+    last = route.count[0]
+    k = last
     while k > 0 and notes[CAUSE, k - 1] > cause:
-        for row in range(NOTES):
-            notes[row, k] = notes[row, k - 1]
         k -= 1
+    if k > 0 and notes[CAUSE, k - 1] == cause:
+        k -= 1
+        if margin >= notes[MARGIN, k]:
+            return
+    else:
+        for j in range(last, k, -1):
+            for row in range(NOTES):
+                notes[row, j] = notes[row, j - 1]
+        route.count[0] = last + 1
     notes[MARGIN, k], notes[PER_START, k], notes[PER_PARAMETER, k] = margin, along_x, along_p
     notes[CAUSE, k] = cause
 

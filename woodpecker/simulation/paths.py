@@ -30,6 +30,7 @@ class Path:
         Its sequence of events.
     steps
         (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.kernel.NO_PATH`.
+        Of equal bounces that accumulate it has the first only.
     times
         (n,) durations of the phases [s] where it was found.
     """
@@ -51,6 +52,7 @@ class Watch(Enum):
     MEETING = margins.MEETING
     DIP = margins.DIP
     SWING = margins.SWING
+    LENGTH = margins.LENGTH
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +94,8 @@ class Cause:
                 return self._of_impact()
             case Watch.SWING:
                 return "the sleeve jams exactly where the woodpecker turns round"
+            case Watch.LENGTH:
+                return f"the toy only just reaches the end of the pole in phase {self.phase + 1}"
             case Watch.BOUNCES:
                 return f"the bounces of {NAMES[self.item]} only just come to an end"
 
@@ -193,6 +197,7 @@ class Follower:
         self._end, self._tangents = self._route["z"][0], self._route["tangents"][0]
         self._count = self._route["count"][0]
         self._notes = np.zeros((margins.NOTES, 0))
+        self._texts: dict[bytes, str] = {}
         announce(kernel.run)
 
     def trace(self, phi_s: float) -> tuple[Status, Path]:
@@ -204,9 +209,15 @@ class Follower:
             self.numbers, FIXED, z, self._nothing, self._no_seeds, states, True, math.inf,
             self._codes, self._phases, self._steps, self._no_events, counts,
         )  # fmt: skip
-        starts = np.append(self._phases[: counts[1], 6], z[6])
-        text = word(self._codes[: min(counts[0], EVENT_LIMIT)].tolist())
-        return status(code), Path(text, self._steps[: counts[1]].copy(), np.diff(starts))
+        symbols, phases, _ = counts.tolist()
+        times, starts = np.empty(phases), self._phases[:phases, 6]
+        times[:-1] = starts[1:] - starts[:-1]
+        times[-1] = z[6] - starts[-1]
+        codes = self._codes[:symbols]
+        text = self._texts.get(key := codes.tobytes())
+        if text is None:
+            text = self._texts[key] = word(codes.tolist())
+        return status(code), _shortened(Path(text, self._steps[:phases].copy(), times))
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
         """The return from phi_S [rad] along a path; None if the path does not reach so far.
@@ -232,6 +243,22 @@ class Follower:
         return Along(
             z[2], z[6], -z[0], slope, d_parameter, notes[margins.MARGIN], gradients, causes, times
         )
+
+
+def _shortened(path: Path) -> Path:
+    """A path in which of equal bounces that accumulate only the first is left.
+
+    How many there are until the rest is summed makes no other map.
+    """
+    steps = path.steps
+    kept = np.ones(len(steps), dtype=bool)
+    for last in (np.flatnonzero(steps[:, kernel.CLOSED]) - 1).tolist():
+        if following.bounce_repeats(steps, last):
+            k = last
+            while np.array_equal(steps[k - 1], steps[k]):
+                kept[k] = False
+                k -= 1
+    return Path(path.word, steps[kept], path.times[kept]) if not kept.all() else path
 
 
 def cause_of(path: Path, code: int) -> Cause:

@@ -1,0 +1,70 @@
+"""A piecewise-smooth map of the line: smooth pieces, each with the margins that bound it.
+
+A piece is a smooth map P(x, p) that exists beyond the set where the map takes it. Where it does is
+decided by margins h_k(x, p): all are positive inside, and one of them vanishes at a border. Nothing
+in this folder knows more of a map than this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import NamedTuple, Protocol
+
+from woodpecker.base.arrays import Floats, Ints
+
+
+class Image(NamedTuple):
+    """What a piece makes of a point.
+
+    Attributes
+    ----------
+    value
+        P(x, p); nan where the piece has no value.
+    slope, d_parameter
+        dP/dx and dP/dp.
+    margins
+        (m,) numbers h_k(x, p), positive where the map takes this piece.
+    gradients
+        (m, 2), their derivatives in x and p.
+    causes
+        (m,) ascending codes that tell the margins apart; those of one piece at two points need not
+        be the same.
+    piece
+        The piece, ready to be continued from this point.
+    reason
+        Why there is no value; empty if there is one.
+    """
+
+    value: float
+    slope: float
+    d_parameter: float
+    margins: Floats
+    gradients: Floats
+    causes: Ints
+    piece: Piece
+    reason: str = ""
+
+
+class Piece(Protocol):
+    """A smooth map with margins. It may remember where it was met last, to start from there."""
+
+    @property
+    def key(self) -> Hashable:
+        """The same for two pieces just if they are one."""
+
+    @property
+    def word(self) -> str:
+        """Its name for people, such as a sequence of events."""
+
+    def at(self, x: float, p: float) -> Image:
+        """Its image of a point, also where the map takes another piece."""
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+
+
+class PiecewiseMap(Protocol):
+    """A map of the line, made of pieces."""
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point under the piece that the map takes there."""
