@@ -104,18 +104,8 @@ def follow(
     -------
     RETURNED, or NO_ROOT.
     """
-    return _follow(
-        borrowed(model), borrowed(change), borrowed(path), borrowed(times), phi_s,
-        borrowed(notes), owner[0], owner,
-    )  # fmt: skip
-
-
-@jit
-def _follow(
-    model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
-    route: Route, owner: Any,
-) -> int:  # fmt: skip
-    """The same with borrowed arrays, and the one that owns ``route``."""
+    model, change, path = borrowed(model), borrowed(change), borrowed(path)
+    times, notes, route = borrowed(times), borrowed(notes), owner[0]
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
     k, repeated = 0, 0
@@ -189,7 +179,7 @@ def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bo
     if not bounce_repeats(path, k):
         return False
     mode, guard = path[k, MODE], path[k, GUARD]
-    _, _, f2, f3 = exact_jet(model, mode, guard, 1, route)
+    _, _, f2, f3 = exact_jet(model, mode, guard, typed(1), route)
     turn = abs(f3 / f2) if f2 != 0.0 else math.inf
     return bool(abs(t) * (model[mode, OMEGA] + turn) > CHATTER)
 

@@ -59,7 +59,7 @@ from woodpecker.mechanics.modes import (
     B,
 )
 from woodpecker.simulation.guards import TWO_PI, time_of_lowest
-from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring
+from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring, typed
 from woodpecker.simulation.roots import Ratios, deflated, deflated_change, ratios
 
 # Kinds of margins, in the order in which a phase meets them.
@@ -320,7 +320,7 @@ def start_margins(
         if route.orders[i] < 2:
             continue  # it is open, or its impact has thrown it off
         if states[i] == OPEN:
-            first, second = GAP + i, -1
+            first, second = GAP + i, typed(-1)
         elif states[i] == STICK:
             first, second = CONE_POSITIVE + i, CONE_NEGATIVE + i
         else:
@@ -336,8 +336,8 @@ def _start(
     route: Route,
 ) -> None:  # fmt: skip
     order = order_of(guard, step, route)
-    along_x = _entry(jet_rates(model, change, mode, guard, order, 0, route), order)
-    along_p = _entry(jet_rates(model, change, mode, guard, order, 1, route), order)
+    along_x = _entry(jet_rates(model, change, mode, guard, order, typed(0), route), order)
+    along_p = _entry(jet_rates(model, change, mode, guard, order, typed(1), route), order)
     margin = _entry(exact_jet(model, mode, guard, order, route), order)
     code = 1000 * k + 100 * START + guard
     if order == 3 or (order == 2 and guard >= SLIP):
@@ -377,8 +377,8 @@ def phase_margins(
         order = order_of(guard, step, route)
         f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
         g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
-        x, along_x = guard_rates(model, change, mode, guard, order, 0, f2, f3, t, c, route)
-        p, along_p = guard_rates(model, change, mode, guard, order, 1, f2, f3, t, c, route)
+        x, along_x = guard_rates(model, change, mode, guard, order, typed(0), f2, f3, t, c, route)
+        p, along_p = guard_rates(model, change, mode, guard, order, typed(1), f2, f3, t, c, route)
         if guard == fired:
             size = -2.0 * abs(slope)
             note(
@@ -392,13 +392,31 @@ def phase_margins(
                 notes, route, 1000 * k + 100 * MEETING + guard, g, x + slope * delays[0],
                 p + slope * delays[1],
             )  # fmt: skip
+        if not _may_dip(f1, f2, f3, omega if kappa < 0.0 else 0.0, t, c):
+            continue
         low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
         if low < math.inf:
             at = ratios(kappa, omega, low)
-            g, _, _ = deflated(0, f0, f1, f2, f3, kappa, low, at)
-            x, _ = _plain_rates(model, change, mode, guard, order, 0, f2, f3, low, at, route)
-            p, _ = _plain_rates(model, change, mode, guard, order, 1, f2, f3, low, at, route)
+            g, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, at)
+            x, _ = _plain_rates(model, change, mode, guard, order, typed(0), f2, f3, low, at, route)
+            p, _ = _plain_rates(model, change, mode, guard, order, typed(1), f2, f3, low, at, route)
             note(notes, route, 1000 * k + 100 * DIP + guard, g, x, p)
+
+
+@jit
+def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios) -> bool:
+    """Whether f can have a minimum between 0 and t: most often the signs at both ends say no.
+
+    At a minimum f' grows through zero. In less than half a swing f'' changes its sign once at most.
+    """
+    if t <= 0.0 or swing * t > math.pi:
+        return t > 0.0
+    slope, bend = f1 + t * (f2 * c[1] + f3 * t * c[2]), f2 * c[0] + f3 * t * c[1]
+    if f2 <= 0.0 and bend <= 0.0:
+        return False  # f' falls
+    if f2 >= 0.0 and f1 >= 0.0:
+        return False  # f' rises, or rises and falls
+    return not (bend >= 0.0 >= slope)  # f' rises, or falls and rises
 
 
 @jit
@@ -423,8 +441,8 @@ def _swing_margins(
     delays, swing, code = route.delays, TWO_PI / model[mode, OMEGA], 1000 * k + 100 * SWING
     if fired != SECTION:
         turn = minimum(model, mode, route.z)
-        x = minimum_rate(model, change, mode, turn, 0, route)
-        p = minimum_rate(model, change, mode, turn, 1, route)
+        x = minimum_rate(model, change, mode, turn, typed(0), route)
+        p = minimum_rate(model, change, mode, turn, typed(1), route)
         note(notes, route, code + 2, turn - t, x - delays[0], p - delays[1])
         return
     note(notes, route, code, t, delays[0], delays[1])
@@ -449,13 +467,13 @@ def impact_margins(
     both = choice[0] != choice[1]
     code = 1000 * k + 100 * COMPRESSION
     if both:  # the compression ends on a segment: its other end first, whose velocities are zero
-        _impact_phase(model, change, n, choice[1], 0, route)
+        _impact_phase(model, change, n, choice[1], False, route)
         _slacks(n, choice[1], code + OTHER_END, notes, route)
         for a in range(4):
             route.end[a] = route.p[a]
             for m in range(2):
                 route.d_end[m, a] = route.d_p[m, a]
-    _impact_phase(model, change, n, choice[0], 0, route)
+    _impact_phase(model, change, n, choice[0], False, route)
     _slacks(n, choice[0], code, notes, route)
     if both:
         for a in range(4):
@@ -465,7 +483,7 @@ def impact_margins(
     code = 1000 * k + 100 * EXPANDING
     _store_impulse(model, n, route)
     if expands:
-        _impact_phase(model, change, n, choice[2], 1, route)
+        _impact_phase(model, change, n, choice[2], True, route)
         _slacks(n, choice[2], code, notes, route)
         return
     for j in range(n):
@@ -512,11 +530,11 @@ def _store_impulse(model: Floats, n: int, route: Route) -> None:
 
 @jit
 def _impact_phase(
-    model: Floats, change: Floats, n: int, combination: int, expansion: int, route: Route
+    model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
 ) -> None:
     """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
     p, v, pair = route.p, route.v, route.pair
-    table, coupling = 0, 0.0
+    table, coupling = typed(0), 0.0
     if n == 2:
         table = PAIR + 36 * (route.touching[1] - 1) + (EXPANSION if expansion else 0)
         coupling = model[FORCE, SUMMED] if expansion else 0.0
