@@ -62,8 +62,9 @@ from woodpecker.simulation.margins import (
     LENGTH,
     Route,
     exact_jet,
-    guard_rates,
+    find_rates,
     impact_margins,
+    load_jets,
     minimum,
     minimum_rate,
     note,
@@ -244,11 +245,14 @@ def _find_delays(
             route.delays[m] = minimum_rate(model, change, mode, t, m, route)
         return
     order = order_of(guard, step, route)
-    f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
+    load_jets(model, change, mode, guard, order, route)
+    find_rates(model, change, mode, order, t, c, route)
+    jets, found = route.jets, route.rates
+    f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
     _, slope, bend = deflated(order, f0, f1, f2, f3, model[mode, KAPPA], t, c)
     route.speed[0] = -slope
     for m in range(2):
-        shift, turn = guard_rates(model, change, mode, guard, order, m, f2, f3, t, c, route)
+        shift, turn = found[m, 0], found[m, 1]
         delay = -shift / slope if slope != 0.0 else math.nan
         route.delays[m], route.speed[1 + m] = delay, -(turn + bend * delay)
     if guard < NORMAL and order == 2:

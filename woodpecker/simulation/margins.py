@@ -95,6 +95,8 @@ ROUTE = np.dtype(
             ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
             ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
             ("flown", "i8", (1,)),  # the contact that flew; -1: none
+            ("jets", "f8", (3, 4)),  # of a guard, and their derivatives along the tangents
+            ("rates", "f8", (2, 2)),  # of its value and its slope along the tangents
             ("count", "i8", (1,)),  # of margins
             ("touching", "i8", (2,)),  # contacts of an impact
             ("choice", "i8", (3,)),  # its index combinations
@@ -194,7 +196,7 @@ def exact_jet(
 
 
 @jit
-def jet_rates(
+def _jet_rates(
     model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, route: Route
 ) -> tuple[float, float, float, float]:
     """Derivative of a guard's jet along a tangent."""
@@ -263,18 +265,30 @@ def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> 
 
 
 @jit
-def guard_rates(
-    model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, f2: float,
-    f3: float, t: float, c: Ratios, route: Route,
-) -> tuple[float, float]:  # fmt: skip
-    """Derivatives of g(t) and g'(t) of a deflated guard along a tangent, at a fixed time."""
-    e0, e1, e2, e3 = jet_rates(model, change, mode, guard, order, m, route)
-    value, slope, _ = deflated(order, e0, e1, e2, e3, model[mode, KAPPA], t, c)
-    if m == 1 and len(change) > 0:
-        per_value, per_slope = deflated_change(order, f2, f3, t, c)
-        value += per_value * change[mode, KAPPA]
-        slope += per_slope * change[mode, KAPPA]
-    return value, slope
+def load_jets(
+    model: Floats, change: Floats, mode: int, guard: int, order: int, route: Route
+) -> None:
+    """Write the jet of a guard where its phase begins, and its derivatives, into the room."""
+    jets = route.jets
+    jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3] = exact_jet(model, mode, guard, order, route)
+    for m in range(2):
+        f0, f1, f2, f3 = _jet_rates(model, change, mode, guard, order, m, route)
+        jets[1 + m, 0], jets[1 + m, 1], jets[1 + m, 2], jets[1 + m, 3] = f0, f1, f2, f3
+
+
+@jit
+def find_rates(
+    model: Floats, change: Floats, mode: int, order: int, t: float, c: Ratios, route: Route
+) -> None:
+    """Derivatives of g(t) and g'(t) of the deflated guard in the room, at a fixed time."""
+    jets, found, kappa = route.jets, route.rates, model[mode, KAPPA]
+    for m in range(2):
+        f0, f1, f2, f3 = jets[1 + m, 0], jets[1 + m, 1], jets[1 + m, 2], jets[1 + m, 3]
+        found[m, 0], found[m, 1], _ = deflated(order, f0, f1, f2, f3, kappa, t, c)
+    if len(change) > 0:
+        value, slope = deflated_change(order, jets[0, 2], jets[0, 3], t, c)
+        found[1, 0] += value * change[mode, KAPPA]
+        found[1, 1] += slope * change[mode, KAPPA]
 
 
 @jit
@@ -336,9 +350,8 @@ def _start(
     route: Route,
 ) -> None:  # fmt: skip
     order = order_of(guard, step, route)
-    along_x = _entry(jet_rates(model, change, mode, guard, order, typed(0), route), order)
-    along_p = _entry(jet_rates(model, change, mode, guard, order, typed(1), route), order)
-    margin = _entry(exact_jet(model, mode, guard, order, route), order)
+    load_jets(model, change, mode, guard, order, route)
+    margin, along_x, along_p = route.jets[0, order], route.jets[1, order], route.jets[2, order]
     code = 1000 * k + 100 * START + guard
     if order == 3 or (order == 2 and guard >= SLIP):
         note_quotient(notes, route, code, margin, along_x, along_p, route.speed)
@@ -349,21 +362,13 @@ def _start(
 
 
 @jit
-def _entry(jet: tuple[float, float, float, float], order: int) -> float:
-    if order == 0:
-        return jet[0]
-    if order == 1:
-        return jet[1]
-    return jet[2] if order == 2 else jet[3]
-
-
-@jit
 def phase_margins(
     model: Floats, change: Floats, step: Ints, mode: int, fired: int, t: float, k: int, c: Ratios,
     notes: Floats, route: Route,
 ) -> None:  # fmt: skip
     """What keeps all guards but one from firing in a phase of duration t, and lets it fire."""
     kappa, omega, delays = model[mode, KAPPA], model[mode, OMEGA], route.delays
+    jets, found = route.jets, route.rates
     for column in range(GUARDS, GUARDS + 5):
         guard = int(model[mode, column])
         if guard < 0:
@@ -375,17 +380,18 @@ def phase_margins(
         if guard != fired and guard >= SLIP and fired >= SLIP:
             continue  # two contacts that slide do so as one
         order = order_of(guard, step, route)
-        f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
+        load_jets(model, change, mode, guard, order, route)
+        find_rates(model, change, mode, order, t, c, route)
+        f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
         g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
-        x, along_x = guard_rates(model, change, mode, guard, order, typed(0), f2, f3, t, c, route)
-        p, along_p = guard_rates(model, change, mode, guard, order, typed(1), f2, f3, t, c, route)
+        x, along_x, p, along_p = found[0, 0], found[0, 1], found[1, 0], found[1, 1]
         if guard == fired:
             size = -2.0 * abs(slope)
             note(
                 notes, route, 1000 * k + 100 * SPEED + guard, -slope * abs(slope),
                 size * (along_x + bend * delays[0]), size * (along_p + bend * delays[1]),
             )  # fmt: skip
-            if t < 0.0 and _entry((f0, f1, f2, f3), order) > 0.0:
+            if t < 0.0 and jets[0, order] > 0.0:
                 note(notes, route, 1000 * k + 100 * EARLY + guard, t, delays[0], delays[1])
         else:
             note(
@@ -398,8 +404,11 @@ def phase_margins(
         if low < math.inf:
             at = ratios(kappa, omega, low)
             g, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, at)
-            x, _ = _plain_rates(model, change, mode, guard, order, typed(0), f2, f3, low, at, route)
-            p, _ = _plain_rates(model, change, mode, guard, order, typed(1), f2, f3, low, at, route)
+            find_rates(model, change, mode, order, low, at, route)
+            power = 1.0
+            for _ in range(order):
+                power *= low
+            x, p = power * found[0, 0], power * found[1, 0]
             note(notes, route, 1000 * k + 100 * DIP + guard, g, x, p)
 
 
@@ -417,19 +426,6 @@ def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios)
     if f2 >= 0.0 and f1 >= 0.0:
         return False  # f' rises, or rises and falls
     return not (bend >= 0.0 >= slope)  # f' rises, or falls and rises
-
-
-@jit
-def _plain_rates(
-    model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, f2: float,
-    f3: float, t: float, c: Ratios, route: Route,
-) -> tuple[float, float]:  # fmt: skip
-    """The same of a guard that is not deflated."""
-    power = 1.0
-    for _ in range(order):
-        power *= t
-    value, slope = guard_rates(model, change, mode, guard, order, m, f2, f3, t, c, route)
-    return value * power, slope * power
 
 
 @jit
