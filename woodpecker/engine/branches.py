@@ -18,7 +18,7 @@ from woodpecker.engine.jumps import Jump
 from woodpecker.engine.orbits import (
     Closed,
     Condition,
-    Distance,
+    Coordinate,
     Margin,
     Orbit,
     minimal_period,
@@ -31,8 +31,9 @@ from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
+NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
-NEARBY = 1.0  # part of a distance that a branch may stray from its tangent where borders accumulate
+FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
 GROW = 10.0  # of a distance from a place where borders accumulate
 MOST_LEGS = 10_000
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
@@ -236,6 +237,9 @@ class Cycles:
                 following = (samples[-1],) if passes else ()
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
             mark, end, there = self._meet(stretch)
+            if end is not None and end.note == NOTHING_BEYOND:
+                there = self._passed_over(stretch)
+                end = end if there is None else None
             if end is not None:
                 following = () if there is None else (samples[-1], there)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
@@ -259,7 +263,7 @@ class Cycles:
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
         if there is None:
-            lost = end_at(PointKind.EP, orbit, "no branch beyond a border", border.cause)
+            lost = end_at(PointKind.EP, orbit, NOTHING_BEYOND, border.cause)
             return mark, lost, None
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
@@ -274,20 +278,22 @@ class Cycles:
         It is looked for along the tangent, with the pieces that the map takes there.
         """
         end = stretch.samples[-1]
-        scale = scales(len(end.orbit), self.settings)
+        x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
+        sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
         away = self.settings.min_step
-        while away <= self.settings.max_step:
-            point = end.orbit.point + away * end.tangent * scale
-            images = tuple(self.map.at(float(x), float(point[-1])) for x in point[:-1])
-            start = Orbit(point[:-1], float(point[-1]), images)
-            if start.defined and self.settings.span[0] <= start.p <= self.settings.span[1]:
-                distance = Distance(end.orbit.point, end.tangent, away, scale)
-                solution = solve(start, (Closed(), distance), self.settings)
-                found = self.stepper.sample(solution.orbit, end.tangent)
-                aside = np.abs((solution.orbit.point - point) / scale).max()
-                if solution.converged and is_inside(solution.orbit, Closed()) and aside <= NEARBY * away + self.settings.same:
-                    return found
+        while away <= self.settings.max_step and low <= end.orbit.p + sign * away * p_scale <= high:
+            p = end.orbit.p + sign * away * p_scale
+            images = tuple(self.map.at(float(x), p) for x in end.orbit.x)
+            start = Orbit(end.orbit.x, p, images)
             away *= GROW
+            if not start.defined:
+                continue
+            solution = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
+            found = solution.orbit
+            aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
+            if solution.converged and is_inside(found, Closed()) and aside <= FASTEST * away:
+                along = np.append(found.x - end.orbit.x, p - end.orbit.p)
+                return self.stepper.sample(found, along / scales(len(found), self.settings))
         return None
 
     def _halves(self, stretch: Stretch) -> bool:

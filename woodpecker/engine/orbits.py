@@ -244,7 +244,7 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
         length = float(np.abs(move).max())
         if not np.isfinite(length):
             return Solution(orbit, False, k)
-        if 0.5 * before <= length <= settings.stalled:
+        if 0.0 < before <= length <= settings.stalled:
             return Solution(orbit, True, k)
         trial = moved(orbit, move * scale)
         while not trial.defined and halvings < settings.newton:
@@ -268,6 +268,8 @@ def newton_step(
     orbit: Orbit, conditions: Sequence[Condition], settings: Settings
 ) -> Floats:
     """Newton's step (n + 1,); nan if the equations are singular or not finite."""
+    if len(orbit) == 1:
+        return _step_of_two(orbit, conditions)
     scale = scales(len(orbit), settings)
     matrix = jacobian(orbit, conditions, scale)
     largest = np.abs(matrix).max(axis=1)
@@ -278,6 +280,17 @@ def newton_step(
     except np.linalg.LinAlgError:
         return np.full(len(scale), np.nan)
     return np.asarray(step * scale)
+
+
+def _step_of_two(orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
+    """The same for one point, by Cramer's rule: fixed points of P_1 are most of the work."""
+    one, other = conditions
+    (a, b), (c, d) = one.row(orbit).tolist(), other.row(orbit).tolist()
+    first, second = -one.residual(orbit), -other.residual(orbit)
+    determinant = a * d - b * c
+    if determinant == 0.0:
+        return np.full(2, np.nan)
+    return np.array([first * d - b * second, a * second - first * c]) / determinant
 
 
 def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
