@@ -14,6 +14,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.borders import Border, BorderKind, beyond
+from woodpecker.engine.jumps import Jump
 from woodpecker.engine.orbits import (
     Closed,
     Condition,
@@ -30,6 +31,7 @@ from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
 MOST_LEGS = 10_000
+ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,8 +42,6 @@ class Mark:
     ----------
     sample
         Index of the sample at the border; the word changes after it.
-    words
-        Before and after.
     cause
         A sentence on what happens there.
     kind
@@ -49,9 +49,28 @@ class Mark:
     """
 
     sample: int
-    words: tuple[str, str]
     cause: str
     kind: BorderKind
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Word:
+    """A stretch of a branch along which no piece changes.
+
+    Attributes
+    ----------
+    first
+        Its first sample; the last is the first of the next stretch.
+    text
+        The words of its pieces.
+    keys
+        The keys of the pieces of a cycle; of a jump those of the points before the border, and a
+        set of those on its two sides.
+    """
+
+    first: int
+    text: str
+    keys: tuple[object, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -91,8 +110,6 @@ class End:
         How well the parameter is located.
     collision
         The cycle that meets a jump, if one does.
-    key
-        What tells the branch from others that end in the same collision.
     """
 
     kind: PointKind
@@ -102,7 +119,6 @@ class End:
     cause: str = ""
     precision: float = 0.0
     collision: Collision | None = None
-    key: tuple[object, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -113,11 +129,14 @@ class Curve:
     ----------
     kind, order
         Cycles of P_order, or jumps of it.
-    parameter, points, multiplier
-        Samples (m,), (m, n) and (m,), the ends included; of a jump there is one point, and the
-        multiplier is nan.
-    word, marks
-        The first word, and its changes in this order.
+    parameter, multiplier
+        Samples (m,), the ends included; the multiplier of a jump is nan.
+    points
+        m times the points (n,) of a cycle, or those up to the border of a jump.
+    words
+        Stretches between changes of word, in this order.
+    marks
+        These changes, one less.
     ends
         Why it begins and ends.
     """
@@ -125,9 +144,9 @@ class Curve:
     kind: BranchKind
     order: int
     parameter: Floats
-    points: Floats
+    points: tuple[Floats, ...]
     multiplier: Floats
-    word: str
+    words: tuple[Word, ...]
     marks: tuple[Mark, ...]
     ends: tuple[End, End]
 
@@ -219,18 +238,19 @@ class Cycles:
         orbit, margin, last = stretch.end, stretch.margins[0], stretch.samples[-1]
         border = border_at(self.map, orbit, margin, self.settings)
         kind = border.kind(self.settings)
-        mark = Mark(sample=0, words=(word_of(orbit), ""), cause=border.cause, kind=kind)
+        mark = Mark(sample=0, cause=border.cause, kind=kind)
+        if self._halves(stretch):
+            return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
         if kind is BorderKind.LOST:
             lost = end_at(PointKind.FALL, orbit, border.outer.reason, border.cause)
             return mark, lost, None
         if kind is BorderKind.JUMP:
             met = collision(self.map, orbit, margin, border, self.settings)
-            return mark, end_of(met, orbit, (BranchKind.FIXED_POINT,)), None
+            return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
         if there is None:
             lost = end_at(PointKind.EP, orbit, "no branch beyond a border", border.cause)
             return mark, lost, None
-        mark = replace(mark, words=(word_of(orbit), word_of(there.orbit)))
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
         before, after = (abs(o.multiplier) < 1.0 for o in (orbit, there.orbit))
@@ -288,29 +308,27 @@ class Jumps:
         behind = [] if ahead[-1].stop is Stop.CLOSED else self.legs((turned(start),), start)
         return curves_of(ahead, behind, BranchKind.JUMP, self.order)
 
-    def starts(self, met: Collision, shift: int) -> list[tuple[tuple[object, ...], Sample, Sample]]:
+    def starts(self, met: Collision, shift: int) -> list[tuple[Sample, Sample]]:
         """Branches that start where a cycle meets a jump, seen from one of its points.
 
         The orbit may have gone round some times before it meets the border.
 
         Returns
         -------
-        For each its key, the sample at the collision, and the next one.
+        For each the sample at the collision, and the next one.
         """
         n, found = len(met.orbit), []
         orbit = met.orbit.rotated(shift)
         to_border = (met.margin.index - shift) % n
-        for rounds in range(self.order // n):
-            length = rounds * n + to_border + 1
-            head = Orbit(
-                np.tile(orbit.x, rounds + 1)[:length], orbit.p, (orbit.images * (rounds + 1))[:length]
-            )
+        for length in range(to_border + 1, self.order + 1, n):
+            rounds = -(-length // n)
+            x, images = np.tile(orbit.x, rounds)[:length], (orbit.images * rounds)[:length]
+            head = Orbit(x, orbit.p, images)
             start = self._sample(head, Margin(length - 1, met.margin.code))
             for sign in (1.0, -1.0):
                 there = self._beside(start, sign)
                 if there is not None:
-                    first = start if sign > 0.0 else turned(start)
-                    found.append((jump_key(self.order, shift, first), first, there))
+                    found.append((start if sign > 0.0 else turned(start), there))
         return found
 
     def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
@@ -336,13 +354,14 @@ class Jumps:
                 following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
                 end = self._end(stretch)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+            met = self._closed_early(stretch)
+            if met is not None:
+                return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
             mark, there = self._beyond(stretch)
             if there is None:
                 end = end_at(PointKind.EP, stretch.end, "the jump ends", mark.cause)
                 return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
-            assert there.jump is not None
-            words = (last.jump.word, there.jump.word)
-            marks.append(replace(mark, sample=len(samples) - 1, words=words))
+            marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there)
 
     def _stepper(self, closing: Margin) -> Stepper:
@@ -359,6 +378,8 @@ class Jumps:
         """
         assert start.jump is not None
         closing = start.jump.closing
+        if any(image.slope == 0.0 for image in start.orbit.images[:-1]):
+            return None  # where the orbit starts does not change where it ends: P_order has no jump
         base = start if sign > 0.0 else turned(start)
         away = self.settings.beside
         while away >= self.settings.min_step:
@@ -379,9 +400,21 @@ class Jumps:
         margin = stretch.margins[0]
         border = border_at(self.map, stretch.meeting, margin, self.settings)
         met = collision(self.map, stretch.meeting, margin, border, self.settings)
-        shift = shift_of(met.orbit, float(stretch.end.x[0]))
-        key = jump_key(self.order, shift, turned(stretch.samples[-1]))
-        return end_of(met, stretch.end, key)
+        return end_of(met, stretch.end)
+
+    def _closed_early(self, stretch: Stretch) -> Collision | None:
+        """The collision of a cycle of smaller period, if an orbit comes back to its own border."""
+        last = stretch.samples[-1].jump
+        assert last is not None
+        meeting, margin = stretch.meeting or stretch.end, stretch.margins[0]
+        own = Margin(last.closing.index, last.code(stretch.inner))
+        first, second = sorted((own, margin), key=lambda each: each.index)
+        i, k = first.index, second.index
+        if i == k or abs(meeting.x[k] - meeting.x[i]) > self.settings.same * self.settings.x_scale:
+            return None
+        cycle, there = Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), Margin(0, first.code)
+        border = border_at(self.map, cycle, there, self.settings)
+        return collision(self.map, cycle, there, border, self.settings)
 
     def _beyond(self, stretch: Stretch) -> tuple[Mark, Sample | None]:
         """Where a jump branch goes on when one of its orbits meets another border."""
@@ -390,7 +423,7 @@ class Jumps:
         assert end.jump is not None
         border = border_at(self.map, meeting, margin, self.settings)
         kind = border.kind(self.settings)
-        mark = Mark(sample=0, words=("", ""), cause=border.cause, kind=kind)
+        mark = Mark(sample=0, cause=border.cause, kind=kind)
         if stretch.stop is Stop.TAIL:
             return mark, self._beside(end) or self._round_corner(end, meeting, margin)
         if margin.index == end.jump.closing.index:
@@ -438,11 +471,6 @@ class Jumps:
         return found[0] if len(found) == 1 else None
 
 
-def jump_key(order: int, shift: int, sample: Sample) -> tuple[object, ...]:
-    """What tells a jump branch from others that leave one collision."""
-    return BranchKind.JUMP, order, shift, len(sample.orbit), bool(sample.tangent[-1] > 0.0)
-
-
 # --- Borders and collisions -----------------------------------------------------------------------
 
 
@@ -484,20 +512,15 @@ def collision(
     return replace(met, note="fold", kind=PointKind.FF if steep else PointKind.BC)
 
 
-def shift_of(orbit: Orbit, x: float) -> int:
-    """Which point of a cycle is nearest to x."""
-    return int(np.argmin(np.abs(orbit.x - x)))
-
-
 def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> End:
     """A special point that is no collision with a jump."""
     return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=cause)
 
 
-def end_of(met: Collision, orbit: Orbit, key: tuple[object, ...]) -> End:
+def end_of(met: Collision, orbit: Orbit) -> End:
     """A collision with a jump, as an orbit meets it."""
     return End(
-        kind=met.kind, p=orbit.p, x=orbit.x, note=met.note, cause=met.cause, collision=met, key=key
+        kind=met.kind, p=orbit.p, x=orbit.x, note=met.note, cause=met.cause, collision=met
     )
 
 
@@ -579,10 +602,7 @@ def _rest(legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
 
 def _reversed(leg: Leg) -> Leg:
     n = len(leg.samples)
-    marks = tuple(
-        replace(mark, sample=n - 1 - mark.sample - 1, words=mark.words[::-1])
-        for mark in reversed(leg.marks)
-    )
+    marks = tuple(replace(mark, sample=n - 2 - mark.sample) for mark in reversed(leg.marks))
     return replace(leg, samples=leg.samples[::-1], marks=marks)
 
 
@@ -599,13 +619,23 @@ def _curve(
     order: int,
 ) -> Curve:  # fmt: skip
     jumps = kind is BranchKind.JUMP
-    inner = samples[len(samples) // 2]
-    word = marks[0].words[0] if marks else ""
-    if not word:
-        word = inner.jump.word if inner.jump is not None else word_of(inner.orbit)
+    firsts = [0, *(mark.sample for mark in marks)]
+    lasts = [*(mark.sample for mark in marks), len(samples) - 1]
+    words = []
+    for first, last in zip(firsts, lasts, strict=True):
+        inside = samples[(first + last + 1) // 2]  # the sample at a border has the pieces before it
+        text = word_of(inside.orbit) if inside.jump is None else inside.jump.word
+        words.append(Word(first, text, keys_of(inside.orbit, inside.jump)))
     return Curve(
         kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
-        points=np.array([s.orbit.x[:1] if jumps else s.orbit.x for s in samples]),
+        points=tuple(s.orbit.x for s in samples),
         multiplier=np.array([np.nan if jumps else s.orbit.multiplier for s in samples]),
-        word=word, marks=marks, ends=ends,
+        words=tuple(words), marks=marks, ends=ends,
     )  # fmt: skip
+
+
+def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
+    """The pieces of an orbit, see :class:`Word`."""
+    if jump is None:
+        return orbit.keys
+    return *orbit.keys[:-1], frozenset((jump.inner.keys[0], jump.outer.keys[0]))

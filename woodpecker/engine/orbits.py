@@ -236,7 +236,7 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
     orbit, scale = start, scales(len(start), settings)
     before, halvings = np.inf, 0
     for k in range(settings.newton):
-        move = _step(orbit, conditions, scale)
+        move = newton_step(orbit, conditions, settings) / scale
         length = float(np.abs(move).max())
         if not np.isfinite(length):
             return Solution(orbit, False, k)
@@ -259,18 +259,20 @@ def moved(orbit: Orbit, by: Floats) -> Orbit:
     return orbit_of(orbit.pieces, orbit.x + by[:-1], orbit.p + float(by[-1]))
 
 
-def _step(orbit: Orbit, conditions: Sequence[Condition], scale: Floats) -> Floats:
-    """Newton's step in scaled unknowns; nan if the equations are singular or not finite."""
+def newton_step(
+    orbit: Orbit, conditions: Sequence[Condition], settings: Settings
+) -> Floats:
+    """Newton's step (n + 1,); nan if the equations are singular or not finite."""
+    scale = scales(len(orbit), settings)
     matrix = jacobian(orbit, conditions, scale)
     largest = np.abs(matrix).max(axis=1)
     if not (np.isfinite(largest).all() and largest.all()):
         return np.full(len(scale), np.nan)
     try:
-        return np.linalg.solve(
-            matrix / largest[:, None], -residuals(orbit, conditions) / largest
-        )
+        step = np.linalg.solve(matrix / largest[:, None], -residuals(orbit, conditions) / largest)
     except np.linalg.LinAlgError:
         return np.full(len(scale), np.nan)
+    return np.asarray(step * scale)
 
 
 def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:

@@ -185,6 +185,9 @@ class Stepper:
         origin
             A sample at which the branch has come round.
         """
+        stop = self._leaves(start)
+        if stop is not None:
+            return Stretch((start,), stop)
         samples, step = [start], self.settings.step
         while len(samples) < self.settings.max_samples:
             if step < self.settings.min_step:
@@ -200,7 +203,7 @@ class Stepper:
                 step *= 0.5
                 continue
             if events:
-                first = min(events, key=lambda event: event.distance)
+                first = self._first(events)
                 return Stretch(
                     (*samples, first.sample), first.stop, first.margins, first.inner, first.meeting
                 )
@@ -213,6 +216,27 @@ class Stepper:
             turned = _angle(last.tangent, found.tangent) / self.settings.max_turn
             step = min(self.settings.max_step, step * min(2.0, 0.7 / max(turned, 0.1)))
         return Stretch(tuple(samples), Stop.MANY)
+
+    def _leaves(self, start: Sample) -> Stop | None:
+        """Whether a sample lies at an end of the span or of the window, and the branch leaves it."""
+        orbit, along = start.orbit, start.tangent
+        for stop, index, (low, high) in self._limits(orbit):
+            value = orbit.point[index]
+            if (value <= low and along[index] < 0.0) or (value >= high and along[index] > 0.0):
+                return stop
+        return None
+
+    def _limits(self, orbit: Orbit) -> Iterator[tuple[Stop, int, tuple[float, float]]]:
+        yield Stop.SPAN, -1, self.settings.span
+        for i in range(len(orbit)):
+            yield Stop.WINDOW, i, self.settings.window
+
+    def _first(self, events: list[_Event]) -> _Event:
+        """The event that comes first; at the end of the span or of the window nothing else does."""
+        first = min(event.distance for event in events)
+        near = [event for event in events if event.distance <= first + self.settings.same]
+        ends = [event for event in near if event.stop in (Stop.SPAN, Stop.WINDOW)]
+        return (ends or sorted(near, key=lambda event: event.distance))[0]
 
     def advance(self, last: Sample, step: float) -> Sample | float:
         """The sample one step ahead, or a shorter step to try."""
@@ -350,17 +374,10 @@ class Stepper:
 
     def _at_ends(self, a: Sample, b: Sample, step: float) -> Iterator[_Event]:
         """Ends of the span and of the window."""
-        for stop, index, (low, high) in (
-            (Stop.SPAN, -1, self.settings.span),
-            *((Stop.WINDOW, i, self.settings.window) for i in range(len(a.orbit))),
-        ):
-            one = a.orbit.p if index == -1 else float(a.orbit.x[index])
-            other = b.orbit.p if index == -1 else float(b.orbit.x[index])
-            for end in (low, high):
-                if (other - end) * (one - end) < 0.0 or (other == end != one):
-                    outside = not low <= other <= high or other == end
-                    if not outside:
-                        continue
+        for stop, index, (low, high) in self._limits(a.orbit):
+            one, other = float(a.orbit.point[index]), float(b.orbit.point[index])
+            for end, outward in ((low, -1.0), (high, 1.0)):
+                if outward * (other - end) >= 0.0 > outward * (one - end):
                     orbit = self._between(a, b, (end - one) / (other - one))
                     condition = Coordinate(index, end)
                     solution = solve(orbit, (self.closing, condition), self.settings)
@@ -402,7 +419,7 @@ class Stepper:
                     continue
             else:
                 event = self._at_tail(a, b, step, inner)
-                if event is None and step <= BLURRED:
+                if event is None and step <= BLURRED and b.jump.crosses:
                     continue
             if event is None:
                 return None
