@@ -7,8 +7,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pwmap import Diagram, PointKind
+from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
 from woodpecker.engine.branches import Curve, Cycles, End
+from woodpecker.engine.formulas import FormulaMap
+from woodpecker.engine.network import Network
 from woodpecker.engine.orbits import Closed, Coordinate, Orbit, orbit_of, solve
 from woodpecker.engine.pieces import PiecewiseMap
 from woodpecker.engine.search import Explorer, Search, complete
@@ -60,9 +63,26 @@ def stable_part(curves: Iterable[Curve]) -> float:
 
 def searched(
     map_: PiecewiseMap, settings: Settings, orders: Sequence[int], search: Search
-) -> Diagram:
+) -> Network:
     """All branches of some iterates that a search finds."""
     worker = Worker(map_, settings)
     explorer = Explorer(Serial(worker), settings, orders)
     complete(explorer, settings, search)
-    return explorer.network.diagram("p", "x")
+    return explorer.network
+
+
+def signs(map_: FormulaMap, diagram: Diagram, order: int, p: float, x: Floats) -> tuple[int, int]:
+    """Fixed points of P_order of a continuous map at a parameter, counted in two ways.
+
+    Returns
+    -------
+    The changes of sign of P_order(x) - x on a grid, and the points of the diagram's branches of all
+    orders that divide this one.
+    """
+    images = x
+    for _ in range(order):
+        images = map_.values(images, p)
+    above = images > x
+    divisors = [n for n in range(1, order + 1) if order % n == 0]
+    hits = [hit for hit in diagram.at(p) if hit.branch.order in divisors]
+    return int((above[1:] != above[:-1]).sum()), len(hits)

@@ -21,9 +21,9 @@ s^2 = rho:
 
 It attracts between the two. For large m, rho_flip(m) < rho_graze(m) just if
 3 alpha^2/4 < 1 - alpha, that is alpha < 2/3, and rho_flip(m) < rho_graze(m + 1) just if
-alpha < 1/4. These are the published cases [Chin1994]: for alpha < 1/4 the windows of neighbouring periods
-overlap; for 1/4 < alpha < 2/3 they alternate with chaos; for alpha > 2/3 there are none next to
-grazing. Their places shrink by alpha^2 from one period to the next.
+alpha < 1/4. These are the published cases [Chin1994]: for alpha < 1/4 windows of neighbouring
+periods overlap; for 1/4 < alpha < 2/3 they alternate with chaos; for alpha > 2/3 there are none
+next to grazing. Their places shrink by alpha^2 from one period to the next.
 
 At a grazing the map has slopes alpha and -infinity, and the cycle turns back into one with two
 impacts: on its side of rho (fold). For m = 2 that one has x and y with sqrt(x) + sqrt(y) = 1; it
@@ -142,7 +142,7 @@ def main(fast: bool, out: Path | None = None) -> Results:
     whole = searched(
         square_root_map(0.2), Settings(span=(0.01, 1.2), window=(-1.5, 1.5)), (1, 2, 3),
         Search(slices=7 if fast else 31, finest=0.01),
-    )  # fmt: skip
+    ).diagram("rho", "x")  # fmt: skip
     expected = [flip(0.2, 1), flip(0.2, 2), grazing(0.2, 2), grazing(0.2, 3)]
     places = [p.parameter for p in whole.points if p.kind in (PointKind.PD, PointKind.BC)]
     return {
