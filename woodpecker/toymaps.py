@@ -59,9 +59,12 @@ class Table:
         if parameter in EPSILONS:
             self.seed[0, EPSILONS.index(parameter)] = 1.0
         self._complex = parameters_of(toy, parameter)
+        self._value = math.nan
 
     def at(self, p: float) -> None:
         """Take the numbers of another value; ValueError says why the toy cannot have it."""
+        if p == self._value:
+            return
         if not self._low * (1.0 + CLEAR) < p < self._high * (1.0 - CLEAR):
             self._toy.replace(**{self._parameter: p})
         if self._parameter in EPSILONS:
@@ -69,6 +72,7 @@ class Table:
         elif self._parameter in Numbers._fields:
             self._complex[Numbers._fields.index(self._parameter)] = complex(p, STEP)
             fill(self._complex, self.numbers, self.change)
+        self._value = p
 
 
 class _Evaluation:

@@ -123,13 +123,16 @@ def beyond(
         there = found.piece.at(x, p) if not found.reason else found
         if found.reason or there.reason:
             there = _limit(found, side * away)
-        elif depth(there) >= -least:
+        elif depth(there) >= -max(least, THIN * away):
             return there, nearest_code(there, -side)
         code = nearest_code(there, -side)
         if away <= least:
             return there, code
         away *= 0.1
         found = map_.at(x + side * away, p)
+
+
+THIN = 1e-3  # a piece beside a border that is thinner than this part of a distance is passed over
 
 
 def _limit(image: Image, away: float) -> Image:

@@ -30,6 +30,7 @@ from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
+GROW = 10.0  # of a distance from a place where borders accumulate
 MOST_LEGS = 10_000
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
@@ -376,20 +377,27 @@ class Jumps:
 
         It is admissible, and crosses the diagonal.
         """
-        assert start.jump is not None
-        closing = start.jump.closing
-        if any(image.slope == 0.0 for image in start.orbit.images[:-1]):
-            return None  # where the orbit starts does not change where it ends: P_order has no jump
         base = start if sign > 0.0 else turned(start)
         away = self.settings.beside
         while away >= self.settings.min_step:
-            found = self._stepper(closing).advance(base, away)
-            if isinstance(found, Sample) and found.jump is not None:
-                break
+            found = self._at(base, away)
+            if found is not None:
+                return found if self._is_good(found) else None
             away *= SHRINK
-        else:
-            return None
-        return found if found.jump.crosses and is_inside(found.orbit, closing) else None
+        return None
+
+    def _at(self, base: Sample, away: float) -> Sample | None:
+        """The sample at a distance along a jump branch; None if there is none."""
+        assert base.jump is not None
+        if any(image.slope == 0.0 for image in base.orbit.images[:-1]):
+            return None  # where the orbit starts does not change where it ends: P_order has no jump
+        found = self._stepper(base.jump.closing).advance(base, away)
+        return found if isinstance(found, Sample) and found.jump is not None else None
+
+    def _is_good(self, sample: Sample) -> bool:
+        """Whether a sample is admissible, and its jump crosses the diagonal."""
+        jump = sample.jump
+        return jump is not None and jump.crosses and is_inside(sample.orbit, jump.closing)
 
     def _end(self, stretch: Stretch) -> End:
         if stretch.stop is not Stop.LIMIT:
@@ -424,14 +432,14 @@ class Jumps:
         border = border_at(self.map, meeting, margin, self.settings)
         kind = border.kind(self.settings)
         mark = Mark(sample=0, cause=border.cause, kind=kind)
-        if stretch.stop is Stop.TAIL:
-            return mark, self._beside(end) or self._round_corner(end, meeting, margin)
-        if margin.index == end.jump.closing.index:
-            return mark, self._from_outside(end)
         there = None
-        if kind is not BorderKind.JUMP:
+        if stretch.stop is Stop.TAIL:
+            there = self._beside(end)
+        elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
             there = self._restarted(end, border, margin.index)
-        return mark, there or self._round_corner(end, meeting, margin)
+        if there is None and margin.index != end.jump.closing.index:
+            there = self._round_corner(end, meeting, margin)
+        return mark, there or self._passed_over(end)
 
     def _restarted(self, end: Sample, border: Border, index: int) -> Sample | None:
         """Beyond a border at which the map is continuous, met by a point before the jump."""
@@ -443,15 +451,27 @@ class Jumps:
         there = self._sample(found.orbit, closing, found.tangent)
         return there if there.jump is not None and there.jump.crosses else None
 
-    def _from_outside(self, end: Sample) -> Sample | None:
-        """The same border as the piece beyond it sees it, where the piece inside ends."""
+    def _passed_over(self, end: Sample) -> Sample | None:
+        """The same jump beyond a place where one of its pieces ends, the nearest there is.
+
+        The piece on the other side of the border still defines it there. Infinitely many borders
+        can accumulate at such a place, so the distance grows.
+        """
         assert end.jump is not None
         jump, k = end.jump, end.jump.closing.index
-        if jump.outer_code < 0:
-            return None
-        images = (*end.orbit.images[:-1], jump.outer.images[0])
-        head = Orbit(end.orbit.x, end.orbit.p, images)
-        return self._beside(self._sample(head, Margin(k, jump.outer_code), end.tangent))
+        bases = [end]
+        if jump.outer_code >= 0:
+            images = (*end.orbit.images[:-1], jump.outer.images[0])
+            head = Orbit(end.orbit.x, end.orbit.p, images)
+            bases.insert(0, self._sample(head, Margin(k, jump.outer_code), end.tangent))
+        away = self.settings.beside
+        while away <= self.settings.max_step:
+            for base in bases:
+                found = self._at(base, away)
+                if found is not None and self._is_good(found):
+                    return found
+            away *= GROW
+        return None
 
     def _round_corner(self, end: Sample, meeting: Orbit, margin: Margin) -> Sample | None:
         """Where two jumps meet: the other one that crosses the diagonal there.
@@ -529,26 +549,46 @@ def restart(
 ) -> Sample | None:
     """The orbit beyond a border, whose margin there is small and positive; None if there is none.
 
-    That is well posed also where the piece beyond begins with a square root.
+    That is well posed also where the piece beyond begins with a square root. It lies so close to
+    the border that no fold or flip is passed.
     """
-    scale = scales(len(orbit), settings)
+    images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
+    at_border = Orbit(orbit.x, orbit.p, images).multiplier
+    found: Sample | None = None
     away = settings.beside * settings.x_scale
     while away >= settings.nearest * settings.x_scale:
-        x, images = orbit.x.copy(), list(orbit.images)
-        x[index] += border.side * away
-        images[index] = border.outer.piece.at(float(x[index]), orbit.p)
-        value = images[index].margin(border.outer_code)
-        if value > 0.0:
-            margin = Margin(index, border.outer_code, value)
-            solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
-            found = solution.orbit
-            direction = tangent(found, closing, settings)
-            if solution.converged and np.isfinite(direction).all() and is_inside(found, closing):
-                gradient = found.images[index].gradient(border.outer_code)
-                rise = float(gradient @ (direction * scale)[[index, -1]])
-                return Sample(found, direction if rise > 0.0 else -direction, rise > 0.0)
+        there = _restarted(orbit, closing, border, index, away, settings)
+        found = there or found
+        if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
+            return there
         away *= SHRINK
-    return None
+    return found
+
+
+def _sides(multiplier: float) -> tuple[bool, bool]:
+    """On which sides of a fold and a flip a multiplier lies."""
+    return multiplier > 1.0, multiplier > -1.0
+
+
+def _restarted(
+    orbit: Orbit, closing: Condition, border: Border, index: int, away: float, settings: Settings
+) -> Sample | None:
+    """The orbit about a distance beyond a border; None if there is none that is admissible."""
+    x, images = orbit.x.copy(), list(orbit.images)
+    x[index] += border.side * away
+    images[index] = border.outer.piece.at(float(x[index]), orbit.p)
+    value = images[index].margin(border.outer_code)
+    if not value > 0.0:
+        return None
+    margin = Margin(index, border.outer_code, value)
+    solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
+    found = solution.orbit
+    direction = tangent(found, closing, settings)
+    if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
+        return None
+    gradient = found.images[index].gradient(border.outer_code)
+    rise = float(gradient @ (direction * scales(len(orbit), settings))[[index, -1]])
+    return Sample(found, direction if rise > 0.0 else -direction, rise > 0.0)
 
 
 def is_inside(orbit: Orbit, closing: Condition) -> bool:

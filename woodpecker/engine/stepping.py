@@ -193,7 +193,7 @@ class Stepper:
             if step < self.settings.min_step:
                 return Stretch(tuple(samples), Stop.SHORT)
             last = samples[-1]
-            found = self.advance(last, step)
+            found = self._to_end(last, step) or self.advance(last, step)
             if isinstance(found, float):
                 step = found
                 continue
@@ -256,6 +256,28 @@ class Stepper:
         if _angle(last.tangent, found) > self.settings.max_turn:
             return 0.5 * step
         return self._complete(Sample(solution.orbit, found, forward))
+
+    def _to_end(self, last: Sample, step: float) -> Sample | None:
+        """The sample at the end of the span if a step leads there: beyond, there may be no map."""
+        scale = scales(len(last.orbit), self.settings)
+        p, along = last.orbit.p, float(last.tangent[-1] * scale[-1])
+        low, high = self.settings.span
+        end = high if along > 0.0 else low
+        if not (along != 0.0 and abs(end - p) < step * abs(along) and p != end):
+            return None
+        predicted = self._predicted(last, (end - p) / along, scale)
+        if not predicted.defined:
+            return None
+        solution = solve(predicted, (self.closing, Coordinate(-1, end)), self.settings)
+        direction = tangent(solution.orbit, self.closing, self.settings)
+        if not solution.converged or not np.isfinite(direction).all():
+            return None
+        if _angle(last.tangent, direction) > 0.5 * math.pi:
+            direction = -direction
+        if _angle(last.tangent, direction) > self.settings.max_turn:
+            return None
+        found = Orbit(solution.orbit.x, end, solution.orbit.images)
+        return self.sample(found, last.tangent)
 
     @staticmethod
     def _predicted(last: Sample, step: float, scale: Floats) -> Orbit:

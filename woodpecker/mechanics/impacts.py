@@ -495,14 +495,14 @@ def _carry_out_single(
         if along >= 0:
             more_n, more_t = rates(change, i, z)
             dv_n, dv_t = dv_n + more_n, dv_t + more_t
-        dc_n, dc_t, dv_n, dv_t = _one_change(
+        dc_n, dc_t, dv_n, dv_t = one_change(
             model, change, along, i, first, c_n, c_t, dv_n, dv_t, 0.0
         )
         dfloor = eps * dc_n + seed[m, i] * c_n
         de_n = de_t = 0.0
         if expands or dfloor != 0.0:
             case_e = second if expands else 3 * FREE + first % 3
-            de_n, de_t, _, _ = _one_change(
+            de_n, de_t, _, _ = one_change(
                 model, change, along, i, case_e, e_n, e_t, dv_n, dv_t, dfloor
             )
         if along >= 0:
@@ -513,7 +513,7 @@ def _carry_out_single(
 
 
 @jit
-def _one_change(
+def one_change(
     model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
     free_n: float, free_t: float, floor: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
@@ -648,7 +648,7 @@ def _pair_tangent(
             if along >= 0:
                 more_n, more_t = rates(change, contacts[k], z)
                 free[2 * k], free[2 * k + 1] = free[2 * k] + more_n, free[2 * k + 1] + more_t
-        _pair_change(model, change, along, contacts, table, index, 0.0, end, part, middle, pair)
+        pair_change(model, change, along, contacts, table, index, 0.0, end, part, middle, pair)
         for k in range(4):
             total[k] += 0.5 * part[k]
     if expands:
@@ -656,7 +656,7 @@ def _pair_tangent(
             dfloor = seed[contacts[k]] * impulses[0, 2 * k]
             floor[k] = pair.eps[k] * total[2 * k] + dfloor
             free[2 * k], free[2 * k + 1] = middle[2 * k], middle[2 * k + 1]
-        _pair_change(
+        pair_change(
             model, change, along, contacts, table + EXPANSION, case[0] + 6 * case[1],
             model[FORCE, SUMMED], impulses[1], part, middle, pair,
         )  # fmt: skip
@@ -671,7 +671,7 @@ def _pair_tangent(
 
 
 @jit
-def _pair_change(
+def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, out: Floats, velocity: Floats, pair: Pair,
 ) -> None:  # fmt: skip

@@ -241,25 +241,23 @@ def _root_or_later(
 
 
 @jit
-def lowest(
+def time_of_lowest(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
-    """Least value of f among its minima strictly between 0 and ``end``; inf if there are none."""
+    """When f has the least of its minima strictly between 0 and ``end``; inf if it has none."""
     if kappa < 0.0:
-        return _lowest_trigonometric(f0, f1, f2, f3, kappa, omega, end)
-    first, second = _critical_points(f1, f2, f3, kappa, omega)
-    best = math.inf
-    for t in (first, second):
+        return _time_of_lowest_trigonometric(f1, f2, f3, kappa, omega, end)
+    for t in _critical_points(f1, f2, f3, kappa, omega):
         if t < end:
             c0, s1, _, _, _ = stumpff(kappa, omega, t)
-            if f2 * c0 + f3 * s1 > 0.0:  # f'' there
-                best = min(best, value(f0, f1, f2, f3, kappa, omega, t)[0])
-    return best
+            if f2 * c0 + f3 * s1 > 0.0:  # f'' there: the other one is a maximum
+                return t
+    return math.inf
 
 
 @jit
-def _lowest_trigonometric(
-    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
+def _time_of_lowest_trigonometric(
+    f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
     """The same for kappa < 0: minima repeat, so the first or the last one is the lowest.
 
@@ -267,7 +265,7 @@ def _lowest_trigonometric(
     """
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     drift, fastest = f1 - f3 / kappa, omega * math.hypot(a, b)
-    if abs(drift) >= fastest * (1.0 - 8.0 * EPSILON):
+    if end <= 0.0 or abs(drift) >= fastest * (1.0 - 8.0 * EPSILON):
         return math.inf
     beta = math.asin(drift / fastest)
     theta = (math.atan2(b, a) - beta) % TWO_PI
@@ -278,4 +276,4 @@ def _lowest_trigonometric(
         return math.inf
     last = first + math.floor((end - first) * omega / TWO_PI) * TWO_PI / omega
     t = first if drift >= 0.0 else last
-    return value(f0, f1, f2, f3, kappa, omega, t)[0] if t < end else math.inf
+    return t if t < end else math.inf

@@ -334,7 +334,7 @@ def advance(
             v[3 + j] += acceleration * (s1 * d0 + s2 * d1)
         moves = len(change) > 0 and m == len(tangents) - 1
         if moves:
-            _change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
+            change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
         if guard < 0:
             continue
         shift, rate = guard_rates(model, mode, guard, work, v)
@@ -349,7 +349,7 @@ def advance(
 
 
 @jit
-def _change_flow(
+def change_flow(
     model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
     s4: float, v: Floats,
 ) -> None:  # fmt: skip

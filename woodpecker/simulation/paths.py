@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
-from woodpecker.simulation import following, kernel
+from woodpecker.simulation import following, kernel, margins
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
@@ -39,17 +40,18 @@ class Path:
 
 
 class Watch(Enum):
-    """What a margin watches."""
+    """What a margin watches; see :mod:`woodpecker.simulation.margins`."""
 
-    MEETING = following.MEETING
-    DIP = following.DIP
-    SPEED = following.SPEED
-    START = following.START
-    COMPRESSION = following.COMPRESSION
-    EXPANSION = following.EXPANDING
-    SWING = following.SWING
-    RESTING = following.RESTING
-    BOUNCES = following.BOUNCES
+    COMPRESSION = margins.COMPRESSION
+    EXPANSION = margins.EXPANDING
+    BOUNCES = margins.BOUNCES
+    START = margins.START
+    EARLY = margins.EARLY
+    SPEED = margins.SPEED
+    MEETING = margins.MEETING
+    DIP = margins.DIP
+    SWING = margins.SWING
+    LENGTH = margins.LENGTH
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +83,8 @@ class Cause:
                 return _at_once(self.item, self.fired)
             case Watch.DIP:
                 return f"{_grazes(self.item)} in phase {self.phase + 1}"
+            case Watch.EARLY:
+                return f"{NAMES[self.item % 3]} {_does(self.item)} before phase {self.phase + 1}"
             case Watch.SPEED:
                 return f"{_grazes(self.item)} at the end of phase {self.phase + 1}"
             case Watch.START:
@@ -89,19 +93,19 @@ class Cause:
                 return self._of_impact()
             case Watch.SWING:
                 return "the sleeve jams exactly where the woodpecker turns round"
-            case Watch.RESTING:
-                return "friction only just holds the toy at rest"
+            case Watch.LENGTH:
+                return f"the toy only just reaches the end of the pole in phase {self.phase + 1}"
             case Watch.BOUNCES:
                 return f"the bounces of {NAMES[self.item]} only just come to an end"
 
     def _of_impact(self) -> str:
-        contact, inequality = divmod(self.item, 4)
+        contact, inequality = divmod(self.item % margins.OTHER_END, 4)
         phase = "compression" if self.watch is Watch.COMPRESSION else "expansion"
         what = {
-            following.NORMAL_SIDE: "only just takes part in",
-            following.ALONG: "stops sliding exactly at the end of",
-            following.CONE_PLUS: "only just sticks in",
-            following.CONE_MINUS: "only just sticks in",
+            margins.NORMAL_SIDE: "only just takes part in",
+            margins.ALONG: "stops sliding exactly at the end of",
+            margins.CONE_PLUS: "only just sticks in",
+            margins.CONE_MINUS: "only just sticks in",
         }[inequality]
         return f"{NAMES[contact]} {what} the {phase}"
 
@@ -139,8 +143,7 @@ def _stays(guard: int) -> str:
     return "begins to slide" if guard >= SLIP else "sticks"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Along:
+class Along(NamedTuple):
     """A return along a path.
 
     Attributes
@@ -149,8 +152,12 @@ class Along:
         Image [rad], time [s] and distance fallen [m].
     slope, d_parameter
         Derivatives of the image in the start and along the direction of the table.
-    margins, causes
-        (m,) numbers that are positive where the toy does follow the path, and their codes.
+    margins
+        (m,) numbers that are positive where the toy does follow the path.
+    gradients
+        (m, 2), their derivatives in the start and along the direction of the table.
+    causes
+        (m,) ascending codes of what they watch; see :func:`cause_of`.
     times
         Durations of the phases [s].
     """
@@ -161,6 +168,7 @@ class Along:
     slope: float
     d_parameter: float
     margins: Floats
+    gradients: Floats
     causes: Ints
     times: Floats
 
@@ -176,32 +184,39 @@ class Follower:
 
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
-        self._seeds = np.zeros((2, 3))
-        self._seeds[1] = (1.0, 0.0, 0.0) if seed is None else seed[0]
-        self._z, self._tangents = np.zeros(7), np.zeros((2, 7))
+        self._z, self._nothing, self._states = np.zeros(7), np.zeros((0, 7)), np.zeros(3, dtype=int)
+        self._no_seeds = np.zeros((0, 3))
         self._codes: Codes = np.zeros(EVENT_LIMIT, dtype=np.int16)
         self._phases = np.zeros((EVENT_LIMIT + 1, kernel.PHASE_COLUMNS))
         self._steps = np.zeros((EVENT_LIMIT + 1, kernel.STEP_COLUMNS), dtype=np.int64)
-        self._counts, self._found = np.zeros(3, dtype=np.int64), np.zeros(1, dtype=np.int64)
-        self._margins = np.zeros(following.MARGINS)
-        self._causes = np.zeros(following.MARGINS, dtype=np.int64)
-        self._room, self._memory = kernel.make_room(), np.zeros((2, 7))
+        self._counts = np.zeros(3, dtype=np.int64)
         self._no_events = np.zeros((0, kernel.EVENT_COLUMNS))
+        self._route = np.zeros(1, dtype=margins.ROUTE)
+        self._route["seeds"][0, 1] = (1.0, 0.0, 0.0) if seed is None else seed[0]
+        self._end, self._tangents = self._route["z"][0], self._route["tangents"][0]
+        self._count = self._route["count"][0]
+        self._notes = np.zeros((margins.NOTES, 0))
+        self._texts: dict[bytes, str] = {}
         announce(kernel.run)
 
     def trace(self, phi_s: float) -> tuple[Status, Path]:
         """Let the toy go from the section at phi_S [rad]: what happens until it returns."""
-        z, counts = self._z, self._counts
-        z[:] = 0.0
-        counts[:] = 0
+        z, counts, states = self._z, self._counts, self._states
+        z[:], counts[:], states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
         code = kernel.run(
-            self.numbers, FIXED, z, self._tangents[:0], self._seeds[:0], np.array([0, 1, 0]), True,
-            math.inf, self._codes, self._phases, self._steps, self._no_events, counts,
+            self.numbers, FIXED, z, self._nothing, self._no_seeds, states, True, math.inf,
+            self._codes, self._phases, self._steps, self._no_events, counts,
         )  # fmt: skip
-        starts = np.append(self._phases[: counts[1], 6], z[6])
-        text = word(self._codes[: min(counts[0], EVENT_LIMIT)].tolist())
-        return status(code), Path(text, self._steps[: counts[1]].copy(), np.diff(starts))
+        symbols, phases, _ = counts.tolist()
+        times, starts = np.empty(phases), self._phases[:phases, 6]
+        times[:-1] = starts[1:] - starts[:-1]
+        times[-1] = z[6] - starts[-1]
+        codes = self._codes[:symbols]
+        text = self._texts.get(key := codes.tobytes())
+        if text is None:
+            text = self._texts[key] = word(codes.tolist())
+        return status(code), Path(text, self._steps[:phases].copy(), times)
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
         """The return from phi_S [rad] along a path; None if the path does not reach so far.
@@ -211,28 +226,21 @@ class Follower:
         times
             Durations of the phases at a neighbouring start; by default those of the path.
         """
-        z, tangents, found = self._z, self._tangents, self._found
-        z[:] = tangents[:] = 0.0
-        z[1], z[2], tangents[0, 2] = -self.numbers[CONTACT + 1, LIMIT], phi_s, 1.0
-        if len(self.change) > 0:
-            tangents[1, 1] = -self.change[CONTACT + 1, LIMIT]
         times = (path.times if times is None else times).copy()
+        if self._notes.shape[1] < margins.MOST * len(times):
+            self._notes = np.zeros((margins.NOTES, margins.MOST * len(times)))
         code = following.follow(
-            self.numbers, self.change, path.steps, times, z, tangents, self._seeds, self._margins,
-            self._causes, found, self._room, self._memory,
-        )  # fmt: skip
+            self.numbers, self.change, path.steps, times, phi_s, self._notes, self._route
+        )
         if code != kernel.RETURNED:
             return None
-        m = int(found[0])
+        notes = self._notes[:, : self._count.item()].copy()
+        z = self._end.tolist()
+        (_, _, slope, *_), (_, _, d_parameter, *_) = self._tangents.tolist()
+        causes = notes[margins.CAUSE].astype(np.int64)
+        gradients = notes[margins.PER_START : margins.PER_PARAMETER + 1].T
         return Along(
-            phi_s=float(z[2]),
-            period=float(z[6]),
-            drop=-float(z[0]),
-            slope=float(tangents[0, 2]),
-            d_parameter=float(tangents[1, 2]),
-            margins=self._margins[:m].copy(),
-            causes=self._causes[:m].copy(),
-            times=times,
+            z[2], z[6], -z[0], slope, d_parameter, notes[margins.MARGIN], gradients, causes, times
         )
 
 

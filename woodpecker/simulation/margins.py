@@ -1,0 +1,585 @@
+"""Margins of a return along a path: where it is admissible, with exact derivatives.
+
+A margin is positive where the toy does follow the path, and one of them vanishes at each border.
+What it watches is its code, 1000 * phase + 100 * kind + item. Guards are judged deflated
+(:mod:`woodpecker.simulation.roots`), so that a phase that becomes infinitely short is left through
+one margin only, that of its start.
+
+Guards are linear in the state and in the numbers of the model: the derivative of a guard's jet
+along a tangent is a jet again. Zeros that an event makes exact have derivative zero.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import jit
+from woodpecker.mechanics.cases import FORWARD, HOLD, REST, impulse_of
+from woodpecker.mechanics.impacts import (
+    PAIR_ROOM,
+    UNSOLVED,
+    one_change,
+    one_contact_case,
+    pair_change,
+    rates,
+    velocity_of,
+)
+from woodpecker.mechanics.modes import (
+    ALPHA,
+    ANGLE,
+    CONE_NEGATIVE,
+    CONE_POSITIVE,
+    CONTACT,
+    DELASSUS,
+    EPS,
+    EXPANSION,
+    FORCE,
+    GAP,
+    GUARDS,
+    KAPPA,
+    LAMBDA,
+    LIMIT,
+    MU,
+    NORMAL,
+    OMEGA,
+    OPEN,
+    PAIR,
+    SECTION,
+    SIGN,
+    SLIP,
+    SLIP_NEGATIVE,
+    SLIP_POSITIVE,
+    STICK,
+    SUMMED,
+    TANGENT,
+    A,
+    B,
+)
+from woodpecker.simulation.guards import TWO_PI, time_of_lowest
+from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring
+from woodpecker.simulation.roots import Ratios, deflated, deflated_change, ratios
+
+# Kinds of margins, in the order in which a phase meets them.
+COMPRESSION, EXPANDING, BOUNCES, START, EARLY, SPEED, MEETING, DIP, SWING, LENGTH = range(10)
+# COMPRESSION, EXPANDING: slack 4 * contact + inequality of an impact (12 more at the second end of
+# an indeterminate one); BOUNCES: 1 - ratio of bounces that accumulate; START: a guard where the
+# phase begins; EARLY: the duration of a phase, if it is negative though its guard begins positive;
+# SPEED: rate of the guard that fires, times its modulus; MEETING: a guard where another one fires;
+# DIP: least value of a guard at its minima in a phase; SWING: time between the minimum of phi_S
+# that counts and the neighbouring ones; LENGTH: what is left of the pole where a phase ends
+NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
+OTHER_END = 12
+
+VANISHED = 1e-30  # a speed [m/s, rad/s] or duration [s] that is zero but for rounding
+
+MARGIN, PER_START, PER_PARAMETER, CAUSE = range(4)  # rows of the notes
+NOTES = 4
+MOST = 40  # margins of one phase: at most 24 of an impact, 12 of guards, and 4
+
+ROUTE = np.dtype(
+    (
+        np.record,
+        [
+            ("z", "f8", (7,)),  # state
+            ("tangents", "f8", (2, 7)),  # along the start and along the parameter
+            ("seeds", "f8", (2, 3)),  # of the restitutions along them
+            ("gaps", "f8", (3,)),
+            ("work", "f8", (7,)),
+            ("states", "i8", (3,)),  # of the contacts
+            ("orders", "i8", (3,)),  # how many derivatives of each gap the event has made zero
+            ("fired", "i8", (1,)),  # the guard that began the phase; -1: an impact, or none
+            ("delays", "f8", (2,)),  # of the duration of the phase, along the tangents
+            ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
+            ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
+            ("flown", "i8", (1,)),  # the contact that flew; -1: none
+            ("count", "i8", (1,)),  # of margins
+            ("touching", "i8", (2,)),  # contacts of an impact
+            ("choice", "i8", (3,)),  # its index combinations
+            ("case", "i8", (2,)),
+            ("impulses", "f8", (2, 4)),
+            ("approach", "f8", (3,)),  # speed at which its gap closes, and its derivatives
+            ("free", "f8", (4,)),  # velocities before one phase of an impact,
+            ("floor", "f8", (2,)),
+            ("p", "f8", (4,)),  # impulses
+            ("end", "f8", (4,)),  # those of one end of an indeterminate compression
+            ("v", "f8", (4,)),  # velocities after it
+            ("bound", "f8", (2,)),  # of friction
+            ("d_free", "f8", (2, 4)),  # and all of these along the tangents
+            ("d_floor", "f8", (2, 2)),
+            ("d_p", "f8", (2, 4)),
+            ("d_end", "f8", (2, 4)),
+            ("d_v", "f8", (2, 4)),
+            ("d_bound", "f8", (2, 2)),
+            ("mark", "f8", (8,)),  # the state after the bounce before, and its speed
+            ("memory", "f8", (2, 7)),  # its tangents
+            ("pair", PAIR_ROOM),
+        ],
+    )
+)
+"""Room for a return along a path."""
+
+Route = np.record  # of ROUTE
+
+
+@jit
+def note(
+    notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float
+) -> None:
+    """Enter a margin with its derivatives, in ascending order of causes."""
+    k = route.count[0]
+    route.count[0] = k + 1
+    while k > 0 and notes[CAUSE, k - 1] > cause:
+        for row in range(NOTES):
+            notes[row, k] = notes[row, k - 1]
+        k -= 1
+    notes[MARGIN, k], notes[PER_START, k], notes[PER_PARAMETER, k] = margin, along_x, along_p
+    notes[CAUSE, k] = cause
+
+
+@jit
+def note_quotient(
+    notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float,
+    scale: Floats,
+) -> None:  # fmt: skip
+    """Enter a margin over a scale (value and derivatives) that vanishes with it."""
+    if abs(scale[0]) > VANISHED:
+        q = margin / scale[0]
+        x, p = (along_x - q * scale[1]) / scale[0], (along_p - q * scale[2]) / scale[0]
+        note(notes, route, cause, q, x, p)
+
+
+@jit
+def order_of(guard: int, step: Ints, route: Route) -> int:
+    """How many leading derivatives of a guard are exactly zero where its phase begins.
+
+    At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
+    lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
+    """
+    i, fired = guard % 3, route.fired[0]
+    if guard < NORMAL:
+        return int(route.orders[i])
+    if guard < SLIP:
+        return 1 if guard == fired else 0
+    if not step[HELD] >> i & 1:
+        return 0
+    edge = CONE_POSITIVE if route.states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
+    return 2 if fired == edge + i else 1
+
+
+@jit
+def exact_jet(
+    model: Floats, mode: int, guard: int, order: int, route: Route
+) -> tuple[float, float, float, float]:
+    """Jet of a guard where its phase begins, with its exact zeros."""
+    f0, f1, f2, f3 = jet(model, mode, guard, route.z, route.gaps, route.states)
+    return (
+        f0 if order < 1 else 0.0,
+        f1 if order < 2 else 0.0,
+        f2 if order < 3 else 0.0,
+        f3,
+    )
+
+
+@jit
+def jet_rates(
+    model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, route: Route
+) -> tuple[float, float, float, float]:
+    """Derivative of a guard's jet along a tangent."""
+    kind, i = (guard // 3) * 3, guard % 3
+    z, v = route.z, route.tangents[m]
+    kappa, moves = model[mode, KAPPA], m == 1 and len(change) > 0
+    d0, d1, d2 = spring(model, mode, z)
+    e0, e1 = v[2] - v[1], v[5] - v[4]
+    e2 = kappa * e0
+    if moves:
+        e2 += change[mode, ALPHA] + change[mode, KAPPA] * d0
+    if kind == GAP:
+        j, sign = ANGLE[i], SIGN[i]
+        b = model[mode, B + j]
+        f0, f1, f2, f3 = sign * v[j], sign * v[3 + j], sign * b * e0, sign * b * e1
+        if moves:
+            more = change[mode, B + j]
+            f0 += change[CONTACT + i, LIMIT]
+            f2 += sign * (change[mode, A + j] + more * d0)
+            f3 += sign * more * d1
+    elif kind == SLIP:
+        sign = 1.0 if route.states[i] == SLIP_POSITIVE else -1.0
+        f0 = along = steady = more = 0.0
+        for k in range(3):
+            w = model[CONTACT + i, TANGENT + k]
+            f0 += w * v[3 + k]
+            along += w * model[mode, B + k]
+            if moves:
+                turn = change[CONTACT + i, TANGENT + k]
+                f0 += turn * z[3 + k]
+                steady += turn * model[mode, A + k] + w * change[mode, A + k]
+                more += turn * model[mode, B + k] + w * change[mode, B + k]
+        f0, f1 = sign * f0, sign * (steady + along * e0 + more * d0)
+        f2, f3 = sign * (along * e1 + more * d1), sign * (along * e2 + more * d2)
+    else:
+        _, r = force_guard(model, mode, guard)
+        f0, f1, f2, f3 = r * e0, r * e1, r * e2, r * kappa * e1
+        if moves:
+            steady, more = force_guard_change(model, change, mode, guard)
+            f0 += steady + more * d0
+            f1 += more * d1
+            f2 += more * d2
+            f3 += (more * kappa + r * change[mode, KAPPA]) * d1
+    return (
+        f0 if order < 1 else 0.0,
+        f1 if order < 2 else 0.0,
+        f2 if order < 3 else 0.0,
+        f3,
+    )
+
+
+@jit
+def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> tuple[float, float]:
+    """Change of p, r of :func:`woodpecker.simulation.kernel.force_guard` with the table."""
+    kind, i = (guard // 3) * 3, guard % 3
+    column = LAMBDA + 4 * i
+    p, r = change[mode, column], change[mode, column + 1]
+    if kind == NORMAL:
+        return p, r
+    sign = 1.0 if kind == CONE_POSITIVE else -1.0
+    mu, more = model[CONTACT + i, MU], change[CONTACT + i, MU]
+    return (
+        mu * p + more * model[mode, column] - sign * change[mode, column + 2],
+        mu * r + more * model[mode, column + 1] - sign * change[mode, column + 3],
+    )
+
+
+@jit
+def guard_rates(
+    model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, f2: float,
+    f3: float, t: float, c: Ratios, route: Route,
+) -> tuple[float, float]:  # fmt: skip
+    """Derivatives of g(t) and g'(t) of a deflated guard along a tangent, at a fixed time."""
+    e0, e1, e2, e3 = jet_rates(model, change, mode, guard, order, m, route)
+    value, slope, _ = deflated(order, e0, e1, e2, e3, model[mode, KAPPA], t, c)
+    if m == 1 and len(change) > 0:
+        per_value, per_slope = deflated_change(order, f2, f3, t, c)
+        value += per_value * change[mode, KAPPA]
+        slope += per_slope * change[mode, KAPPA]
+    return value, slope
+
+
+@jit
+def minimum(model: Floats, mode: int, z: Floats) -> float:
+    """Time of a minimum of phi_S, swinging on the jammed sleeve: the first one at or after 0."""
+    omega = model[mode, OMEGA]
+    _, d1, d2 = spring(model, mode, z)
+    angle = math.atan2(-d1, d2 / omega)
+    return float((angle if angle > 0.0 else angle + TWO_PI) / omega)
+
+
+@jit
+def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, route: Route) -> float:
+    """Derivative along a tangent of the time t of a minimum of phi_S.
+
+    omega t = atan2(-d1, d2 / omega) up to full turns.
+    """
+    z, v, omega = route.z, route.tangents[m], model[mode, OMEGA]
+    d0, d1, d2 = spring(model, mode, z)
+    e1, e2, turn = v[5] - v[4], model[mode, KAPPA] * (v[2] - v[1]), 0.0
+    if m == 1 and len(change) > 0:
+        e2 += change[mode, ALPHA] + change[mode, KAPPA] * d0
+        turn = -0.5 * change[mode, KAPPA] / omega
+    across = d2 / omega
+    per_across = (e2 - across * turn) / omega
+    angle = (d1 * per_across - e1 * across) / (d1 * d1 + across * across)
+    return float((angle - t * turn) / omega)
+
+
+@jit
+def start_margins(
+    model: Floats, change: Floats, step: Ints, k: int, mode: int, notes: Floats, route: Route
+) -> None:
+    """What keeps each resting contact in its state where a phase begins.
+
+    It is the first derivative of a guard that the event has not made exactly zero. Where a contact
+    force or friction has just reached its bound, that is in proportion to how fast it was reached,
+    and where a contact closes again right after it has opened at rest, its force is in proportion
+    to the duration: then the margin is the quotient, which does not vanish with both.
+    """
+    states = route.states
+    for i in range(3):
+        if route.orders[i] < 2:
+            continue  # it is open, or its impact has thrown it off
+        if states[i] == OPEN:
+            first, second = GAP + i, -1
+        elif states[i] == STICK:
+            first, second = CONE_POSITIVE + i, CONE_NEGATIVE + i
+        else:
+            first, second = NORMAL + i, (SLIP + i if step[HELD] >> i & 1 else -1)
+        _start(model, change, step, k, mode, first, notes, route)
+        if second >= 0:
+            _start(model, change, step, k, mode, second, notes, route)
+
+
+@jit
+def _start(
+    model: Floats, change: Floats, step: Ints, k: int, mode: int, guard: int, notes: Floats,
+    route: Route,
+) -> None:  # fmt: skip
+    order = order_of(guard, step, route)
+    along_x = _entry(jet_rates(model, change, mode, guard, order, 0, route), order)
+    along_p = _entry(jet_rates(model, change, mode, guard, order, 1, route), order)
+    margin = _entry(exact_jet(model, mode, guard, order, route), order)
+    code = 1000 * k + 100 * START + guard
+    if order == 3 or (order == 2 and guard >= SLIP):
+        note_quotient(notes, route, code, margin, along_x, along_p, route.speed)
+    elif guard == NORMAL + route.flown[0] and step[STRUCK] == 1 << route.flown[0]:
+        note_quotient(notes, route, code, margin, along_x, along_p, route.flight)
+    else:
+        note(notes, route, code, margin, along_x, along_p)
+
+
+@jit
+def _entry(jet: tuple[float, float, float, float], order: int) -> float:
+    if order == 0:
+        return jet[0]
+    if order == 1:
+        return jet[1]
+    return jet[2] if order == 2 else jet[3]
+
+
+@jit
+def phase_margins(
+    model: Floats, change: Floats, step: Ints, mode: int, fired: int, t: float, k: int, c: Ratios,
+    notes: Floats, route: Route,
+) -> None:  # fmt: skip
+    """What keeps all guards but one from firing in a phase of duration t, and lets it fire."""
+    kappa, omega, delays = model[mode, KAPPA], model[mode, OMEGA], route.delays
+    for column in range(GUARDS, GUARDS + 5):
+        guard = int(model[mode, column])
+        if guard < 0:
+            break
+        if guard == SECTION:
+            if k > 0:
+                _swing_margins(model, change, mode, fired, t, k, notes, route)
+            continue
+        if guard != fired and guard >= SLIP and fired >= SLIP:
+            continue  # two contacts that slide do so as one
+        order = order_of(guard, step, route)
+        f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
+        g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
+        x, along_x = guard_rates(model, change, mode, guard, order, 0, f2, f3, t, c, route)
+        p, along_p = guard_rates(model, change, mode, guard, order, 1, f2, f3, t, c, route)
+        if guard == fired:
+            size = -2.0 * abs(slope)
+            note(
+                notes, route, 1000 * k + 100 * SPEED + guard, -slope * abs(slope),
+                size * (along_x + bend * delays[0]), size * (along_p + bend * delays[1]),
+            )  # fmt: skip
+            if t < 0.0 and _entry((f0, f1, f2, f3), order) > 0.0:
+                note(notes, route, 1000 * k + 100 * EARLY + guard, t, delays[0], delays[1])
+        else:
+            note(
+                notes, route, 1000 * k + 100 * MEETING + guard, g, x + slope * delays[0],
+                p + slope * delays[1],
+            )  # fmt: skip
+        low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
+        if low < math.inf:
+            at = ratios(kappa, omega, low)
+            g, _, _ = deflated(0, f0, f1, f2, f3, kappa, low, at)
+            x, _ = _plain_rates(model, change, mode, guard, order, 0, f2, f3, low, at, route)
+            p, _ = _plain_rates(model, change, mode, guard, order, 1, f2, f3, low, at, route)
+            note(notes, route, 1000 * k + 100 * DIP + guard, g, x, p)
+
+
+@jit
+def _plain_rates(
+    model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, f2: float,
+    f3: float, t: float, c: Ratios, route: Route,
+) -> tuple[float, float]:  # fmt: skip
+    """The same of a guard that is not deflated."""
+    power = 1.0
+    for _ in range(order):
+        power *= t
+    value, slope = guard_rates(model, change, mode, guard, order, m, f2, f3, t, c, route)
+    return value * power, slope * power
+
+
+@jit
+def _swing_margins(
+    model: Floats, change: Floats, mode: int, fired: int, t: float, k: int, notes: Floats,
+    route: Route,
+) -> None:  # fmt: skip
+    """That a phase on the jammed sleeve ends with its first minimum of phi_S, or before it."""
+    delays, swing, code = route.delays, TWO_PI / model[mode, OMEGA], 1000 * k + 100 * SWING
+    if fired != SECTION:
+        turn = minimum(model, mode, route.z)
+        x = minimum_rate(model, change, mode, turn, 0, route)
+        p = minimum_rate(model, change, mode, turn, 1, route)
+        note(notes, route, code + 2, turn - t, x - delays[0], p - delays[1])
+        return
+    note(notes, route, code, t, delays[0], delays[1])
+    longer = 0.0
+    if len(change) > 0:  # omega^2 = -kappa
+        longer = 0.5 * swing * change[mode, KAPPA] / (model[mode, OMEGA] * model[mode, OMEGA])
+    note(notes, route, code + 1, swing - t, -delays[0], longer - delays[1])
+
+
+@jit
+def impact_margins(
+    model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route
+) -> None:
+    """Slack of all inequalities of the index combinations of an impact at n contacts.
+
+    Impulses, and the speeds at which contacts separate, are those over the speed at which the gap
+    closes: they are in proportion to it where all contacts slide, and so do not vanish where the
+    gap closes at rest or the flight before has no duration.
+    """
+    choice, expands = route.choice, route.choice[2] != UNSOLVED
+    _impact_begins(model, change, n, route)
+    both = choice[0] != choice[1]
+    code = 1000 * k + 100 * COMPRESSION
+    if both:  # the compression ends on a segment: its other end first, whose velocities are zero
+        _impact_phase(model, change, n, choice[1], 0, route)
+        _slacks(n, choice[1], code + OTHER_END, notes, route)
+        for a in range(4):
+            route.end[a] = route.p[a]
+            for m in range(2):
+                route.d_end[m, a] = route.d_p[m, a]
+    _impact_phase(model, change, n, choice[0], 0, route)
+    _slacks(n, choice[0], code, notes, route)
+    if both:
+        for a in range(4):
+            route.p[a] = 0.5 * (route.p[a] + route.end[a])
+            for m in range(2):
+                route.d_p[m, a] = 0.5 * (route.d_p[m, a] + route.d_end[m, a])
+    code = 1000 * k + 100 * EXPANDING
+    _store_impulse(model, n, route)
+    if expands:
+        _impact_phase(model, change, n, choice[2], 1, route)
+        _slacks(n, choice[2], code, notes, route)
+        return
+    for j in range(n):
+        if route.floor[j] > 0.0:  # it would expand
+            note_quotient(
+                notes, route, code + 4 * route.touching[j], -route.floor[j],
+                -route.d_floor[0, j], -route.d_floor[1, j], route.approach,
+            )  # fmt: skip
+
+
+@jit
+def _impact_begins(model: Floats, change: Floats, n: int, route: Route) -> None:
+    """Velocities before the compression, and their derivatives; its floors are zero."""
+    for j in range(n):
+        i, a = route.touching[j], 2 * j
+        route.free[a], route.free[a + 1] = rates(model, i, route.z)
+        route.floor[j] = 0.0
+        for m in range(2):
+            normal, tangential = rates(model, i, route.tangents[m])
+            if m == 1 and len(change) > 0:
+                more, along = rates(change, i, route.z)
+                normal, tangential = normal + more, tangential + along
+            route.d_free[m, a], route.d_free[m, a + 1] = normal, tangential
+            route.d_floor[m, j] = 0.0
+        if route.fired[0] == GAP + i:
+            route.approach[0] = -route.free[a]
+            route.approach[1], route.approach[2] = -route.d_free[0, a], -route.d_free[1, a]
+
+
+@jit
+def _store_impulse(model: Floats, n: int, route: Route) -> None:
+    """What the compression leaves for the expansion: velocities, and floors of the impulses."""
+    for a in range(2 * n):
+        route.free[a] = route.v[a]
+        for m in range(2):
+            route.d_free[m, a] = route.d_v[m, a]
+    for j in range(n):
+        i = route.touching[j]
+        eps = model[CONTACT + i, EPS]
+        route.floor[j] = eps * route.p[2 * j]
+        for m in range(2):
+            route.d_floor[m, j] = eps * route.d_p[m, 2 * j] + route.seeds[m, i] * route.p[2 * j]
+
+
+@jit
+def _impact_phase(
+    model: Floats, change: Floats, n: int, combination: int, expansion: int, route: Route
+) -> None:
+    """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
+    p, v, pair = route.p, route.v, route.pair
+    table, coupling = 0, 0.0
+    if n == 2:
+        table = PAIR + 36 * (route.touching[1] - 1) + (EXPANSION if expansion else 0)
+        coupling = model[FORCE, SUMMED] if expansion else 0.0
+        impulse_of(model, table + combination, route.free, route.floor, p)
+        velocity_of(combination, pair.delassus, route.free, p, v)
+    else:
+        _single_phase(model, route.touching[0], combination, route.free, route.floor[0], p, v)
+    for m in range(2):
+        along = m if m == 1 and len(change) > 0 else UNSOLVED
+        d_p, d_v = route.d_p[m], route.d_v[m]
+        if n == 2:
+            for a in range(4):
+                pair.free[a] = route.d_free[m, a]
+            pair.floor[0], pair.floor[1] = route.d_floor[m, 0], route.d_floor[m, 1]
+            pair_change(
+                model, change, along, route.touching, table, combination, coupling, p, d_p, d_v,
+                pair,
+            )  # fmt: skip
+        else:
+            d_p[0], d_p[1], d_v[0], d_v[1] = one_change(
+                model, change, along, route.touching[0], combination, p[0], p[1],
+                route.d_free[m, 0], route.d_free[m, 1], route.d_floor[m, 0],
+            )  # fmt: skip
+    for j in range(n):
+        i, other = route.touching[j], 2 - 2 * j
+        mu = model[CONTACT + i, MU]
+        load = p[2 * j] + (coupling * p[other] if n == 2 else 0.0)
+        route.bound[j] = mu * load
+        for m in range(2):
+            d_load = route.d_p[m, 2 * j] + (coupling * route.d_p[m, other] if n == 2 else 0.0)
+            route.d_bound[m, j] = mu * d_load
+        if len(change) > 0:
+            route.d_bound[1, j] += change[CONTACT + i, MU] * load
+
+
+@jit
+def _single_phase(
+    model: Floats, i: int, case: int, free: Floats, floor: float, p: Floats, v: Floats
+) -> None:
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    mu = model[CONTACT + i, MU]
+    p[0], p[1] = one_contact_case(case, g_nn, g_nt, g_tt, free[0], free[1], mu, floor)
+    v[0] = 0.0 if case // 3 == REST else free[0] + g_nn * p[0] + g_nt * p[1]
+    v[1] = 0.0 if case % 3 == HOLD else free[1] + g_nt * p[0] + g_tt * p[1]
+
+
+@jit
+def _slacks(n: int, combination: int, code: int, notes: Floats, route: Route) -> None:
+    """Slack at each contact in one phase of an impact.
+
+    Two gap rates and a slip that are zero bring the whole toy to rest: then the other slip is zero
+    too, whatever its friction.
+    """
+    first, second = combination % 6, combination // 6
+    rests = n == 2 and first // 3 == REST and second // 3 == REST
+    still = rests and (first % 3 == HOLD or second % 3 == HOLD)
+    p, v, floor, bound = route.p, route.v, route.floor, route.bound
+    d_p, d_v, d_floor, d_bound = route.d_p, route.d_v, route.d_floor, route.d_bound
+    scale = route.approach
+    for j in range(n):
+        case = second if j == 1 else first
+        at, a, b = code + 4 * route.touching[j], 2 * j, 2 * j + 1
+        if case // 3 == REST:
+            x, y = d_p[0, a] - d_floor[0, j], d_p[1, a] - d_floor[1, j]
+            note_quotient(notes, route, at + NORMAL_SIDE, p[a] - floor[j], x, y, scale)
+        else:
+            note_quotient(notes, route, at + NORMAL_SIDE, v[a], d_v[0, a], d_v[1, a], scale)
+        if case % 3 == HOLD:
+            x, y = d_bound[0, j] - d_p[0, b], d_bound[1, j] - d_p[1, b]
+            note_quotient(notes, route, at + CONE_PLUS, bound[j] - p[b], x, y, scale)
+            x, y = d_bound[0, j] + d_p[0, b], d_bound[1, j] + d_p[1, b]
+            note_quotient(notes, route, at + CONE_MINUS, bound[j] + p[b], x, y, scale)
+        elif not still:
+            sign = 1.0 if case % 3 == FORWARD else -1.0
+            note(notes, route, at + ALONG, sign * v[b], sign * d_v[0, b], sign * d_v[1, b])

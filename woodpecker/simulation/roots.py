@@ -1,0 +1,122 @@
+"""The root of a guard near a known one, smooth where a phase becomes infinitely short.
+
+A guard that an event has just made exactly zero, f(t) = f_m t^m c_m + ..., has its next root at a
+time that goes through zero with f_m, and there m + 1 roots of f meet. The *deflated* guard
+
+    g(t) = f(t) / t^m,    m the number of leading derivatives that are exactly zero,
+
+has only that root, with g' != 0: Newton's method follows it to t = 0 and on to negative times.
+With s_k = t^k c_k, ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of
+g are sums of Stumpff's functions in which nothing is divided by t.
+"""
+
+from __future__ import annotations
+
+import math
+
+from woodpecker.base.compiled import jit
+from woodpecker.simulation.guards import EPSILON, SERIES_4, SERIES_5, TERMS, stumpff
+
+NEWTON = 40  # steps from a neighbour's event time; three are usual
+FARTHEST = 700.0  # cosh overflows beyond it
+ROUNDING = 16.0 * EPSILON  # of a guard's value, relative to the sum of its terms' moduli
+
+Ratios = tuple[float, float, float, float, float, float]
+
+
+@jit
+def ratios(kappa: float, omega: float, t: float) -> Ratios:
+    """c_0, ..., c_5 at kappa t^2; omega = sqrt(|kappa|)."""
+    x = kappa * t * t
+    if abs(x) < 1.0:
+        c4, c5 = SERIES_4[0], SERIES_5[0]
+        for n in range(1, TERMS):
+            c4 = SERIES_4[n] + c4 * x
+            c5 = SERIES_5[n] + c5 * x
+        c2, c3 = 0.5 + x * c4, 1.0 / 6.0 + x * c5
+        return 1.0 + x * c2, 1.0 + x * c3, c2, c3, c4, c5
+    c0, s1, s2, s3, s4 = stumpff(kappa, omega, t)
+    c3 = s3 / (t * t * t)
+    return c0, s1 / t, s2 / (t * t), c3, s4 / (t * t * t * t), (c3 - 1.0 / 6.0) / x
+
+
+@jit
+def deflated(
+    order: int, f0: float, f1: float, f2: float, f3: float, kappa: float, t: float, c: Ratios
+) -> tuple[float, float, float]:
+    """g, g' and g'' at t from the jet of f at 0, whose first ``order`` entries are 0."""
+    if order == 0:
+        return (
+            f0 + t * (f1 + t * (f2 * c[2] + f3 * t * c[3])),
+            f1 + t * (f2 * c[1] + f3 * t * c[2]),
+            f2 * c[0] + f3 * t * c[1],
+        )
+    if order == 1:
+        return (
+            f1 + t * (f2 * c[2] + f3 * t * c[3]),
+            f2 * (c[1] - c[2]) + f3 * t * (c[2] - c[3]),
+            f2 * kappa * t * (c[2] - 2.0 * c[3] + 2.0 * c[4])
+            + f3 * (c[1] - 2.0 * c[2] + 2.0 * c[3]),
+        )
+    if order == 2:
+        return (
+            f2 * c[2] + f3 * t * c[3],
+            f2 * kappa * t * (c[3] - 2.0 * c[4]) + f3 * (c[2] - 2.0 * c[3]),
+            kappa * (f2 * (c[2] - 4.0 * c[3] + 6.0 * c[4]))
+            + kappa * t * f3 * (c[3] - 4.0 * c[4] + 6.0 * c[5]),
+        )
+    return (
+        f3 * c[3],
+        f3 * kappa * t * (c[4] - 3.0 * c[5]),
+        f3 * kappa * (c[3] - 6.0 * c[4] + 12.0 * c[5]),
+    )
+
+
+@jit
+def deflated_change(order: int, f2: float, f3: float, t: float, c: Ratios) -> tuple[float, float]:
+    """Derivatives of g and g' in kappa; see :func:`woodpecker.simulation.guards.stumpff_rates`."""
+    k2, k3 = c[3] - 2.0 * c[4], c[4] - 3.0 * c[5]
+    once = f2 * (c[2] - c[3] - order * k2) + f3 * t * (c[3] - 2.0 * c[4] - order * k3)
+    power = 0.5
+    for _ in range(order, 3):
+        power *= t
+    return power * t * (f2 * k2 + f3 * t * k3), power * once
+
+
+@jit
+def root_near(
+    order: int, f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
+) -> float:
+    """Root of a deflated guard near a time, by Newton's method; nan if that finds none.
+
+    The root may lie before the phase begins: there two events have changed places.
+    """
+    previous = 0.0
+    for _ in range(NEWTON):
+        if kappa > 0.0 and omega * abs(t) > FARTHEST:
+            return math.nan
+        c = ratios(kappa, omega, t)
+        g, slope, _ = deflated(order, f0, f1, f2, f3, kappa, t, c)
+        if slope == 0.0 or not math.isfinite(g):
+            return math.nan
+        step = -g / slope
+        stalled = previous != 0.0 and abs(step) >= 0.5 * abs(previous)
+        if stalled and abs(g) <= ROUNDING * _size(order, f0, f1, f2, f3, t, c):
+            return t
+        # After two of Newton's steps the next would be about step (step / previous)^2.
+        shrink = min(1.0, abs(step / previous)) if previous != 0.0 else 1.0
+        t += step
+        if abs(step) * shrink * shrink <= 0.25 * EPSILON * abs(t):
+            return t
+        previous = step
+    return math.nan
+
+
+@jit
+def _size(order: int, f0: float, f1: float, f2: float, f3: float, t: float, c: Ratios) -> float:
+    """Sum of the moduli of the terms of g."""
+    if order == 0:
+        return abs(f0) + abs(t) * (abs(f1) + abs(t) * (abs(f2 * c[2]) + abs(f3 * t * c[3])))
+    if order == 1:
+        return abs(f1) + abs(t) * (abs(f2 * c[2]) + abs(f3 * t * c[3]))
+    return abs(f2 * c[2]) + abs(f3 * t * c[3])

@@ -1,0 +1,150 @@
+"""P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): pieces, and margins that end them.
+
+The searching kernel finds the path of a return, and the path is followed: value, derivatives and
+margins are those of following, also beyond the set where the toy takes the path.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.mechanics.modes import CONTACT, LIMIT
+from woodpecker.mechanics.toy import Toy, known_parameter
+from woodpecker.engine.pieces import Image
+from woodpecker.simulation.kernel import NO_PATH
+from woodpecker.simulation.paths import Follower, Path, cause_of
+from woodpecker.toymaps import Table
+
+TOO_FAR = "the path does not reach so far"
+NO_MARGINS, NO_GRADIENTS = np.zeros(0), np.zeros((0, 2))
+NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
+
+
+class _Room:
+    """A table and a follower for all calls of one thread."""
+
+    def __init__(self, toy: Toy, parameter: str) -> None:
+        self._table = Table(toy, parameter)
+        self.follower = Follower(self._table.numbers, self._table.change, self._table.seed)
+
+    def obstacle(self, x: float, p: float) -> str:
+        """Take the numbers of p; why the toy cannot start from there, or nothing."""
+        try:
+            self._table.at(p)
+        except ValueError as error:
+            return str(error)
+        if not math.isfinite(x):
+            return f"phi_s must be finite, got {x}"
+        return "" if x < self._table.numbers[CONTACT, LIMIT] else "the beak touches the pole"
+
+
+class _PerThread(threading.local):
+    """What a thread keeps of a map between calls; no part of the map, and no copy has it."""
+
+    room: _Room | None = None
+
+    def __reduce__(self) -> tuple[type[_PerThread], tuple[()]]:
+        return _PerThread, ()
+
+
+@dataclass(frozen=True, slots=True)
+class ToyPieces:
+    """P_1 of the toy as a piecewise-smooth map; it pickles, and threads may share it.
+
+    Parameters
+    ----------
+    toy
+        The toy; its own value of the parameter does not matter.
+    parameter
+        The parameter of the toy that varies.
+
+    Raises
+    ------
+    TypeError
+        If the parameter is unknown.
+    """
+
+    toy: Toy
+    parameter: str = "eps_n1"
+    _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        known_parameter(self.parameter)
+
+    def at(self, x: float, p: float) -> Image:
+        """The return from phi_S = x [rad] along the path that the toy takes there."""
+        room = self.room()
+        obstacle = room.obstacle(x, p)
+        if obstacle:
+            return _undefined(ToyPiece(self, NO_PATH, NO_MARGINS, obstacle), obstacle)
+        status, path = room.follower.trace(x)
+        if not status.success:
+            return _undefined(ToyPiece(self, NO_PATH, NO_MARGINS, status.value), status.value)
+        return _image(ToyPiece(self, path.steps, path.times, path.word), room, x)
+
+    def room(self) -> _Room:
+        """This thread's table and follower."""
+        room = self._cache.room
+        if room is None:
+            room = self._cache.room = _Room(self.toy, self.parameter)
+        return room
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ToyPiece:
+    """Returns along one path.
+
+    Attributes
+    ----------
+    whole
+        The map that the piece belongs to.
+    steps
+        (n, 8), what begins and ends each phase; empty where the toy does not return.
+    times
+        (n,) durations of the phases [s] where the piece was met last.
+    word
+        Sequence of events, or why the toy does not return.
+    """
+
+    whole: ToyPieces
+    steps: Ints
+    times: Floats
+    word: str
+
+    @property
+    def key(self) -> bytes:
+        """The same for two pieces just if they are one."""
+        return self.steps.tobytes()
+
+    def at(self, x: float, p: float) -> Image:
+        """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
+        room = self.whole.room()
+        obstacle = room.obstacle(x, p)
+        if obstacle or not len(self.steps):
+            return _undefined(self, obstacle or self.word)
+        return _image(self, room, x)
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+        return cause_of(Path(self.word, self.steps, self.times), code).sentence
+
+
+def _undefined(piece: ToyPiece, reason: str) -> Image:
+    return Image(math.nan, math.nan, math.nan, NO_MARGINS, NO_GRADIENTS, NO_CAUSES, piece, reason)
+
+
+def _image(piece: ToyPiece, room: _Room, x: float) -> Image:
+    """The return along a piece with the numbers that the room has now."""
+    found = room.follower.follow(Path(piece.word, piece.steps, piece.times), x)
+    if found is None or not math.isfinite(found.phi_s):
+        return _undefined(piece, TOO_FAR)
+    here = ToyPiece(piece.whole, piece.steps, found.times, piece.word)
+    return Image(
+        found.phi_s, found.slope, found.d_parameter, found.margins, found.gradients, found.causes,
+        here,
+    )  # fmt: skip
