@@ -66,7 +66,7 @@ class Word:
         The words of its pieces.
     keys
         The keys of the pieces of a cycle; of a jump those of the points before the border, and a
-        set of those on its two sides.
+        set of those on its two sides with the margins that vanish, for a piece has two ends.
     """
 
     first: int
@@ -692,4 +692,7 @@ def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
     """The pieces of an orbit, see :class:`Word`."""
     if jump is None:
         return orbit.keys
-    return *orbit.keys[:-1], frozenset((jump.inner.keys[0], jump.outer.keys[0]))
+    sides = {(jump.inner.keys[0], jump.closing.code)}
+    if jump.outer_code >= 0:
+        sides.add((jump.outer.keys[0], jump.outer_code))
+    return *orbit.keys[:-1], frozenset(sides)
