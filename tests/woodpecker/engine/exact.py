@@ -198,31 +198,36 @@ def graph_of(diagram: Diagram) -> Graph:
 def essential(exact: Diagram) -> Graph:
     """An exact diagram without the points at which nothing happens but a change of word.
 
-    That is a meeting of two jumps only (WC), and a kink at which two fixed-point branches of one
-    order meet (BC, persistence) that both attract, or neither.
+    That is a meeting of jumps only (WC), where two of one order are one branch; and a kink at which
+    just two fixed-point branches of one order meet (BC, persistence) that both attract, or neither.
     """
     graph = graph_of(exact)
     for name, point in list(graph.nodes.items()):
         meeting = [edge for edge in graph.edges for end in edge.ends if end == name]
-        if len(meeting) == 2 and meeting[0] is not meeting[1] and _is_passed(point, meeting):
-            one, other = meeting
+        for pair in _passing(point, meeting):
+            one, other = pair
             one = one if one.ends[1] == name else one.reversed()
             other = other if other.ends[0] == name else other.reversed()
-            rest = [edge for edge in graph.edges if edge not in meeting]
-            nodes = {key: node for key, node in graph.nodes.items() if key != name}
-            graph = Graph(nodes, [*rest, one.joined(other)])
+            rest = [edge for edge in graph.edges if edge not in pair]
+            graph = Graph(graph.nodes, [*rest, one.joined(other)])
+        if not any(name in edge.ends for edge in graph.edges):
+            del graph.nodes[name]
     return graph
 
 
-def _is_passed(point: SpecialPoint, meeting: Sequence[Edge]) -> bool:
-    one, other = meeting
-    if (one.kind, one.order) != (other.kind, other.order):
-        return False
+def _passing(point: SpecialPoint, meeting: Sequence[Edge]) -> Iterator[tuple[Edge, Edge]]:
+    """Pairs of branches that are one but for their words."""
     if point.kind is PointKind.WC:
-        return one.kind is BranchKind.JUMP
-    same = _stable_at(one, point.id) == _stable_at(other, point.id)
-    kink = point.kind is PointKind.BC and point.note == "persistence"
-    return kink and one.kind is BranchKind.FIXED_POINT and same
+        for order in {edge.order for edge in meeting}:
+            pair = [edge for edge in meeting if edge.order == order]
+            if len(pair) == 2 and pair[0] is not pair[1]:
+                yield pair[0], pair[1]
+    elif point.kind is PointKind.BC and point.note == "persistence" and len(meeting) == 2:
+        one, other = meeting
+        fixed = one.kind is other.kind is BranchKind.FIXED_POINT and one.order == other.order
+        same = _stable_at(one, point.id) == _stable_at(other, point.id)
+        if fixed and same and one is not other:
+            yield one, other
 
 
 def _stable_at(edge: Edge, name: str) -> bool:
