@@ -155,6 +155,18 @@ def test_a_fold_at_a_kink_stays_a_point() -> None:
     assert sorted(node.kind.value for node in graph.nodes.values()) == ["BC", "EP", "EP"]
 
 
+def test_branches_of_two_orders_are_never_one() -> None:
+    kink = replace(point("k", "BC", 0.0, 1.0), note="persistence")
+    ends = (kink, point("e1", "EP", -1.0, 1.0), point("e2", "EP", 1.0, 1.0))
+    lines = [
+        branch(f"F{k}", FIXED, ("k", f"e{k}"), [0.0, 2.0 * k - 3.0], [1.0, 1.0]) for k in (1, 2)
+    ]
+    for order in (1, 2):
+        branches = (lines[0], replace(lines[1], order=order))
+        diagram = Diagram(parameter_name="p", x_name="x", branches=branches, points=ends)
+        assert ("k" in essential(diagram).nodes) == (order == 2)
+
+
 def test_jumps_of_two_orders_that_change_their_words_at_once_go_on() -> None:
     """At (0, 1) jumps of P_2 and of P_3 end, two of each: both are one branch without the point."""
     ends = (point("w", "WC", 0.0, 1.0), *(point(f"e{k}", "EP", k - 2.5, 1.0) for k in range(1, 5)))

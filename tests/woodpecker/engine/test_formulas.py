@@ -123,7 +123,10 @@ def test_no_piece_holds_a_point() -> None:
 def test_the_first_piece_that_holds_a_point_counts() -> None:
     everywhere = FormulaPiece("all", Smooth(line))
     assert FormulaMap((everywhere, *by_hand().pieces)).at(0.0, 1.0).piece.word == "all"
-    assert FormulaMap((*by_hand().pieces, everywhere)).at(0.0, 1.0).piece.word == "L"
+    last = FormulaMap((*by_hand().pieces, everywhere))
+    assert last.at(0.0, 1.0).piece.word == "L"
+    assert last.values([0.0], 1.0).tolist() == [1.0]  # the root, not x/2 + p
+    assert last.values([0.19], 1.0) == pytest.approx([0.9], abs=ROUNDING)
 
 
 def test_strict_relations_of_sympy_are_strict() -> None:
