@@ -1,4 +1,4 @@
-"""P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): pieces, and margins that end them.
+"""P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): its pieces and their margins.
 
 The searching kernel finds the path of a return, and the path is followed: value, derivatives and
 margins are those of following, also beyond the set where the toy takes the path.
@@ -88,7 +88,7 @@ class ToyPieces:
         return _image(ToyPiece(self, path.steps, path.times, path.word), room, x)
 
     def room(self) -> _Room:
-        """This thread's table and follower."""
+        """Table and follower of this thread."""
         room = self._cache.room
         if room is None:
             room = self._cache.room = _Room(self.toy, self.parameter)

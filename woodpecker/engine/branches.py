@@ -18,6 +18,7 @@ from woodpecker.engine.jumps import Jump
 from woodpecker.engine.orbits import (
     Closed,
     Condition,
+    Distance,
     Margin,
     Orbit,
     minimal_period,
@@ -30,12 +31,14 @@ from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
+PASSED_OVER = "borders accumulate"
+NEARBY = 1.0  # part of a distance that a branch may stray from its tangent where borders accumulate
 GROW = 10.0  # of a distance from a place where borders accumulate
 MOST_LEGS = 10_000
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Mark:
     """A change of word on a branch that is no special point.
 
@@ -61,7 +64,7 @@ class Word:
     Attributes
     ----------
     first
-        Its first sample; the last is the first of the next stretch.
+        Its first sample; a sample at a border has the pieces before it.
     text
         The words of its pieces.
     keys
@@ -231,6 +234,12 @@ class Cycles:
             stretch = self.stepper.follow(samples[-1], ignored, origin)
             ignored = None
             samples += stretch.samples[1:]
+            if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+                there = self._passed_over(stretch)
+                if there is not None:
+                    marks.append(Mark(len(samples) - 1, PASSED_OVER, BorderKind.SMOOTH))
+                    samples.append(there)
+                    continue
             if stretch.stop is not Stop.BORDER:
                 end = self._end(stretch)
                 passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
@@ -269,6 +278,28 @@ class Cycles:
         if kind is not BorderKind.SMOOTH and before != after:
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
+
+    def _passed_over(self, stretch: Stretch) -> Sample | None:
+        """The branch beyond a place where borders accumulate, the nearest there is.
+
+        It is looked for along the tangent, with the pieces that the map takes there.
+        """
+        end = stretch.samples[-1]
+        scale = scales(len(end.orbit), self.settings)
+        away = self.settings.min_step
+        while away <= self.settings.max_step:
+            point = end.orbit.point + away * end.tangent * scale
+            images = tuple(self.map.at(float(x), float(point[-1])) for x in point[:-1])
+            start = Orbit(point[:-1], float(point[-1]), images)
+            if start.defined and self.settings.span[0] <= start.p <= self.settings.span[1]:
+                distance = Distance(end.orbit.point, end.tangent, away, scale)
+                solution = solve(start, (Closed(), distance), self.settings)
+                found = self.stepper.sample(solution.orbit, end.tangent)
+                aside = np.abs((solution.orbit.point - point) / scale).max()
+                if solution.converged and is_inside(solution.orbit, Closed()) and aside <= NEARBY * away + self.settings.same:
+                    return found
+            away *= GROW
+        return None
 
     def _halves(self, stretch: Stretch) -> bool:
         """Whether the cycle at the end goes round one of smaller period, and those before do not."""
@@ -673,13 +704,12 @@ def _curve(
     order: int,
 ) -> Curve:  # fmt: skip
     jumps = kind is BranchKind.JUMP
-    firsts = [0, *(mark.sample for mark in marks)]
-    lasts = [*(mark.sample for mark in marks), len(samples) - 1]
-    words = []
-    for first, last in zip(firsts, lasts, strict=True):
-        inside = samples[(first + last + 1) // 2]  # the sample at a border has the pieces before it
-        text = word_of(inside.orbit) if inside.jump is None else inside.jump.word
-        words.append(Word(first, text, keys_of(inside.orbit, inside.jump)))
+    words = list[Word]()
+    for k, sample in enumerate(samples):
+        keys = keys_of(sample.orbit, sample.jump)
+        if not words or keys != words[-1].keys:
+            text = word_of(sample.orbit) if sample.jump is None else sample.jump.word
+            words.append(Word(k, text, keys))
     return Curve(
         kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
         points=tuple(s.orbit.x for s in samples),

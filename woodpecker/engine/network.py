@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -49,18 +49,31 @@ class Network:
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
         """Everything found so far."""
+        names = self._names()
         points = tuple(
             SpecialPoint(
-                id=node.id, kind=node.end.kind, parameter=node.end.p, x=node.x,
+                id=names[node.id], kind=node.end.kind, parameter=node.end.p, x=node.x,
                 branches=tuple(dict.fromkeys(node.branches)), order=node.order,
                 note=node.end.note,
             )
             for node in self.nodes
         )  # fmt: skip
+        branches = tuple(
+            replace(branch, ends=(names[branch.ends[0]], names[branch.ends[1]]))
+            for branch in self.branches
+        )
         return Diagram(
-            parameter_name=parameter_name, x_name=x_name, branches=tuple(self.branches),
-            points=points,
-        )  # fmt: skip
+            parameter_name=parameter_name, x_name=x_name, branches=branches, points=points
+        )
+
+    def _names(self) -> dict[str, str]:
+        """Names of special points, by those that they were given when they were met."""
+        counts: dict[PointKind, int] = {}
+        names = {}
+        for node in self.nodes:
+            counts[node.end.kind] = counts.get(node.end.kind, 0) + 1
+            names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
+        return names
 
     def add(self, curve: Curve) -> None:
         """Keep a branch: as many as its cycle has points."""
@@ -106,7 +119,7 @@ class Network:
                 best = node
                 break
         if best is None:
-            best = Node(self._name(end.kind.value), end, x, order)
+            best = Node(f"node {len(self.nodes)}", end, x, order)
             self.nodes.append(best)
         elif order < best.order or (end.kind in COLLISIONS and best.end.kind not in COLLISIONS):
             best.end, best.order = end, min(order, best.order)
@@ -176,8 +189,11 @@ class Known:
     ) -> bool:
         p0, _, p1, _ = row[:4].tolist()
         curve, k, shift = self.network.curves[int(row[4])], int(row[5]), int(row[6])
-        own = curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1].keys
-        if not agree((*own[shift:], *own[:shift]), keys):
+        owns = (
+            curve.words[bisect_right(curve.words, j, key=lambda word: word.first) - 1].keys
+            for j in (k, k + 1)
+        )
+        if not any(agree((*own[shift:], *own[:shift]), keys) for own in owns):
             return False
         one, other = (np.roll(curve.points[j], -shift) for j in (k, k + 1))
         if len(one) != len(orbit) or len(other) != len(orbit):

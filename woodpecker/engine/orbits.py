@@ -228,19 +228,23 @@ class Solution:
     steps: int
 
 
+ENOUGH = 2.0**-54  # a step after which the next would be as short as this is the last: steps
+# shrink quadratically
+
+
 def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> Solution:
     """Newton's method for an orbit with the pieces of ``start`` that obeys two conditions.
 
     A step that leads where a piece has no value is halved.
     """
     orbit, scale = start, scales(len(start), settings)
-    before, halvings = np.inf, 0
+    before, halvings = 0.0, 0
     for k in range(settings.newton):
         move = newton_step(orbit, conditions, settings) / scale
         length = float(np.abs(move).max())
         if not np.isfinite(length):
             return Solution(orbit, False, k)
-        if length >= 0.5 * before and before <= settings.stalled:
+        if 0.5 * before <= length <= settings.stalled:
             return Solution(orbit, True, k)
         trial = moved(orbit, move * scale)
         while not trial.defined and halvings < settings.newton:
@@ -248,9 +252,10 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
             trial = moved(orbit, move * scale)
         if not trial.defined:
             return Solution(orbit, False, k)
-        orbit, before = trial, length
-        if length <= settings.converged:
+        orbit = trial
+        if length <= settings.converged or length**3 <= ENOUGH * before**2:
             return Solution(orbit, True, k + 1)
+        before = length
     return Solution(orbit, False, settings.newton)
 
 

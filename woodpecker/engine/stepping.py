@@ -335,7 +335,12 @@ class Stepper:
             if event is None:
                 return None
             found.append(event)
-        limits = self._at_limits(a, b, step, skipped)
+        tails = self._at_tails(a, b, step)
+        if tails is None:
+            return None
+        found += tails
+        until = self._first(found).sample if found else b
+        limits = self._at_diagonal(a, until, step) if skipped is not Stop.LIMIT else []
         if limits is None:
             return None
         found += limits
@@ -425,67 +430,69 @@ class Stepper:
         nearest = min(found, key=lambda distance: abs(distance - root))
         return _Event(test.stop, found[nearest], nearest)
 
-    def _at_limits(
-        self, a: Sample, b: Sample, step: float, skipped: Stop | None
-    ) -> list[_Event] | None:
-        """Where a limit of a jump meets the diagonal, or the border of a piece that it takes."""
-        if a.jump is None or b.jump is None:
+    def _at_diagonal(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Where a limit of a jump meets the diagonal: there the orbit of the jump closes."""
+        if a.jump is None:
             return []
         found = []
-        for inner, before, after in zip((True, False), a.jump.offsets, b.jump.offsets, strict=True):
-            one, other = (j.inner if inner else j.outer for j in (a.jump, b.jump))
-            if one.keys == other.keys:
-                if before * after < 0.0 and skipped is not Stop.LIMIT:
-                    event = self._at_diagonal(a, b, step, inner)
-                else:
-                    continue
-            else:
-                event = self._at_tail(a, b, step, inner)
-                if event is None and step <= BLURRED and b.jump.crosses:
-                    continue
+        for inner, before in zip((True, False), a.jump.offsets, strict=True):
+            one = a.jump.cycle(inner)
+            other = _along(one, b.orbit)
+            after = other.images[-1].value - float(other.x[0])
+            if not before * after < 0.0:
+                continue
+            guess = moved(one, before / (before - after) * (other.point - one.point))
+            margin = Margin(len(a.orbit) - 1, a.jump.code(inner))
+            solution = solve(guess, (Closed(), margin), self.settings)
+            event = self._at_head(a, step, Stop.LIMIT, solution, inner, (margin,))
             if event is None:
                 return None
             found.append(event)
         return found
 
-    def _at_diagonal(self, a: Sample, b: Sample, step: float, inner: bool) -> _Event | None:
-        """Where a limit meets the diagonal: there the jump's orbit closes."""
-        assert a.jump is not None and b.jump is not None
-        one, other = a.jump.offsets[0 if inner else 1], b.jump.offsets[0 if inner else 1]
-        part, cycle = one / (one - other), a.jump.cycle(inner)
-        guess = moved(cycle, part * (b.jump.cycle(inner).point - cycle.point))
-        margin = Margin(len(a.orbit) - 1, a.jump.code(inner))
-        solution = solve(guess, (Closed(), margin), self.settings)
-        return self._at_head(a, step, Stop.LIMIT, solution, inner, (margin,))
+    def _at_tails(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Where the orbit of a limit meets a border."""
+        if a.jump is None or b.jump is None:
+            return []
+        found = []
+        for inner in (True, False):
+            one, other = (j.inner if inner else j.outer for j in (a.jump, b.jump))
+            if one.keys == other.keys:
+                continue
+            event = self._at_tail(a, b, step, inner)
+            if event is not None:
+                found.append(event)
+            elif step > BLURRED or not b.jump.crosses:
+                return None
+        return found
 
     def _at_tail(self, a: Sample, b: Sample, step: float, inner: bool) -> _Event | None:
         """Where the orbit of a limit meets a border."""
         assert a.jump is not None and b.jump is not None
-        k = len(a.orbit)
-        limit, there = a.jump.inner if inner else a.jump.outer, a.jump.cycle(inner)
-        images, x = list(b.orbit.images[:-1]), list(b.orbit.x)
-        margin, before, after = None, 1.0, 0.0
-        for m, image in enumerate(limit.images):
-            images.append(image.piece.at(x[-1], b.orbit.p))
-            own = a.jump.code(inner) if m == 0 else -1
-            bad = [c for c in images[-1].causes[images[-1].margins < 0.0].tolist() if c != own]
-            bad = [c for c in bad if image.margin(c) > 0.0]
-            if bad:
-                margin = Margin(k - 1 + m, bad[0])
-                before, after = image.margin(bad[0]), images[-1].margin(bad[0])
+        k, there = len(a.orbit), a.jump.cycle(inner)
+        far = _along(there, b.orbit)
+        found = None
+        for i in range(k - 1, len(far)):
+            own = a.jump.code(inner) if i == k - 1 else -1
+            one, other = there.images[i], far.images[i]
+            fallen = [c for c in other.causes[other.margins < 0.0].tolist() if c != own]
+            fallen = [c for c in fallen if one.margin(c) > 0.0]
+            if fallen:
+                found = Margin(i, fallen[0])
                 break
-            if images[-1].reason:
-                break
-            x.append(images[-1].value)
-        if margin is None:
+        if found is None:
             return None
-        n = len(images)
-        far, near = np.append(x[:n], b.orbit.p), np.append(there.x[:n], a.orbit.p)
+        n, before, after = (
+            found.index + 1,
+            there.images[found.index].margin(found.code),
+            far.images[found.index].margin(found.code),
+        )
         start = Orbit(there.x[:n], a.orbit.p, there.images[:n])
-        guess = moved(start, before / (before - after) * (far - near))
+        way = np.append(far.x[:n] - there.x[:n], b.orbit.p - a.orbit.p)
+        guess = moved(start, before / (before - after) * way)
         closing = Margin(k - 1, a.jump.code(inner))
-        solution = solve(guess, (closing, margin), self.settings)
-        return self._at_head(a, step, Stop.TAIL, solution, inner, (margin,))
+        solution = solve(guess, (closing, found), self.settings)
+        return self._at_head(a, step, Stop.TAIL, solution, inner, (found,))
 
     def _at_head(
         self, a: Sample, step: float, stop: Stop, solution: Solution, inner: bool,
@@ -513,6 +520,20 @@ class Stepper:
         if np.linalg.norm(off) > self.settings.max_turn * length:
             return []
         return [_Event(Stop.CLOSED, Sample(start.orbit, start.tangent), length)]
+
+
+def _along(cycle: Orbit, head: Orbit) -> Orbit:
+    """The orbit that starts like ``head`` and goes on with the pieces of a longer one.
+
+    It ends where a piece has no value.
+    """
+    x, images = list(head.x.tolist()), list(head.images[:-1])
+    for piece in cycle.pieces[len(head) - 1 :]:
+        images.append(piece.at(x[-1], head.p))
+        if images[-1].reason or len(images) == len(cycle):
+            break
+        x.append(images[-1].value)
+    return Orbit(np.array(x), head.p, tuple(images))
 
 
 def _angle(one: Floats, other: Floats) -> float:

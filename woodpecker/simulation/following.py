@@ -33,8 +33,9 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.guards import TWO_PI
+from woodpecker.simulation.guards import TWO_PI, first_root
 from woodpecker.simulation.kernel import (
+    CHATTER,
     CLOSED,
     FIRST,
     GUARD,
@@ -61,8 +62,9 @@ from woodpecker.simulation.margins import (
     LENGTH,
     Route,
     exact_jet,
-    guard_rates,
+    find_rates,
     impact_margins,
+    load_jets,
     minimum,
     minimum_rate,
     note,
@@ -73,6 +75,7 @@ from woodpecker.simulation.margins import (
 from woodpecker.simulation.roots import Ratios, deflated, ratios, root_near
 
 NO_ROOT = -1  # a guard of the path has no root here
+BOUNCES_MOST = 1000  # of bounces that accumulate; a ratio of 0.97 needs so many
 
 
 @jit
@@ -87,7 +90,8 @@ def follow(
     model, change
         As :func:`woodpecker.simulation.kernel.run` takes them.
     path
-        (n, STEP_COLUMNS), what the kernel found for a neighbour.
+        (n, STEP_COLUMNS), what the kernel found for a neighbour. Of bounces that accumulate it
+        holds one: it is repeated until they are so small that the rest is summed.
     times
         (n,) durations of the phases: the neighbour's, and then those found here.
     notes
@@ -101,21 +105,12 @@ def follow(
     -------
     RETURNED, or NO_ROOT.
     """
-    return _follow(
-        borrowed(model), borrowed(change), borrowed(path), borrowed(times), phi_s,
-        borrowed(notes), owner[0], owner,
-    )  # fmt: skip
-
-
-@jit
-def _follow(
-    model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
-    route: Route, owner: Any,
-) -> int:  # fmt: skip
-    """The same with borrowed arrays, and the one that owns ``route``."""
+    model, change, path = borrowed(model), borrowed(change), borrowed(path)
+    times, notes, route = borrowed(times), borrowed(notes), owner[0]
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
-    for k in range(len(path)):
+    k, repeated = 0, 0
+    while k < len(path):
         step = path[k]
         mode, guard = step[MODE], step[GUARD]
         _find_orders(step, route)
@@ -126,19 +121,27 @@ def _follow(
             still_contacts(states, route.tangents)
         if watched:
             start_margins(model, change, step, k, mode, notes, route)
-        t = _duration(model, step, mode, guard, times[k], route)
+        t = _duration(model, step, mode, guard, times[k], repeated > 0, route)
         if not math.isfinite(t):
             return NO_ROOT
         c = ratios(model[mode, KAPPA], model[mode, OMEGA], t)
         _find_delays(model, change, step, mode, guard, t, c, route)
         if watched:
             phase_margins(model, change, step, mode, guard, t, k, c, notes, route)
-        times[k] = t
+        again = _bounces_on(model, path, k, t, route)
+        if repeated == 0:
+            times[k] = t
         _move(model, change, mode, t, c, route)
         if watched and model[FORCE, POLE] < math.inf:
             left, x, p = model[FORCE, POLE] + z[0], route.tangents[0, 0], route.tangents[1, 0]
             note(notes, route, 1000 * k + 100 * LENGTH, left, x, p)
         route.fired[0] = guard
+        if not again:
+            k, repeated = k + 1, 0
+        elif repeated < BOUNCES_MOST:
+            repeated += 1
+        else:
+            return NO_ROOT
     put_on_section(model, change, z, route.tangents)
     return RETURNED
 
@@ -156,6 +159,30 @@ def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     route.states[0] = route.states[2] = OPEN
     route.states[1] = STICK
     route.fired[0], route.flown[0], route.count[0] = typed(-1), typed(-1), typed(0)
+
+
+@jit
+def bounce_repeats(path: Ints, k: int) -> bool:
+    """Whether row k of a path is a bounce that repeats until the next row closes its contact."""
+    if k == 0 or k + 1 >= len(path) or path[k + 1, CLOSED] not in (1, 2, 4):
+        return False
+    if path[k, CLOSED] != 0:
+        return False
+    same = True
+    for column in (STRUCK, FIRST, OTHER, SECOND):
+        same = same and path[k, column] == path[k + 1, column]
+    return same
+
+
+@jit
+def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bool:
+    """Whether the bounces of a phase of duration t are still too large to be summed."""
+    if not bounce_repeats(path, k):
+        return False
+    mode, guard = path[k, MODE], path[k, GUARD]
+    _, _, f2, f3 = exact_jet(model, mode, guard, typed(1), route)
+    turn = abs(f3 / f2) if f2 != 0.0 else math.inf
+    return bool(abs(t) * (model[mode, OMEGA] + turn) > CHATTER)
 
 
 @jit
@@ -188,14 +215,22 @@ def _find_orders(step: Ints, route: Route) -> None:
 
 
 @jit
-def _duration(model: Floats, step: Ints, mode: int, guard: int, near: float, route: Route) -> float:
-    """Duration of a phase, near that of a neighbour; nan if there is none."""
+def _duration(
+    model: Floats, step: Ints, mode: int, guard: int, near: float, again: bool, route: Route
+) -> float:
+    """Duration of a phase, near that of a neighbour; nan if there is none.
+
+    Of a bounce that happens ``again`` no neighbour is known: it ends with its first root.
+    """
+    kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
     if guard == SECTION:
-        t, swing = minimum(model, mode, route.z), TWO_PI / model[mode, OMEGA]
+        t, swing = minimum(model, mode, route.z), TWO_PI / omega
         return float(t + swing * math.floor((near - t) / swing + 0.5))
     order = order_of(guard, step, route)
     f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
-    return root_near(order, f0, f1, f2, f3, model[mode, KAPPA], model[mode, OMEGA], near)
+    if again:
+        return first_root(0.0, f1, f2, f3, kappa, omega, math.inf) if f1 > 0.0 else math.nan
+    return root_near(order, f0, f1, f2, f3, kappa, omega, near)
 
 
 @jit
@@ -210,11 +245,14 @@ def _find_delays(
             route.delays[m] = minimum_rate(model, change, mode, t, m, route)
         return
     order = order_of(guard, step, route)
-    f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
+    load_jets(model, change, mode, guard, order, route)
+    find_rates(model, change, mode, order, t, c, route)
+    jets, found = route.jets, route.rates
+    f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
     _, slope, bend = deflated(order, f0, f1, f2, f3, model[mode, KAPPA], t, c)
     route.speed[0] = -slope
     for m in range(2):
-        shift, turn = guard_rates(model, change, mode, guard, order, m, f2, f3, t, c, route)
+        shift, turn = found[m, 0], found[m, 1]
         delay = -shift / slope if slope != 0.0 else math.nan
         route.delays[m], route.speed[1 + m] = delay, -(turn + bend * delay)
     if guard < NORMAL and order == 2:

@@ -776,7 +776,8 @@ def _follow(
             sticks = states[0] == STICK or states[1] == STICK or states[2] == STICK
             return AT_REST if sticks else FREE_FALL
         if len(path) > 0:
-            path[counts[1] - 1, GUARD] = fired
+            together = SLIP <= fired < SECTION and mode >= 7 and mode % 7 > 0
+            path[counts[1] - 1, GUARD] = SLIP if together else fired  # they slide as one
         advance(model, change, mode, fired, t, z, gaps, tangents, work)
         if z[0] < -model[FORCE, POLE]:
             return POLE_END

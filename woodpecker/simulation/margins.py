@@ -59,7 +59,7 @@ from woodpecker.mechanics.modes import (
     B,
 )
 from woodpecker.simulation.guards import TWO_PI, time_of_lowest
-from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring
+from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring, typed
 from woodpecker.simulation.roots import Ratios, deflated, deflated_change, ratios
 
 # Kinds of margins, in the order in which a phase meets them.
@@ -95,6 +95,8 @@ ROUTE = np.dtype(
             ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
             ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
             ("flown", "i8", (1,)),  # the contact that flew; -1: none
+            ("jets", "f8", (3, 4)),  # of a guard, and their derivatives along the tangents
+            ("rates", "f8", (2, 2)),  # of its value and its slope along the tangents
             ("count", "i8", (1,)),  # of margins
             ("touching", "i8", (2,)),  # contacts of an impact
             ("choice", "i8", (3,)),  # its index combinations
@@ -128,13 +130,23 @@ Route = np.record  # of ROUTE
 def note(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float
 ) -> None:
-    """Enter a margin with its derivatives, in ascending order of causes."""
-    k = route.count[0]
-    route.count[0] = k + 1
+    """Enter a margin with its derivatives, in ascending order of causes.
+
+    Where a bounce repeats the least margin of each cause counts.
+    """
+    last = route.count[0]
+    k = last
     while k > 0 and notes[CAUSE, k - 1] > cause:
-        for row in range(NOTES):
-            notes[row, k] = notes[row, k - 1]
         k -= 1
+    if k > 0 and notes[CAUSE, k - 1] == cause:
+        k -= 1
+        if margin >= notes[MARGIN, k]:
+            return
+    else:
+        for j in range(last, k, -1):
+            for row in range(NOTES):
+                notes[row, j] = notes[row, j - 1]
+        route.count[0] = last + 1
     notes[MARGIN, k], notes[PER_START, k], notes[PER_PARAMETER, k] = margin, along_x, along_p
     notes[CAUSE, k] = cause
 
@@ -184,7 +196,7 @@ def exact_jet(
 
 
 @jit
-def jet_rates(
+def _jet_rates(
     model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, route: Route
 ) -> tuple[float, float, float, float]:
     """Derivative of a guard's jet along a tangent."""
@@ -253,18 +265,30 @@ def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> 
 
 
 @jit
-def guard_rates(
-    model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, f2: float,
-    f3: float, t: float, c: Ratios, route: Route,
-) -> tuple[float, float]:  # fmt: skip
-    """Derivatives of g(t) and g'(t) of a deflated guard along a tangent, at a fixed time."""
-    e0, e1, e2, e3 = jet_rates(model, change, mode, guard, order, m, route)
-    value, slope, _ = deflated(order, e0, e1, e2, e3, model[mode, KAPPA], t, c)
-    if m == 1 and len(change) > 0:
-        per_value, per_slope = deflated_change(order, f2, f3, t, c)
-        value += per_value * change[mode, KAPPA]
-        slope += per_slope * change[mode, KAPPA]
-    return value, slope
+def load_jets(
+    model: Floats, change: Floats, mode: int, guard: int, order: int, route: Route
+) -> None:
+    """Write the jet of a guard where its phase begins, and its derivatives, into the room."""
+    jets = route.jets
+    jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3] = exact_jet(model, mode, guard, order, route)
+    for m in range(2):
+        f0, f1, f2, f3 = _jet_rates(model, change, mode, guard, order, m, route)
+        jets[1 + m, 0], jets[1 + m, 1], jets[1 + m, 2], jets[1 + m, 3] = f0, f1, f2, f3
+
+
+@jit
+def find_rates(
+    model: Floats, change: Floats, mode: int, order: int, t: float, c: Ratios, route: Route
+) -> None:
+    """Derivatives of g(t) and g'(t) of the deflated guard in the room, at a fixed time."""
+    jets, found, kappa = route.jets, route.rates, model[mode, KAPPA]
+    for m in range(2):
+        f0, f1, f2, f3 = jets[1 + m, 0], jets[1 + m, 1], jets[1 + m, 2], jets[1 + m, 3]
+        found[m, 0], found[m, 1], _ = deflated(order, f0, f1, f2, f3, kappa, t, c)
+    if len(change) > 0:
+        value, slope = deflated_change(order, jets[0, 2], jets[0, 3], t, c)
+        found[1, 0] += value * change[mode, KAPPA]
+        found[1, 1] += slope * change[mode, KAPPA]
 
 
 @jit
@@ -310,7 +334,7 @@ def start_margins(
         if route.orders[i] < 2:
             continue  # it is open, or its impact has thrown it off
         if states[i] == OPEN:
-            first, second = GAP + i, -1
+            first, second = GAP + i, typed(-1)
         elif states[i] == STICK:
             first, second = CONE_POSITIVE + i, CONE_NEGATIVE + i
         else:
@@ -326,9 +350,8 @@ def _start(
     route: Route,
 ) -> None:  # fmt: skip
     order = order_of(guard, step, route)
-    along_x = _entry(jet_rates(model, change, mode, guard, order, 0, route), order)
-    along_p = _entry(jet_rates(model, change, mode, guard, order, 1, route), order)
-    margin = _entry(exact_jet(model, mode, guard, order, route), order)
+    load_jets(model, change, mode, guard, order, route)
+    margin, along_x, along_p = route.jets[0, order], route.jets[1, order], route.jets[2, order]
     code = 1000 * k + 100 * START + guard
     if order == 3 or (order == 2 and guard >= SLIP):
         note_quotient(notes, route, code, margin, along_x, along_p, route.speed)
@@ -339,21 +362,13 @@ def _start(
 
 
 @jit
-def _entry(jet: tuple[float, float, float, float], order: int) -> float:
-    if order == 0:
-        return jet[0]
-    if order == 1:
-        return jet[1]
-    return jet[2] if order == 2 else jet[3]
-
-
-@jit
 def phase_margins(
     model: Floats, change: Floats, step: Ints, mode: int, fired: int, t: float, k: int, c: Ratios,
     notes: Floats, route: Route,
 ) -> None:  # fmt: skip
     """What keeps all guards but one from firing in a phase of duration t, and lets it fire."""
     kappa, omega, delays = model[mode, KAPPA], model[mode, OMEGA], route.delays
+    jets, found = route.jets, route.rates
     for column in range(GUARDS, GUARDS + 5):
         guard = int(model[mode, column])
         if guard < 0:
@@ -365,43 +380,52 @@ def phase_margins(
         if guard != fired and guard >= SLIP and fired >= SLIP:
             continue  # two contacts that slide do so as one
         order = order_of(guard, step, route)
-        f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
+        load_jets(model, change, mode, guard, order, route)
+        find_rates(model, change, mode, order, t, c, route)
+        f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
         g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
-        x, along_x = guard_rates(model, change, mode, guard, order, 0, f2, f3, t, c, route)
-        p, along_p = guard_rates(model, change, mode, guard, order, 1, f2, f3, t, c, route)
+        x, along_x, p, along_p = found[0, 0], found[0, 1], found[1, 0], found[1, 1]
         if guard == fired:
             size = -2.0 * abs(slope)
             note(
                 notes, route, 1000 * k + 100 * SPEED + guard, -slope * abs(slope),
                 size * (along_x + bend * delays[0]), size * (along_p + bend * delays[1]),
             )  # fmt: skip
-            if t < 0.0 and _entry((f0, f1, f2, f3), order) > 0.0:
+            if t < 0.0 and jets[0, order] > 0.0:
                 note(notes, route, 1000 * k + 100 * EARLY + guard, t, delays[0], delays[1])
         else:
             note(
                 notes, route, 1000 * k + 100 * MEETING + guard, g, x + slope * delays[0],
                 p + slope * delays[1],
             )  # fmt: skip
+        if not _may_dip(f1, f2, f3, omega if kappa < 0.0 else 0.0, t, c):
+            continue
         low = time_of_lowest(f0, f1, f2, f3, kappa, omega, t)
         if low < math.inf:
             at = ratios(kappa, omega, low)
-            g, _, _ = deflated(0, f0, f1, f2, f3, kappa, low, at)
-            x, _ = _plain_rates(model, change, mode, guard, order, 0, f2, f3, low, at, route)
-            p, _ = _plain_rates(model, change, mode, guard, order, 1, f2, f3, low, at, route)
+            g, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, low, at)
+            find_rates(model, change, mode, order, low, at, route)
+            power = 1.0
+            for _ in range(order):
+                power *= low
+            x, p = power * found[0, 0], power * found[1, 0]
             note(notes, route, 1000 * k + 100 * DIP + guard, g, x, p)
 
 
 @jit
-def _plain_rates(
-    model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, f2: float,
-    f3: float, t: float, c: Ratios, route: Route,
-) -> tuple[float, float]:  # fmt: skip
-    """The same of a guard that is not deflated."""
-    power = 1.0
-    for _ in range(order):
-        power *= t
-    value, slope = guard_rates(model, change, mode, guard, order, m, f2, f3, t, c, route)
-    return value * power, slope * power
+def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios) -> bool:
+    """Whether f can have a minimum between 0 and t: most often the signs at both ends say no.
+
+    At a minimum f' grows through zero. In less than half a swing f'' changes its sign once at most.
+    """
+    if t <= 0.0 or swing * t > math.pi:
+        return t > 0.0
+    slope, bend = f1 + t * (f2 * c[1] + f3 * t * c[2]), f2 * c[0] + f3 * t * c[1]
+    if f2 <= 0.0 and bend <= 0.0:
+        return False  # f' falls
+    if f2 >= 0.0 and f1 >= 0.0:
+        return False  # f' rises, or rises and falls
+    return not (bend >= 0.0 >= slope)  # f' rises, or falls and rises
 
 
 @jit
@@ -413,8 +437,8 @@ def _swing_margins(
     delays, swing, code = route.delays, TWO_PI / model[mode, OMEGA], 1000 * k + 100 * SWING
     if fired != SECTION:
         turn = minimum(model, mode, route.z)
-        x = minimum_rate(model, change, mode, turn, 0, route)
-        p = minimum_rate(model, change, mode, turn, 1, route)
+        x = minimum_rate(model, change, mode, turn, typed(0), route)
+        p = minimum_rate(model, change, mode, turn, typed(1), route)
         note(notes, route, code + 2, turn - t, x - delays[0], p - delays[1])
         return
     note(notes, route, code, t, delays[0], delays[1])
@@ -439,13 +463,13 @@ def impact_margins(
     both = choice[0] != choice[1]
     code = 1000 * k + 100 * COMPRESSION
     if both:  # the compression ends on a segment: its other end first, whose velocities are zero
-        _impact_phase(model, change, n, choice[1], 0, route)
+        _impact_phase(model, change, n, choice[1], False, route)
         _slacks(n, choice[1], code + OTHER_END, notes, route)
         for a in range(4):
             route.end[a] = route.p[a]
             for m in range(2):
                 route.d_end[m, a] = route.d_p[m, a]
-    _impact_phase(model, change, n, choice[0], 0, route)
+    _impact_phase(model, change, n, choice[0], False, route)
     _slacks(n, choice[0], code, notes, route)
     if both:
         for a in range(4):
@@ -455,7 +479,7 @@ def impact_margins(
     code = 1000 * k + 100 * EXPANDING
     _store_impulse(model, n, route)
     if expands:
-        _impact_phase(model, change, n, choice[2], 1, route)
+        _impact_phase(model, change, n, choice[2], True, route)
         _slacks(n, choice[2], code, notes, route)
         return
     for j in range(n):
@@ -502,11 +526,11 @@ def _store_impulse(model: Floats, n: int, route: Route) -> None:
 
 @jit
 def _impact_phase(
-    model: Floats, change: Floats, n: int, combination: int, expansion: int, route: Route
+    model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
 ) -> None:
     """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
     p, v, pair = route.p, route.v, route.pair
-    table, coupling = 0, 0.0
+    table, coupling = typed(0), 0.0
     if n == 2:
         table = PAIR + 36 * (route.touching[1] - 1) + (EXPANSION if expansion else 0)
         coupling = model[FORCE, SUMMED] if expansion else 0.0

@@ -30,6 +30,7 @@ class Path:
         Its sequence of events.
     steps
         (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.kernel.NO_PATH`.
+        Of equal bounces that accumulate it has the first only.
     times
         (n,) durations of the phases [s] where it was found.
     """
@@ -216,7 +217,7 @@ class Follower:
         text = self._texts.get(key := codes.tobytes())
         if text is None:
             text = self._texts[key] = word(codes.tolist())
-        return status(code), Path(text, self._steps[:phases].copy(), times)
+        return status(code), _shortened(Path(text, self._steps[:phases].copy(), times))
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
         """The return from phi_S [rad] along a path; None if the path does not reach so far.
@@ -242,6 +243,22 @@ class Follower:
         return Along(
             z[2], z[6], -z[0], slope, d_parameter, notes[margins.MARGIN], gradients, causes, times
         )
+
+
+def _shortened(path: Path) -> Path:
+    """A path in which of equal bounces that accumulate only the first is left.
+
+    How many there are until the rest is summed makes no other map.
+    """
+    steps = path.steps
+    kept = np.ones(len(steps), dtype=bool)
+    for last in (np.flatnonzero(steps[:, kernel.CLOSED]) - 1).tolist():
+        if following.bounce_repeats(steps, last):
+            k = last
+            while np.array_equal(steps[k - 1], steps[k]):
+                kept[k] = False
+                k -= 1
+    return Path(path.word, steps[kept], path.times[kept]) if not kept.all() else path
 
 
 def cause_of(path: Path, code: int) -> Cause:

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from woodpecker.base.compiled import jit
-from woodpecker.simulation.guards import EPSILON, SERIES_4, SERIES_5, TERMS, stumpff
+from woodpecker.simulation.guards import CLOCK, EPSILON, SERIES_4, SERIES_5, TERMS, stumpff
 
 NEWTON = 40  # steps from a neighbour's event time; three are usual
 FARTHEST = 700.0  # cosh overflows beyond it
@@ -93,8 +93,8 @@ def root_near(
     """
     previous = 0.0
     for _ in range(NEWTON):
-        if kappa > 0.0 and omega * abs(t) > FARTHEST:
-            return math.nan
+        if omega * abs(t) > (FARTHEST if kappa > 0.0 else CLOCK / EPSILON):
+            return math.nan  # beyond what doubles tell apart; deflated guards vanish at infinity
         c = ratios(kappa, omega, t)
         g, slope, _ = deflated(order, f0, f1, f2, f3, kappa, t, c)
         if slope == 0.0 or not math.isfinite(g):
