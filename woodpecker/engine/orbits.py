@@ -244,7 +244,7 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
         length = float(np.abs(move).max())
         if not np.isfinite(length):
             return Solution(orbit, False, k)
-        if 0.5 * before <= length <= settings.stalled:
+        if k > 0 and 0.5 * before <= length <= settings.stalled:
             return Solution(orbit, True, k)
         trial = moved(orbit, move * scale)
         while not trial.defined and halvings < settings.newton:
