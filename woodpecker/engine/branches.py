@@ -70,7 +70,7 @@ class Word:
         The words of its pieces.
     keys
         The keys of the pieces of a cycle; of a jump those of the points before the border, and a
-        set of those on its two sides.
+        set of those on its two sides with the margins that vanish, for a piece has two ends.
     """
 
     first: int
@@ -88,17 +88,21 @@ class Collision:
         The cycle, of minimal period, under the piece inside.
     margin
         Which of its points lies on the border, and which margin of its piece vanishes there.
-    kind, note
-        The code of the special point, and whether branches fold or persist.
+    kinds
+        For each point of the orbit the code of the special point, and whether branches fold or
+        persist: the jump of P_n at one point can lie on the other side than that at the next.
     cause
         A sentence on what happens there.
     """
 
     orbit: Orbit
     margin: Margin
-    kind: PointKind
-    note: str
+    kinds: tuple[tuple[PointKind, str], ...]
     cause: str
+
+    def kind_at(self, x: float) -> tuple[PointKind, str]:
+        """Code and note at the point nearest to a place."""
+        return self.kinds[int(np.argmin(np.abs(self.orbit.x - x)))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -124,6 +128,13 @@ class End:
     cause: str = ""
     precision: float = 0.0
     collision: Collision | None = None
+
+    def at(self, x: float) -> End:
+        """The same as one of the points of its orbit sees it."""
+        if self.collision is None:
+            return self
+        kind, note = self.collision.kind_at(x)
+        return replace(self, kind=kind, note=note)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -548,25 +559,29 @@ def collision(
     With F the distance of the inner limit from the diagonal at the border and D that of the outer
     one, the jump of P_n crosses the diagonal where they differ in sign, and the fixed point lives
     where F has one sign. If that is on one side of the parameter, branches fold. A branch of
-    jumps of P_2n then starts at the preimage of the border just if the multiplier exceeds 1.
+    jumps of P_2n then starts at the preimage of the border just if the multiplier exceeds 1. The
+    other points of the cycle see the same F, but a D of their own.
     """
     n = minimal_period(orbit, settings)
     first = int(np.argmin(orbit.x[:n]))
     small = Orbit(orbit.x[:n], orbit.p, orbit.images[:n]).rotated(first)
     index = (margin.index - first) % n
     met = Collision(
-        orbit=small, margin=Margin(index, margin.code), kind=PointKind.BC, note="",
+        orbit=small, margin=Margin(index, margin.code), kinds=((PointKind.BC, ""),) * n,
         cause=border.cause,
     )  # fmt: skip
     inside = cycle_from(met, settings)
-    starts = Jumps(map_, n, settings).starts(met, index)
-    if inside is None or not starts:
+    if inside is None:
         return met
-    sides = {bool(sample.tangent[-1] > 0.0) for sample in (inside, starts[0][1])}
-    if len(sides) == 2:
-        return replace(met, note="persistence")
-    steep = abs(small.multiplier) > 1.0
-    return replace(met, note="fold", kind=PointKind.FF if steep else PointKind.BC)
+    jumps, steep = Jumps(map_, n, settings), abs(small.multiplier) > 1.0
+    kinds = []
+    for shift in range(n):
+        starts = jumps.starts(met, shift)
+        sides = {bool(sample.tangent[-1] > 0.0) for sample in (inside, *(s[1] for s in starts[:1]))}
+        fold = PointKind.FF if steep else PointKind.BC
+        found = (fold, "fold") if len(sides) == 1 else (PointKind.BC, "persistence")
+        kinds.append(found if starts else (PointKind.BC, ""))
+    return replace(met, kinds=tuple(kinds))
 
 
 def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> End:
@@ -576,9 +591,8 @@ def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> En
 
 def end_of(met: Collision, orbit: Orbit) -> End:
     """A collision with a jump, as an orbit meets it."""
-    return End(
-        kind=met.kind, p=orbit.p, x=orbit.x, note=met.note, cause=met.cause, collision=met
-    )
+    kind, note = met.kind_at(float(orbit.x[0]))
+    return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=met.cause, collision=met)
 
 
 def restart(
@@ -714,4 +728,7 @@ def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
     """The pieces of an orbit, see :class:`Word`."""
     if jump is None:
         return orbit.keys
-    return *orbit.keys[:-1], frozenset((jump.inner.keys[0], jump.outer.keys[0]))
+    sides = {(jump.inner.keys[0], jump.closing.code)}
+    if jump.outer_code >= 0:
+        sides.add((jump.outer.keys[0], jump.outer_code))
+    return *orbit.keys[:-1], frozenset(sides)

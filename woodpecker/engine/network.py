@@ -86,7 +86,7 @@ class Network:
         for column in range(columns):
             x = np.array([points[column] for points in curve.points])
             ends = tuple(
-                self._node(end, float(x[k]), curve.order)
+                self._node(end.at(float(x[k])), float(x[k]), curve.order)
                 for end, k in zip(curve.ends, (0, -1), strict=True)
             )
             name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
