@@ -96,8 +96,9 @@ class _Branches:
         if not self.y[i] <= y <= self.y[i + 1]:
             i = i if y < self.y[i] else i + 1
             return float(self.x[i]), self.images[i]
+        x, to = float(self.x[i]), float(self.x[i + 1])
         return bracketed(
-            self.images[i], float(self.x[i]), float(self.x[i + 1]), p,
+            {x: self.images[i], to: self.images[i + 1]}, x, to, p,
             lambda image, _: (image.value - y, image.slope),
         )  # fmt: skip
 

@@ -256,7 +256,10 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
         if length <= settings.converged or length**3 <= ENOUGH * before**2:
             return Solution(orbit, True, k + 1)
         before = length
-    return Solution(orbit, False, settings.newton)
+    return Solution(orbit, before <= NOISE * settings.converged, settings.newton)
+
+
+NOISE = 64.0  # steps that go on shrinking, slowly, below so many of the shortest are rounding
 
 
 def moved(orbit: Orbit, by: Floats) -> Orbit:

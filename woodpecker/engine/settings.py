@@ -52,6 +52,8 @@ class Settings:
     finest
         Pieces shorter than this are not looked for one by one: a part of the window. Where they
         accumulate, their total length is reported.
+    coarse
+        The same for pieces that lead out of the window.
     same
         Orbits this close at one parameter are one: far above rounding, far below their distances.
 
@@ -75,7 +77,8 @@ class Settings:
     nearest: float = 1e-12
     jump: float = 1e-7
     kink: float = 1e-6
-    finest: float = 1e-7
+    finest: float = 1e-6
+    coarse: float = 1e-4
     same: float = 1e-9
 
     def __post_init__(self) -> None:
@@ -84,7 +87,7 @@ class Settings:
             object.__setattr__(self, name, ends)
         for name in (
             "step", "max_step", "min_step", "max_turn", "converged", "stalled", "beside",
-            "nearest", "jump", "kink", "finest", "same",
+            "nearest", "jump", "kink", "finest", "coarse", "same",
         ):  # fmt: skip
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         if not self.min_step <= self.step <= self.max_step:

@@ -130,7 +130,7 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
         for (a, one), (b, other) in _parts(stretch, pieces.p):
             if (one.value - a) * (other.value - b) > 0.0:
                 continue
-            root = bracketed(one, a, b, pieces.p, _gap)
+            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap)
             if root is None:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
