@@ -76,7 +76,9 @@ class Border:
         return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
 
 
-STEEP = 1e6  # a slope beside a border above which it is that of a square root: the derivative of one,
+STEEP = (
+    1e6  # a slope beside a border above which it is that of a square root: the derivative of one,
+)
 # rounded at the border, is about 1e8
 
 
@@ -86,7 +88,11 @@ def reach(image: Image, side: float) -> tuple[float, int]:
     with np.errstate(divide="ignore", invalid="ignore"):
         away = np.where(rate < 0.0, -image.margins / rate, OUT_OF_REACH)
     k = int(np.argmin(away)) if len(away) else -1
-    return (math.inf, -1) if k < 0 or away[k] >= OUT_OF_REACH else (float(away[k]), int(image.causes[k]))
+    return (
+        (math.inf, -1)
+        if k < 0 or away[k] >= OUT_OF_REACH
+        else (float(away[k]), int(image.causes[k]))
+    )
 
 
 def depth(image: Image, ignored: int = -1) -> float:
@@ -139,10 +145,13 @@ THIN = 1e-3  # a piece beside a border that is thinner than this part of a dista
 def _limit(image: Image, away: float) -> Image:
     """An image next to a border that its piece does not reach, taken to the border.
 
-    Where the piece ends in a square root its value is a + b sqrt(away), so b sqrt(away) is twice the slope
-    times the distance.
+    Where the piece ends in a square root its value is a + b sqrt(away), and b sqrt(away) is twice
+    the slope times the distance.
     """
-    return image._replace(value=image.value - 2.0 * image.slope * away, slope=math.copysign(math.inf, image.slope * away))
+    return image._replace(
+        value=image.value - 2.0 * image.slope * away,
+        slope=math.copysign(math.inf, image.slope * away),
+    )
 
 
 IN_X = np.array([1.0, 0.0])  # the direction of x, in (x, p)
@@ -203,7 +212,8 @@ def reach_of(
         if dip is not None and dip * ahead > least:
             step = 0.5 * dip * ahead  # twice that is tried
             continue
-        xs.append(to), images.append(there)
+        xs.append(to)
+        images.append(there)
         if code >= 0:
             return Reach(tuple(xs), tuple(images), code)
     return Reach(tuple(xs), tuple(images), -1)
@@ -253,8 +263,12 @@ def _margin_root(
 
 
 def bracketed(
-    ends: Mapping[float, Image], x: float, to: float, p: float,
-    function: Callable[[Image, float], tuple[float, float]], tolerance: float = 0.0,
+    ends: Mapping[float, Image],
+    x: float,
+    to: float,
+    p: float,
+    function: Callable[[Image, float], tuple[float, float]],
+    tolerance: float = 0.0,
 ) -> tuple[float, Image] | None:
     """Where a function of a piece vanishes between two points; None if it does not.
 
@@ -334,13 +348,11 @@ def lowest_dip(
     Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
     between; a minimum that takes away most of it is worth a look.
     """
-    if here.causes.shape == there.causes.shape and (here.causes == there.causes).all():
-        one, other = slice(None), slice(None)
-    else:
+    a, b = here.margins, there.margins
+    da, db = step * (here.gradients @ along), step * (there.gradients @ along_there)
+    if not np.array_equal(here.causes, there.causes):
         _, one, other = np.intersect1d(here.causes, there.causes, return_indices=True)
-    a, b = here.margins[one], there.margins[other]
-    da = step * (here.gradients[one] @ along)
-    db = step * (there.gradients[other] @ along_there)
+        a, b, da, db = a[one], b[other], da[one], db[other]
     may = (da < 0.0) & (db > 0.0)
     if not may.any():
         return None

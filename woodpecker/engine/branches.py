@@ -8,6 +8,7 @@ branches of jumps begin, and the other way round, so nothing is searched for the
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -242,11 +243,10 @@ class Cycles:
                     samples.append(there)
                     continue
             if stretch.stop is not Stop.BORDER:
-                end = self._end(stretch)
                 passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
                 passes &= not self._halves(stretch)
-                following = (samples[-1],) if passes else ()
-                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+                here, on = self._end(stretch), (samples[-1],) if passes else ()
+                return Leg(tuple(samples), tuple(marks), here, on, stretch.stop)
             mark, end, there = self._meet(stretch)
             if end is not None and end.note == NOTHING_BEYOND:
                 there = self._passed_over(stretch)
@@ -308,8 +308,11 @@ class Cycles:
         return None
 
     def _halves(self, stretch: Stretch) -> bool:
-        """Whether the cycle at the end goes round one of smaller period, and those before do not."""
-        first, last = (minimal_period(s.orbit, self.settings) for s in (stretch.samples[0], stretch.samples[-1]))
+        """Whether the cycle at the end, and none before it, goes round one of smaller period."""
+        first, last = (
+            minimal_period(s.orbit, self.settings)
+            for s in (stretch.samples[0], stretch.samples[-1])
+        )
         return last < first
 
     def _end(self, stretch: Stretch) -> End:
@@ -687,7 +690,7 @@ def curves_from(end: End, legs: list[Leg], kind: BranchKind, order: int) -> list
 def _rest(legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
     return [
         _curve(leg.samples, leg.marks, (before.end, leg.end), kind, order)
-        for before, leg in zip(legs[:-1], legs[1:], strict=True)
+        for before, leg in pairwise(legs)
     ]
 
 
@@ -697,9 +700,7 @@ def _reversed(leg: Leg) -> Leg:
     return replace(leg, samples=leg.samples[::-1], marks=marks)
 
 
-def _joined(
-    one: Leg, other: Leg, ends: tuple[End, End], kind: BranchKind, order: int
-) -> Curve:
+def _joined(one: Leg, other: Leg, ends: tuple[End, End], kind: BranchKind, order: int) -> Curve:
     n = len(one.samples) - 1
     marks = (*one.marks, *(replace(mark, sample=mark.sample + n) for mark in other.marks))
     return _curve((*one.samples, *other.samples[1:]), marks, ends, kind, order)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from woodpecker.engine.borders import Border, beyond, depth, reach_of
+from woodpecker.engine.borders import THIN, Border, beyond, depth, reach_of
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settings import Settings
 
@@ -92,7 +92,7 @@ def partition(
     settings
         Scales, and the cut-offs ``finest`` and ``coarse``.
     """
-    walk = _Walk(map_, p, window, settings)
+    walk = _Walk(map_, p, settings)
     todo = [_Gap(*window, True)]
     while todo:
         todo += reversed(walk.cross(todo.pop()))
@@ -111,13 +111,11 @@ class _Gap(NamedTuple):
 class _Walk:
     """Stretches and gaps as they are found."""
 
-    def __init__(
-        self, map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings
-    ) -> None:
-        self.map, self.p, self.window, self.settings = map_, p, window, settings
+    def __init__(self, map_: PiecewiseMap, p: float, settings: Settings) -> None:
+        self.map, self.p, self.settings = map_, p, settings
         self.stretches: list[Stretch] = []
         self.gaps: list[tuple[float, float]] = []
-        self._least = settings.nearest * settings.x_scale
+        self._thin = THIN * settings.beside * settings.x_scale
 
     def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""
@@ -138,11 +136,12 @@ class _Walk:
 
     def _holds(self, image: Image) -> bool:
         """Whether the map has a value that a piece explains."""
-        return not image.reason and depth(image) >= -self._least
+        return not image.reason and depth(image) >= -self._thin
 
     def _matters(self, image: Image) -> bool:
         """Whether a piece leads into the window here."""
-        return self.window[0] <= image.value <= self.window[1]
+        low, high = self.settings.window
+        return low <= image.value <= high
 
     def _cut_off(self, matters: bool) -> float:
         """Length of pieces that are not looked for one by one."""

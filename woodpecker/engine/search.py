@@ -154,8 +154,8 @@ def complete(explorer: Explorer, settings: Settings, search: Search) -> list[Sli
 def first_places(search: Search) -> list[float]:
     """Where slices are taken first, as parts of the span: near both ends, then evenly.
 
-    Multiples of the golden ratio fill (0, 1) evenly, and fall on no value that a map may have in its
-    formulas.
+    Multiples of the golden ratio fill (0, 1) evenly, and fall on no value that a map may have in
+    its formulas.
     """
     near = 0.5 * search.finest
     return [near, 1.0 - near, *((k * GOLDEN) % 1.0 for k in range(1, search.slices + 1))]

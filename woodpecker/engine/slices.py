@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -147,7 +148,7 @@ class _Point(NamedTuple):
 def _parts(stretch: Stretch, p: float) -> Iterator[tuple[_Point, _Point]]:
     """Neighbouring samples, with one more where P(x) - x may turn round between them."""
     points = [_Point(x, image) for x, image in zip(stretch.x, stretch.images, strict=True)]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         gaps, slopes = (a.image.value - a.x, b.image.value - b.x), (
             a.image.slope - 1.0, b.image.slope - 1.0,
         )  # fmt: skip
