@@ -637,6 +637,9 @@ def _restarted(
     margin = Margin(index, border.outer_code, value)
     solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
     found = solution.orbit
+    held = solve(found, (closing, Coordinate(-1, found.p)), settings)  # beside a square root a
+    if held.converged:  # margin cannot be held to the last bit, the parameter can
+        found = held.orbit
     direction = tangent(found, closing, settings)
     if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
         return None

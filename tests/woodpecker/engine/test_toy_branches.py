@@ -75,11 +75,15 @@ def test_a_person_can_read_the_graph(diagram: Diagram) -> None:
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_samples_are_cycles_of_the_toy(network: Network) -> None:
-    """The searching kernel takes every cycle to itself, with the same multiplier."""
+    """The searching kernel takes every cycle to itself, with the same multiplier.
+
+    Samples at borders and next to them are left out: there a time can be a cube root of rounding.
+    """
     rng = np.random.default_rng(3)
     for curve in network.curves:
         if curve.kind is BranchKind.FIXED_POINT:
-            borders = {mark.sample for mark in curve.marks} | {0, len(curve.parameter) - 1}
+            borders = {mark.sample + k for mark in curve.marks for k in (-1, 0, 1)}
+            borders |= {0, len(curve.parameter) - 1}
             inner = [k for k in range(len(curve.parameter)) if k not in borders]
             for k in rng.choice(inner, min(5, len(inner)), replace=False):
                 x, p = float(curve.points[k][0]), float(curve.parameter[k])
