@@ -338,6 +338,23 @@ def cycle_from(met: Collision, settings: Settings) -> Sample | None:
     return Sample(met.orbit, direction if rise > 0.0 else -direction, rise > 0.0)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Return:
+    """An orbit that leads to a border, and from there back to it.
+
+    Attributes
+    ----------
+    before
+        The points before the border; there may be none.
+    cycle, code
+        The cycle from the border on, and the margin that vanishes at its first point.
+    """
+
+    before: Orbit
+    cycle: Orbit
+    code: int
+
+
 # --- Jumps ----------------------------------------------------------------------------------------
 
 
@@ -377,10 +394,11 @@ class Jumps:
             x, images = np.tile(orbit.x, rounds)[:length], (orbit.images * rounds)[:length]
             head = Orbit(x, orbit.p, images)
             start = self._sample(head, Margin(length - 1, met.margin.code))
-            for sign in (1.0, -1.0):
-                there = self._beside(start, sign)
-                if there is not None:
-                    found.append((start if sign > 0.0 else turned(start), there))
+            sides = [(sign, self._beside(start, sign)) for sign in (1.0, -1.0)]
+            begin = [(sign, there) for sign, there in sides if there is not None]
+            if len(begin) == 1:  # one that goes on to both sides only passes
+                sign, there = begin[0]
+                found.append((start if sign > 0.0 else turned(start), there))
         return found
 
     def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
@@ -406,10 +424,11 @@ class Jumps:
                 following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
                 end = self._end(stretch)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
-            met = self._closed_early(stretch)
-            if met is not None:
+            early = self._closed_early(stretch)
+            if early is not None and self._passes(early, stretch.end):
+                met = self._collision(early)
                 return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
-            mark, there = self._beyond(stretch)
+            mark, there = self._beyond(stretch, early)
             if there is None:
                 end = end_at(PointKind.EP, stretch.end, "the jump ends", mark.cause)
                 return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
@@ -461,8 +480,8 @@ class Jumps:
         met = collision(self.map, stretch.meeting, margin, border, self.settings)
         return end_of(met, stretch.end)
 
-    def _closed_early(self, stretch: Stretch) -> Collision | None:
-        """The collision of a cycle of smaller period, if an orbit comes back to its own border."""
+    def _closed_early(self, stretch: Stretch) -> _Return | None:
+        """Where the orbit of a jump comes back to its own border; None if it does not."""
         last = stretch.samples[-1].jump
         assert last is not None
         meeting, margin = stretch.meeting or stretch.end, stretch.margins[0]
@@ -471,11 +490,22 @@ class Jumps:
         i, k = first.index, second.index
         if i == k or abs(meeting.x[k] - meeting.x[i]) > self.settings.same * self.settings.x_scale:
             return None
-        cycle, there = Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), Margin(0, first.code)
-        border = border_at(self.map, cycle, there, self.settings)
-        return collision(self.map, cycle, there, border, self.settings)
+        return _Return(
+            Orbit(meeting.x[:i], meeting.p, meeting.images[:i]),
+            Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), first.code,
+        )  # fmt: skip
 
-    def _beyond(self, stretch: Stretch) -> tuple[Mark, Sample | None]:
+    def _passes(self, early: _Return, head: Orbit) -> bool:
+        """Whether an orbit begins on the cycle that it comes round."""
+        away = float(np.abs(early.cycle.x - head.x[0]).min())
+        return away <= self.settings.same * self.settings.x_scale
+
+    def _collision(self, early: _Return) -> Collision:
+        margin = Margin(0, early.code)
+        border = border_at(self.map, early.cycle, margin, self.settings)
+        return collision(self.map, early.cycle, margin, border, self.settings)
+
+    def _beyond(self, stretch: Stretch, early: _Return | None) -> tuple[Mark, Sample | None]:
         """Where a jump branch goes on when one of its orbits meets another border."""
         end, margin = stretch.samples[-1], stretch.margins[0]
         meeting = stretch.meeting or stretch.end
@@ -484,6 +514,8 @@ class Jumps:
         kind = border.kind(self.settings)
         mark = Mark(sample=0, cause=border.cause, kind=kind)
         there = None
+        if early is not None:
+            return mark, self._round_cycle(end, early)
         if stretch.stop is Stop.TAIL:
             there = self._beside(end)
         elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
@@ -522,6 +554,24 @@ class Jumps:
                 if found is not None and self._is_good(found):
                     return found
             away *= GROW
+        return None
+
+    def _round_cycle(self, end: Sample, early: _Return) -> Sample | None:
+        """Where jumps meet whose orbits lead to a cycle on a border: the one that goes on.
+
+        They differ in how often the orbit goes round before it meets the border.
+        """
+        before, cycle = early.before, early.cycle
+        for length in range(len(before) + 1, self.order + 1, len(cycle)):
+            rounds = -(-(length - len(before)) // len(cycle))
+            x = np.append(before.x, np.tile(cycle.x, rounds))[:length]
+            images = (*before.images, *cycle.images * rounds)[:length]
+            start = self._sample(Orbit(x, cycle.p, images), Margin(length - 1, early.code))
+            for sign in (1.0, -1.0):
+                there = self._beside(start, sign)
+                back = length == len(end.orbit) and sign * start.tangent @ end.tangent < 0.0
+                if there is not None and not back:
+                    return there
         return None
 
     def _round_corner(self, end: Sample, meeting: Orbit, margin: Margin) -> Sample | None:

@@ -31,3 +31,11 @@ def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
 def test_the_computed_graph_is_the_proved_one(seed: int) -> None:
     map_, proved = random_case(Random(seed), (1, 2))
     assert same_graph(computed(from_pwmap(map_, "p"), (1, 2)), proved) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [*range(20), 109, 111])
+def test_also_where_orbits_come_back_to_borders(seed: int) -> None:
+    """P_3 jumps at preimages of collisions of P_1 and P_2, and past those of other orders."""
+    map_, proved = random_case(Random(seed), (1, 2, 3))
+    assert same_graph(computed(from_pwmap(map_, "p"), (1, 2, 3)), proved) == []
