@@ -126,7 +126,7 @@ def test_every_kind_of_point_has_a_meaning() -> None:
     assert [kind.value for kind in PointKind] == codes
     assert PointKind.LP.meaning == "fold: multiplier +1"
     assert PointKind.PD.meaning == "flip: multiplier -1"
-    assert len({kind.meaning for kind in PointKind}) == 7
+    assert len({kind.meaning for kind in PointKind}) == 8
 
 
 @pytest.mark.parametrize(
