@@ -40,10 +40,11 @@ class Settings:
         Steps that become no shorter are as good as converged below this length: rounding of an
         ill-conditioned orbit, five digits above the usual.
     beside
-        Distance from a border at which the piece beyond is asked for first; a hundredth of a step.
+        Distance from a border at which the piece beyond is asked for first: far above rounding, far
+        below a step.
     nearest
         Smallest such distance, tried if there are other pieces in between: far enough from the
-        border, a hundred times ``converged``, for rounding not to decide.
+        border, some hundred times ``converged``, for rounding not to decide.
     jump
         Limits of a map closer than this are one value: far above what is left of a rounded
         location at a steep slope, far below jumps that are worth drawing.
