@@ -184,82 +184,128 @@ def reach_of(
     image: Image, x: float, p: float, side: int, limit: float, settings: Settings
 ) -> Reach:
     """Follow a piece to one side until a margin vanishes or a limit is met."""
-    xs, images = [x], [image]
+    xs, images, code = [x], [image], INSIDE
     longest = settings.max_step * settings.x_scale
     least = settings.nearest * settings.x_scale
-    step = longest
     while xs[-1] != limit:
-        here = images[-1]
-        ahead, code = reach(here, side)
+        ahead, code = reach(images[-1], side)
         if ahead <= 0.0:
-            return Reach(tuple(xs), tuple(images), code)
-        step = min(2.0 * step, longest, BEYOND * ahead + least)
-        to = xs[-1] + side * step
-        if side * (to - limit) >= 0.0:
-            to = limit
-        there = here.piece.at(to, p)
-        code = -1
-        if there.reason or (len(there.margins) and float(there.margins.min()) < 0.0):
-            root = _first_root(here, xs[-1], there, to, p, settings)
-            if root is None:
-                step = 0.25 * abs(to - xs[-1])
-                if step < least:
-                    break
-                continue
-            to, there, code = root
-        ahead = abs(to - xs[-1])
-        dip = lowest_dip(here, there, to - xs[-1], IN_X, IN_X)
-        if dip is not None and dip * ahead > least:
-            step = 0.5 * dip * ahead  # twice that is tried
-            continue
+            break
+        found = _step(
+            images[-1], xs[-1], p, side, limit, min(longest, BEYOND * ahead + least), least
+        )
+        if found is None:
+            code = INSIDE
+            break
+        to, there, code = found
         xs.append(to)
         images.append(there)
-        if code >= 0:
-            return Reach(tuple(xs), tuple(images), code)
-    return Reach(tuple(xs), tuple(images), -1)
+        if code != INSIDE:
+            break
+    return Reach(tuple(xs), tuple(images), max(code, -1))
 
 
-def _first_root(
-    here: Image, x: float, there: Image, to: float, p: float, settings: Settings
+def _step(
+    here: Image, x: float, p: float, side: int, limit: float, step: float, least: float
 ) -> tuple[float, Image, int] | None:
-    """Where between two points the first margin vanishes; None if that is not clear yet.
+    """The next sample, not farther than a step, and which margin vanishes there.
 
-    Where the piece has no value from some point on, the interval is halved until it has one.
+    None if no step is short enough.
     """
-    tolerance = settings.nearest * settings.x_scale
-    code = -1
-    while there.reason:
-        if abs(to - x) <= tolerance:
-            return x, here, reach(here, math.copysign(1.0, to - x))[1]
-        middle = 0.5 * (x + to)
-        image = here.piece.at(middle, p)
-        if image.reason or (len(image.margins) and image.margins.min() < 0.0):
-            to, there = middle, image
-        else:
-            x, here = middle, image
-    for _ in range(MEETING_MOST):
-        away = there.margins < -tolerance * np.abs(there.gradients[:, 0])
-        fallen = [int(c) for c in there.causes[away] if c != code]
-        if not fallen:
-            return None if code < 0 else (to, there, code)
-        ends = {x: here, to: there}
-        roots = [(root, c) for c in fallen if (root := _margin_root(ends, x, to, p, c, tolerance))]
-        if len(roots) < len(fallen):
-            return None
-        (to, there), code = min(roots, key=lambda found: abs(found[0][0] - x))
+    while step >= least:
+        to = x + side * step
+        if side * (to - limit) >= 0.0:
+            to = limit
+        there, code = here.piece.at(to, p), INSIDE
+        if not _is_inside(there):
+            root = _first_root(here, x, there, to, p, least)
+            if root is None:
+                step = 0.25 * abs(to - x)
+                continue
+            to, there, code = root
+        length = abs(to - x)
+        dip = lowest_dip(here, there, to - x, IN_X, IN_X)
+        if dip is None or dip * length <= least:
+            return to, there, code
+        step = dip * length
     return None
 
 
-MEETING_MOST = 8  # borders that may lie between two points, one before the other
+def _is_inside(image: Image) -> bool:
+    return not image.reason and (not len(image.margins) or bool(image.margins.min() >= 0.0))
 
 
-def _margin_root(
-    ends: dict[float, Image], x: float, to: float, p: float, code: int, tolerance: float
-) -> tuple[float, Image] | None:
-    return bracketed(
-        ends, x, to, p, lambda image, _: (image.margin(code), float(image.gradient(code)[0])),
-        tolerance,
-    )  # fmt: skip
+def _first_root(
+    here: Image, x: float, there: Image, to: float, p: float, tolerance: float
+) -> tuple[float, Image, int] | None:
+    """Where between two points the first margin vanishes; None if that is not clear yet.
+
+    Each margin that is negative at the far end is a cubic in between; the point where the first of
+    them vanishes takes the place of one of the ends. Where the piece has no value at the far end
+    the interval is halved until it has one.
+    """
+    low, high = (x, here), (to, there)
+    for k in range(ROOT_STEPS):
+        way = high[0] - low[0]
+        ahead, code = reach(low[1], math.copysign(1.0, way))
+        ahead /= abs(way)
+        if high[1].reason:
+            if min(ahead, 1.0) * abs(way) <= tolerance:
+                return *low, code if ahead * abs(way) <= 2.0 * tolerance else NO_VALUE
+            part = ahead if ahead < 1.0 else (LOST if k == 0 else 0.5)
+        else:
+            part, first = _first_part(low[1], high[1], way)
+            if first < 0:
+                return None
+            if ahead < LOST or (ahead < 1.0 and not high[1].margin(code) < 0.0):
+                part = ahead
+            else:
+                code = first
+        trial = low[0] + (part if k % 3 < 2 else 0.5) * way
+        for at, image in (high, low):
+            if abs(trial - at) <= tolerance and not math.isnan(image.margin(code)):
+                return at, image, code
+        image = low[1].piece.at(trial, p)
+        low, high = ((trial, image), high) if _is_inside(image) else (low, (trial, image))
+    return None
+
+
+def _first_part(low: Image, high: Image, length: float) -> tuple[float, int]:
+    """Where the first margin vanishes, as a part of the way between two images, and which."""
+    best, code = 1.0, -1
+    for k in np.flatnonzero(high.margins < 0.0):
+        c = int(high.causes[k])
+        a, da = low.margin(c), length * float(low.gradient(c)[0])
+        b, db = float(high.margins[k]), length * float(high.gradients[k, 0])
+        if a <= 0.0:
+            continue
+        s = 1.0 - b / db if b > db else 0.5  # for one that is not there at the near end
+        if a > 0.0:
+            s = _root_of_cubic(a, da, b, db)
+        if s <= best:
+            best, code = s, c
+    return best, code
+
+
+def _root_of_cubic(a: float, da: float, b: float, db: float) -> float:
+    """The root in (0, 1) of a cubic with these values, a > 0 > b, and slopes at 0 and 1."""
+    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
+    low, high, s = 0.0, 1.0, a / (a - b)
+    for _ in range(ROOT_STEPS):
+        f, slope = a + s * (da + s * (c2 + s * c3)), da + s * (2.0 * c2 + 3.0 * s * c3)
+        low, high = (s, high) if f > 0.0 else (low, s)
+        after = s - f / slope if slope != 0.0 else 0.5 * (low + high)
+        if not low < after < high:
+            after = 0.5 * (low + high)
+        if abs(after - s) <= 1e-15:
+            break
+        s = after
+    return s
+
+
+INSIDE, NO_VALUE = -1, -2  # instead of a margin that vanishes
+LOST = 0.125  # part of a step that is tried where a piece has no value at its end
+ROOT_STEPS = 60  # every third halves, so that 20 halvings are left where cubics mislead
 
 
 def bracketed(

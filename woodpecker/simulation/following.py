@@ -72,7 +72,7 @@ from woodpecker.simulation.margins import (
     phase_margins,
     start_margins,
 )
-from woodpecker.simulation.roots import Ratios, deflated, ratios, root_near
+from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
 
 NO_ROOT = -1  # a guard of the path has no root here
 BOUNCES_MOST = 1000  # of bounces that accumulate; a ratio of 0.97 needs so many
@@ -159,6 +159,7 @@ def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     route.states[0] = route.states[2] = OPEN
     route.states[1] = STICK
     route.fired[0], route.flown[0], route.count[0] = typed(-1), typed(-1), typed(0)
+    route.bent[0] = typed(-1)
 
 
 @jit
@@ -220,7 +221,9 @@ def _duration(
 ) -> float:
     """Duration of a phase, near that of a neighbour; nan if there is none.
 
-    Of a bounce that happens ``again`` no neighbour is known: it ends with its first root.
+    From a neighbour that is too far away Newton's method may fail: then the guard fires with its
+    first root, as it does where the path is admissible. Of a bounce that happens ``again`` no
+    neighbour is known: it ends with its first root.
     """
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
     if guard == SECTION:
@@ -230,7 +233,15 @@ def _duration(
     f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)
     if again:
         return first_root(0.0, f1, f2, f3, kappa, omega, math.inf) if f1 > 0.0 else math.nan
-    return root_near(order, f0, f1, f2, f3, kappa, omega, near)
+    if guard < NORMAL and order == 0 and kappa < 0.0:
+        t = root_at_inflection(f0, f1, f2, f3, kappa, omega, near)
+        if math.isfinite(t):
+            return t
+    t = root_near(order, f0, f1, f2, f3, kappa, omega, near)
+    if math.isfinite(t):
+        return t
+    leading = f0 if order == 0 else (f1 if order == 1 else f2)
+    return first_root(f0, f1, f2, f3, kappa, omega, math.inf) if leading > 0.0 else math.nan
 
 
 @jit

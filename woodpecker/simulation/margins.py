@@ -60,18 +60,28 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.simulation.guards import TWO_PI, time_of_lowest
 from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring, typed
-from woodpecker.simulation.roots import Ratios, deflated, deflated_change, ratios
+from woodpecker.simulation.roots import (
+    NEAR,
+    ROUNDING,
+    Ratios,
+    deflated,
+    deflated_change,
+    inflection,
+    ratios,
+)
 
 # Kinds of margins, in the order in which a phase meets them.
 COMPRESSION, EXPANDING, BOUNCES, START, EARLY, SPEED, MEETING, DIP, SWING, LENGTH = range(10)
 # COMPRESSION, EXPANDING: slack 4 * contact + inequality of an impact (12 more at the second end of
 # an indeterminate one); BOUNCES: 1 - ratio of bounces that accumulate; START: a guard where the
-# phase begins; EARLY: the duration of a phase, if it is negative though its guard begins positive;
+# phase begins (BY_INFLECTION more if a gap at its inflection stands for its acceleration);
+# EARLY: the duration of a phase, if it is negative though its guard begins positive;
 # SPEED: rate of the guard that fires, times its modulus; MEETING: a guard where another one fires;
 # DIP: least value of a guard at its minima in a phase; SWING: time between the minimum of phi_S
 # that counts and the neighbouring ones; LENGTH: what is left of the pole where a phase ends
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 OTHER_END = 12
+BY_INFLECTION = 50  # more than the guard, in the item of START: see _find_inflection
 
 VANISHED = 1e-30  # a speed [m/s, rad/s] or duration [s] that is zero but for rounding
 
@@ -95,6 +105,8 @@ ROUTE = np.dtype(
             ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
             ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
             ("flown", "i8", (1,)),  # the contact that flew; -1: none
+            ("bend", "f8", (3,)),  # a gap at its inflection near an impact, and its derivatives
+            ("bent", "i8", (2,)),  # which gap; -1: none; and the mode before the impact
             ("jets", "f8", (3, 4)),  # of a guard, and their derivatives along the tangents
             ("rates", "f8", (2, 2)),  # of its value and its slope along the tangents
             ("count", "i8", (1,)),  # of margins
@@ -353,12 +365,25 @@ def _start(
     load_jets(model, change, mode, guard, order, route)
     margin, along_x, along_p = route.jets[0, order], route.jets[1, order], route.jets[2, order]
     code = 1000 * k + 100 * START + guard
-    if order == 3 or (order == 2 and guard >= SLIP):
+    i, bend = guard % 3, route.bend
+    if guard < SLIP and i == route.bent[0] and _only_at(i, route.bent[1], mode):
+        sign = 1.0 if guard < NORMAL else -1.0
+        code += BY_INFLECTION
+        note(notes, route, code, sign * bend[0], sign * bend[1], sign * bend[2])
+    elif order == 3 or (order == 2 and guard >= SLIP):
         note_quotient(notes, route, code, margin, along_x, along_p, route.speed)
     elif guard == NORMAL + route.flown[0] and step[STRUCK] == 1 << route.flown[0]:
         note_quotient(notes, route, code, margin, along_x, along_p, route.flight)
     else:
         note(notes, route, code, margin, along_x, along_p)
+
+
+@jit
+def _only_at(i: int, before: int, mode: int) -> bool:
+    """Whether two modes differ at contact i only, if at all."""
+    if i == 0:
+        return before % 7 == mode % 7
+    return before == mode or (before // 7 == mode // 7 and before % 7 == 0)
 
 
 @jit
@@ -369,6 +394,7 @@ def phase_margins(
     """What keeps all guards but one from firing in a phase of duration t, and lets it fire."""
     kappa, omega, delays = model[mode, KAPPA], model[mode, OMEGA], route.delays
     jets, found = route.jets, route.rates
+    route.bent[0] = typed(-1)
     for column in range(GUARDS, GUARDS + 5):
         guard = int(model[mode, column])
         if guard < 0:
@@ -386,13 +412,16 @@ def phase_margins(
         g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
         x, along_x, p, along_p = found[0, 0], found[0, 1], found[1, 0], found[1, 1]
         if guard == fired:
-            size = -2.0 * abs(slope)
-            note(
-                notes, route, 1000 * k + 100 * SPEED + guard, -slope * abs(slope),
-                size * (along_x + bend * delays[0]), size * (along_p + bend * delays[1]),
-            )  # fmt: skip
             if t < 0.0 and jets[0, order] > 0.0:
                 note(notes, route, 1000 * k + 100 * EARLY + guard, t, delays[0], delays[1])
+            if guard < NORMAL and order == 0 and kappa < 0.0:
+                _find_inflection(model, change, mode, guard, t, route)
+            if route.bent[0] < 0:
+                size = -2.0 * abs(slope)
+                note(
+                    notes, route, 1000 * k + 100 * SPEED + guard, -slope * abs(slope),
+                    size * (along_x + bend * delays[0]), size * (along_p + bend * delays[1]),
+                )  # fmt: skip
         else:
             note(
                 notes, route, 1000 * k + 100 * MEETING + guard, g, x + slope * delays[0],
@@ -410,6 +439,40 @@ def phase_margins(
                 power *= low
             x, p = power * found[0, 0], power * found[1, 0]
             note(notes, route, 1000 * k + 100 * DIP + guard, g, x, p)
+
+
+@jit
+def _find_inflection(
+    model: Floats, change: Floats, mode: int, guard: int, t: float, route: Route
+) -> None:
+    """The gap that fired at time t, at its inflection nearby.
+
+    Where the gap closes while it bends upwards the contact leaves again from rest, and where it
+    bends downwards it stays: that is decided by whether the gap is still open at its inflection.
+    A flight that begins at rest, without acceleration, has its inflection, after a full swing,
+    where its speed vanishes too. Then acceleration and speed at the impact go like the cube root
+    of the distance from the border and its square, but the gap at the inflection is smooth. A gap
+    that falls at its inflection too has no other root that this one could meet, so its speed at the
+    impact is no margin then.
+    """
+    jets, kappa, omega = route.jets, model[mode, KAPPA], model[mode, OMEGA]
+    f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
+    at = inflection(f2, f3, omega, t)
+    if omega * abs(t - at) > NEAR:
+        return  # the gap there says no more than the acceleration does
+    c = ratios(kappa, omega, at)
+    gap, slope, _ = deflated(typed(0), f0, f1, f2, f3, kappa, at, c)
+    third = kappa * f2 * at * c[1] + f3 * c[0]
+    if slope > ROUNDING * abs(third) * at * at:
+        return  # the gap opens there: it has another root
+    sign = 1.0 if third > 0.0 else -1.0
+    route.bent[0], route.bent[1], route.bend[0] = guard, mode, sign * gap
+    find_rates(model, change, mode, typed(0), at, c, route)
+    for m in range(2):
+        turn = jets[1 + m, 2] * c[0] + jets[1 + m, 3] * at * c[1]
+        if m == 1 and len(change) > 0:
+            turn += 0.5 * at * at * change[mode, KAPPA] * (f2 * c[1] + f3 * at * (c[2] - c[3]))
+        route.bend[1 + m] = sign * (route.rates[m, 0] - slope * turn / third)
 
 
 @jit

@@ -89,7 +89,8 @@ class Cause:
             case Watch.SPEED:
                 return f"{_grazes(self.item)} at the end of phase {self.phase + 1}"
             case Watch.START:
-                return f"{NAMES[self.item % 3]} only just {_stays(self.item)}"
+                item = self.item % margins.BY_INFLECTION
+                return f"{NAMES[item % 3]} only just {_stays(item)}"
             case Watch.COMPRESSION | Watch.EXPANSION:
                 return self._of_impact()
             case Watch.SWING:

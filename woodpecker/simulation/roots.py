@@ -19,6 +19,7 @@ from woodpecker.simulation.guards import CLOCK, EPSILON, SERIES_4, SERIES_5, TER
 
 NEWTON = 40  # steps from a neighbour's event time; three are usual
 FARTHEST = 700.0  # cosh overflows beyond it
+NEAR = 0.3  # phase [rad] from an inflection within which a guard is like a cubic there
 ROUNDING = 16.0 * EPSILON  # of a guard's value, relative to the sum of its terms' moduli
 
 Ratios = tuple[float, float, float, float, float, float]
@@ -110,6 +111,50 @@ def root_near(
             return t
         previous = step
     return math.nan
+
+
+@jit
+def inflection(f2: float, f3: float, omega: float, t: float) -> float:
+    """The zero nearest to t of f'' = f_2 cos(omega t) + f_3 sin(omega t) / omega."""
+    angle = math.atan2(f2, f3 / omega)  # f'' is in proportion to sin(omega t + angle)
+    return float((math.pi * math.floor((omega * t + angle) / math.pi + 0.5) - angle) / omega)
+
+
+@jit
+def root_at_inflection(
+    f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
+) -> float:
+    """Root of an oscillating guard near an inflection where it hardly falls; nan if it is not so.
+
+    Where the slope at the inflection vanishes with the guard three roots meet, and Newton's method
+    stalls. In the time s from the inflection, f = F_0 + F_1 s + F_3 s^3 c_3: if F_1 and F_3 have
+    the same sign, Newton's method from outside, F_1 or F_3 left out, is monotone.
+    """
+    at = inflection(f2, f3, omega, t)
+    if omega * abs(t - at) > NEAR:
+        return math.nan
+    c = ratios(kappa, omega, at)
+    gap = f0 + at * (f1 + at * (f2 * c[2] + f3 * at * c[3]))
+    slope = f1 + at * (f2 * c[1] + f3 * at * c[2])
+    third = kappa * f2 * at * c[1] + f3 * c[0]
+    if third == 0.0 or slope * third < -ROUNDING * (third * at) * (third * at):
+        return math.nan
+    if slope * third < 0.0:  # by rounding
+        slope = 0.0
+    s = math.copysign(abs(6.0 * gap / third) ** (1.0 / 3.0), -gap * third)
+    if abs(slope * s) > abs(gap):
+        s = -gap / slope
+    if omega * abs(s) > 1.0:
+        return math.nan
+    for _ in range(NEWTON):
+        if s == 0.0:
+            break
+        c = ratios(kappa, omega, s)
+        step = -(gap + s * (slope + third * s * s * c[3])) / (slope + third * s * s * c[2])
+        s += step
+        if abs(step) <= EPSILON * abs(s):
+            break
+    return float(at + s)
 
 
 @jit
