@@ -248,10 +248,10 @@ def _first_root(
     for k in range(ROOT_STEPS):
         way = high[0] - low[0]
         ahead, code = reach(low[1], math.copysign(1.0, way))
+        if abs(way) <= tolerance or (high[1].reason and ahead <= tolerance):
+            return *low, code if ahead <= 2.0 * tolerance else NO_VALUE
         ahead /= abs(way)
         if high[1].reason:
-            if min(ahead, 1.0) * abs(way) <= tolerance:
-                return *low, code if ahead * abs(way) <= 2.0 * tolerance else NO_VALUE
             part = ahead if ahead < 1.0 else (LOST if k == 0 else 0.5)
         else:
             part, first = _first_part(low[1], high[1], way)

@@ -14,7 +14,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.borders import Border, BorderKind, beyond
+from woodpecker.engine.borders import STEEP, Border, BorderKind, beyond
 from woodpecker.engine.jumps import Jump
 from woodpecker.engine.orbits import (
     Closed,
@@ -36,7 +36,6 @@ NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
 FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
 GROW = 10.0  # of a distance from a place where borders accumulate
-MOST_LEGS = 10_000
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
@@ -191,6 +190,18 @@ class Leg:
     stop: Stop
 
 
+def _repeats(leg: Leg, other: Leg, settings: Settings) -> bool:
+    """Whether a leg ends where another one did, and goes on like it."""
+    one, two = leg.following[-1], other.following[-1]
+    scale = scales(len(one.orbit), settings)
+    return (
+        leg.stop is other.stop
+        and one.orbit.keys == two.orbit.keys
+        and float(np.abs((one.orbit.point - two.orbit.point) / scale).max()) <= settings.same
+        and float(one.tangent @ two.tangent) > 0.0
+    )
+
+
 # --- Cycles ---------------------------------------------------------------------------------------
 
 
@@ -215,18 +226,21 @@ class Cycles:
         behind = [] if closes else self.legs((turned(start),), start)
         return curves_of(ahead, behind, BranchKind.FIXED_POINT, len(orbit))
 
-    def ahead(self, start: Sample, end: End) -> list[Curve]:
+    def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
         """The branch from a special point on, with those that continue it."""
-        legs = self.legs((start,), start, Stop.BORDER)
-        return curves_from(end, legs, BranchKind.FIXED_POINT, len(start.orbit))
+        legs = self.legs(start, start[-1], Stop.BORDER)
+        return curves_from(end, legs, BranchKind.FIXED_POINT, len(start[0].orbit))
 
     def legs(
         self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None = None
     ) -> list[Leg]:
         """Follow a branch one way, across special points that it passes."""
         found = [self._leg(first, origin, ignored)]
-        while found[-1].following and len(found) < MOST_LEGS:
+        while found[-1].following:
             last = found[-1]
+            if any(_repeats(last, other, self.settings) for other in found[:-1]):
+                found[-1] = replace(last, following=())
+                break
             found.append(self._leg(last.following, origin, last.stop))
         return found
 
@@ -327,15 +341,26 @@ class Cycles:
         return end_at(kind, stretch.end, note)
 
 
-def cycle_from(met: Collision, settings: Settings) -> Sample | None:
-    """The branch of cycles that starts at a border, into the piece inside."""
+def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:
+    """The first samples of the branch of cycles that starts at a border, into the piece inside.
+
+    Where that piece begins with a square root its slope at the border is infinite, and the second
+    sample lies right beside it.
+    """
     direction = tangent(met.orbit, Closed(), settings)
     if not np.isfinite(direction).all():
-        return None
+        return ()
     scale, i = scales(len(met.orbit), settings), met.margin.index
-    gradient = met.orbit.images[i].gradient(met.margin.code)
-    rise = float(gradient @ (direction * scale)[[i, -1]])
-    return Sample(met.orbit, direction if rise > 0.0 else -direction, rise > 0.0)
+    image = met.orbit.images[i]
+    gradient = image.gradient(met.margin.code)
+    forward = float(gradient @ (direction * scale)[[i, -1]]) > 0.0
+    first = Sample(met.orbit, direction if forward else -direction, forward)
+    if abs(image.slope) < STEEP:
+        return (first,)
+    code, side = met.margin.code, 1 if gradient[0] > 0.0 else -1
+    border = Border(float(met.orbit.x[i]), met.orbit.p, image, code, side, image, code)
+    there = restart(met.orbit, Closed(), border, i, settings)
+    return (first,) if there is None else (first, there)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -408,8 +433,12 @@ class Jumps:
     def legs(self, first: tuple[Sample, ...], origin: Sample) -> list[Leg]:
         """Follow a branch one way, across folds."""
         found = [self._leg(first, origin, None)]
-        while found[-1].following and len(found) < MOST_LEGS:
-            found.append(self._leg(found[-1].following, origin, found[-1].stop))
+        while found[-1].following:
+            last = found[-1]
+            if any(_repeats(last, other, self.settings) for other in found[:-1]):
+                found[-1] = replace(last, following=())
+                break
+            found.append(self._leg(last.following, origin, last.stop))
         return found
 
     def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
@@ -624,13 +653,15 @@ def collision(
         cause=border.cause,
     )  # fmt: skip
     inside = cycle_from(met, settings)
-    if inside is None:
+    if not inside:
         return met
     jumps, steep = Jumps(map_, n, settings), abs(small.multiplier) > 1.0
     kinds = []
     for shift in range(n):
         starts = jumps.starts(met, shift)
-        sides = {bool(sample.tangent[-1] > 0.0) for sample in (inside, *(s[1] for s in starts[:1]))}
+        sides = {
+            bool(sample.tangent[-1] > 0.0) for sample in (inside[-1], *(s[1] for s in starts[:1]))
+        }
         fold = PointKind.FF if steep else PointKind.BC
         found = (fold, "fold") if len(sides) == 1 else (PointKind.BC, "persistence")
         kinds.append(found if starts else (PointKind.BC, ""))
@@ -658,12 +689,14 @@ def restart(
     """
     images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
     at_border = Orbit(orbit.x, orbit.p, images).multiplier
+    steep = any(abs(image.slope) >= STEEP for image in images)  # its sign may be rounding
     found: Sample | None = None
     away = settings.beside * settings.x_scale
     while away >= settings.nearest * settings.x_scale:
         there = _restarted(orbit, closing, border, index, away, settings)
         found = there or found
-        if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
+        same = there is not None and _sides(there.orbit.multiplier) == _sides(at_border)
+        if same and not steep:
             return there
         away *= SHRINK
     return found

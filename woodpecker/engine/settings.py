@@ -68,7 +68,7 @@ class Settings:
     window: tuple[float, float] = (-math.inf, math.inf)
     step: float = 0.005
     max_step: float = 0.02
-    min_step: float = 1e-10
+    min_step: float = 1e-13
     max_turn: float = 0.1
     max_samples: int = 20_000
     newton: int = 12

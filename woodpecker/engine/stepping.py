@@ -325,16 +325,16 @@ class Stepper:
                 continue
             before, after = test.value(a), test.value(b)
             if before * after < 0.0 or (after == 0.0 and before != 0.0):
-                event = self._located(a, step, test, FINEST)
-                if event is None:
+                events = self._located(a, step, test, FINEST)
+                if events is None:
                     return None
-                found.append(event)
+                found += events
         if crosses and not found and skipped is not Stop.BRANCHING:
             folds = a.tangent[-1] * b.tangent[-1] < 0.0
-            event = self._located(a, step, FOLD if folds else BRANCHING, NEAR)
-            if event is None:
+            events = self._located(a, step, FOLD if folds else BRANCHING, NEAR)
+            if events is None:
                 return None
-            found.append(event)
+            found += events
         tails = self._at_tails(a, b, step)
         if tails is None:
             return None
@@ -344,7 +344,7 @@ class Stepper:
         if limits is None:
             return None
         found += limits
-        if start is not None and not found:
+        if start is not None:
             found += self._closing_up(a, b, start)
         return found
 
@@ -412,8 +412,11 @@ class Stepper:
                     if solution.converged and event is not None:
                         yield event
 
-    def _located(self, a: Sample, step: float, test: Test, finest: float) -> _Event | None:
-        """Where a test function vanishes; None if the branch is lost on the way."""
+    def _located(self, a: Sample, step: float, test: Test, finest: float) -> list[_Event] | None:
+        """Where a test function vanishes; None if the branch is lost on the way.
+
+        Beside a square root a multiplier changes its sign through infinity: that is no event.
+        """
         found: dict[float, Sample] = {}
 
         def value(distance: float) -> float:
@@ -428,7 +431,12 @@ class Stepper:
         except (_LostError, ValueError):
             return None
         nearest = min(found, key=lambda distance: abs(distance - root))
-        return _Event(test.stop, found[nearest], nearest)
+        values = [abs(test.value(found[distance])) for distance in (0.0, nearest, step)]
+        return (
+            [_Event(test.stop, found[nearest], nearest)]
+            if 2.0 * values[1] <= min(values[::2])
+            else []
+        )
 
     def _at_diagonal(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
         """Where a limit of a jump meets the diagonal: there the orbit of the jump closes."""
@@ -531,7 +539,7 @@ class Stepper:
         off = one + (other - one) * (before / (before - after))
         if np.linalg.norm(off) > self.settings.max_turn * length:
             return []
-        return [_Event(Stop.CLOSED, Sample(start.orbit, start.tangent), length)]
+        return [_Event(Stop.CLOSED, Sample(start.orbit, start.tangent), -float(a.tangent @ one))]
 
 
 def _along(cycle: Orbit, head: Orbit) -> Orbit:

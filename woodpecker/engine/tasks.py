@@ -92,9 +92,9 @@ class Tasks:
         """Branches that start where a cycle meets a jump."""
         found = []
         n, first = len(met.orbit), cycle_from(met, self.settings)
-        if n in orders and first is not None:
+        if n in orders and first:
             end = end_of(met, met.orbit)
-            found.append(Start(BranchKind.FIXED_POINT, n, (first,), Closed(), end))
+            found.append(Start(BranchKind.FIXED_POINT, n, first, Closed(), end))
         for order in orders:
             for shift in range(n) if order >= n else ():
                 end = end_of(met, met.orbit.rotated(shift))
@@ -108,7 +108,7 @@ class Tasks:
         if start.kind is BranchKind.JUMP:
             jumps = Jumps(self.map, start.order, self.settings)
             return jumps.ahead(start.samples, start.end)
-        return Cycles(self.map, self.settings).ahead(start.samples[0], start.end)
+        return Cycles(self.map, self.settings).ahead(start.samples, start.end)
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
         """All cycles and jumps at one parameter."""

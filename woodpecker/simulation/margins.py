@@ -83,6 +83,8 @@ NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a co
 OTHER_END = 12
 BY_INFLECTION = 50  # more than the guard, in the item of START: see _find_inflection
 
+GRAZING = 1e-7  # a root is as good as double where a guard of size 1 has this slope, in units of
+# its curvature: rounding moves a double root by the root of 1e-16
 VANISHED = 1e-30  # a speed [m/s, rad/s] or duration [s] that is zero but for rounding
 
 MARGIN, PER_START, PER_PARAMETER, CAUSE = range(4)  # rows of the notes
@@ -417,10 +419,13 @@ def phase_margins(
             if guard < NORMAL and order == 0 and kappa < 0.0:
                 _find_inflection(model, change, mode, guard, t, route)
             if route.bent[0] < 0:
-                size = -2.0 * abs(slope)
+                rate = slope if abs(slope) > GRAZING * abs(bend * t) else -abs(slope)
+                size = -2.0 * abs(rate)
+                turn = 1.0 if rate == slope else -1.0
                 note(
-                    notes, route, 1000 * k + 100 * SPEED + guard, -slope * abs(slope),
-                    size * (along_x + bend * delays[0]), size * (along_p + bend * delays[1]),
+                    notes, route, 1000 * k + 100 * SPEED + guard, -rate * abs(rate),
+                    size * turn * (along_x + bend * delays[0]),
+                    size * turn * (along_p + bend * delays[1]),
                 )  # fmt: skip
         else:
             note(
