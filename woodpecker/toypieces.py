@@ -15,7 +15,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.mechanics.modes import CONTACT, LIMIT
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.piecewise.pieces import Image
+from woodpecker.engine.pieces import Image
 from woodpecker.simulation.kernel import NO_PATH
 from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.toymaps import Table

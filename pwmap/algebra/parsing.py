@@ -22,8 +22,8 @@ from pwmap.algebra.terms import (
     MAX_DEPTH,
     MAX_DIGITS,
     MAX_TERMS,
+    Excerpt,
     Operation,
-    Slice,
     Term,
     float_refusal,
     plain_name,
@@ -194,7 +194,7 @@ class _Parser:
 
     def _term(self, operation: Operation, arguments: Sequence[Term], start: int) -> Term:
         stop = self._tokens[self._at - 1].stop
-        return Term(operation, tuple(arguments), source=Slice(self._text, start, stop))
+        return Term(operation, tuple(arguments), source=Excerpt(self._text, start, stop))
 
     # --- The grammar ----------------------------------------------------------------------------
 

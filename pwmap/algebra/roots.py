@@ -253,6 +253,11 @@ def restored(kept: RealRoot | tuple[int, int] | None) -> Real | None:
     return QQ(*kept) if isinstance(kept, tuple) else kept
 
 
+def real_to_sympy(x: Real) -> sympy.Expr:
+    """A rational or algebraic number as an expression."""
+    return x.to_sympy() if isinstance(x, RealRoot) else QQ.to_sympy(x)
+
+
 def bounds(x: Real) -> tuple[Number, Number]:
     """Rationals on both sides of a number, or twice the number itself."""
     return (x.low, x.high) if isinstance(x, RealRoot) else (x, x)

@@ -62,7 +62,7 @@ RELATIONS = {
 CONDITIONS = {*RELATIONS, Operation.TRUTH, Operation.AND, Operation.OR, Operation.NOT}
 
 
-class Slice(NamedTuple):
+class Excerpt(NamedTuple):
     """Part of a text."""
 
     text: str

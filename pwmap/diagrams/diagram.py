@@ -37,6 +37,7 @@ class PointKind(StrEnum):
 
     LP = "LP"
     PD = "PD"
+    BP = "BP"
     BC = "BC"
     FF = "FF"
     WC = "WC"
@@ -57,6 +58,7 @@ class PointKind(StrEnum):
 _MEANINGS = {
     "LP": "fold: multiplier +1",
     "PD": "flip: multiplier -1",
+    "BP": "branch point: multiplier +1, two branches cross",
     "BC": "border collision: a fixed point meets a jump",
     "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
     "WC": "word change: the sequence of events changes, the map does not jump",
@@ -220,7 +222,7 @@ class Diagram:
     sample: Mapping[str, object] = field(default_factory=dict)
     _branch: Mapping[str, Branch] = field(init=False, repr=False)
     _point: Mapping[str, SpecialPoint] = field(init=False, repr=False)
-    _meeting: Mapping[str, list[Branch]] = field(init=False, repr=False)  # by point
+    _incident: Mapping[str, list[Branch]] = field(init=False, repr=False)  # by point
 
     def __post_init__(self) -> None:
         points = {point.id: point for point in self.points}
@@ -229,13 +231,13 @@ class Diagram:
         branches = {branch.id: branch for branch in self.branches}
         if len(branches) != len(self.branches):
             raise ValueError("the ids of the branches are not unique")
-        meeting: dict[str, list[Branch]] = {name: [] for name in points}
+        incident: dict[str, list[Branch]] = {name: [] for name in points}
         for branch in self.branches:
             for end in dict.fromkeys(branch.ends):
                 if end not in points:
                     raise ValueError(f"branch {branch.id!r} ends at unknown point {end!r}")
-                meeting[end].append(branch)
-        for name, value in (("_branch", branches), ("_point", points), ("_meeting", meeting)):
+                incident[end].append(branch)
+        for name, value in (("_branch", branches), ("_point", points), ("_incident", incident)):
             object.__setattr__(self, name, value)
 
     def branch(self, branch_id: str) -> Branch:
@@ -259,7 +261,7 @@ class Diagram:
         at = self.point(point_id).parameter
         left: list[str] = []
         right: list[str] = []
-        for branch in self._meeting[point_id]:
+        for branch in self._incident[point_id]:
             for end, side in zip(branch.ends, _sides_of_ends(branch, at), strict=True):
                 if end == point_id and side:
                     (left if side < 0 else right).append(branch.id)
@@ -314,7 +316,7 @@ class Diagram:
         return tuple(hit for _, hit in sorted(found, key=cmp_to_key(by_x)))
 
     def component_of(self, point_id: str) -> Diagram:
-        """All that hangs together with a special point; KeyError if there is no such point."""
+        """All that is connected with a special point; KeyError if there is no such point."""
         self.point(point_id)
         near = nx.node_connected_component(self.graph(), point_id)
         return self._part([branch for branch in self.branches if branch.ends[0] in near])
@@ -347,7 +349,7 @@ class Diagram:
     def path(self, first: str, last: str) -> tuple[str, ...]:
         """A shortest way from one branch to another: ids of branches and points in turn.
 
-        Empty if they do not hang together; KeyError if there is no such branch.
+        Empty if they are not connected; KeyError if there is no such branch.
         """
         start, stop = self.branch(first), self.branch(last)
         if first == last:
@@ -392,7 +394,7 @@ class Diagram:
         return tuple(found)
 
     def graph(self) -> nx.MultiGraph:
-        """How the branches hang together.
+        """How the branches are connected.
 
         Returns
         -------

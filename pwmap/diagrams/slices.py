@@ -18,7 +18,7 @@ from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import to_float
-from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, sign_at, trimmed
+from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, real_to_sympy, sign_at, trimmed
 
 _T = sympy.Symbol("t")
 
@@ -84,7 +84,7 @@ class Slice:
         own = next((s for s in expr.free_symbols if s.name == self.name), None)
         drawn = self._sampled(expr)
         if not isinstance(self.at, RealRoot) or own is None:
-            point = {own: to_sympy(self.at)} if own is not None else {}
+            point = {own: real_to_sympy(self.at)} if own is not None else {}
             key = real(drawn.xreplace(point))
             return Value(expr.xreplace(point), key, to_float(key))
         top, bottom = _quotient(drawn, own)
@@ -151,15 +151,10 @@ def real(expr: sympy.Expr) -> Real:
     for root in real_roots(_dense(polynomial)):
         if not isinstance(root, RealRoot):
             return root
-        low, high = to_sympy(root.low), to_sympy(root.high)
+        low, high = real_to_sympy(root.low), real_to_sympy(root.high)
         if expr > low and expr < high:  # irrational: the digits show it
             return root
     raise ValueError(f"{expr} is no real number")
-
-
-def to_sympy(number: Real) -> sympy.Expr:
-    """The number as an expression."""
-    return number.to_sympy() if isinstance(number, RealRoot) else QQ.to_sympy(number)
 
 
 @lru_cache(maxsize=4096)

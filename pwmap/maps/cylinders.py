@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from pwmap.maps.budget import BUDGET, Budget, BudgetError
-from pwmap.maps.words import Offset, Order, SignOracle, Word
+from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
 
 
 class Cut(NamedTuple):
@@ -140,11 +140,11 @@ def above_diagonal(oracle: SignOracle, word: Word, cut: Cut) -> int:
     slope that is not zero, and A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k for the word w = uv.
     """
     prefix, rest = word[: cut.steps], word[cut.steps :]
-    return oracle.slope(prefix) * oracle.sign(Order(cut.k, rest + prefix, cut.k))
+    return oracle.slope(prefix) * oracle.sign(CriticalOrbit(cut.k, rest + prefix, cut.k))
 
 
-class Place(Enum):
-    """Where the fixed point of a word's affine map lies."""
+class Inclusion(Enum):
+    """Whether the fixed point of a word's affine map lies in its cylinder, and where."""
 
     INSIDE = "inside its cylinder"
     LOWER = "at the lower end, which belongs to its cylinder"
@@ -168,30 +168,30 @@ class Iterate:
     """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
 
     cylinders: tuple[Cylinder, ...]
-    places: tuple[Place, ...]  # of the fixed point of each cylinder
+    inclusion: tuple[Inclusion, ...]  # of the fixed point of each cylinder
     stable: tuple[bool, ...]  # whether it attracts
     crossings: tuple[Crossing, ...]
 
 
-def place_of_fixed_point(cylinder: Cylinder, oracle: SignOracle) -> Place:
-    """Where the fixed point of a cylinder's affine map lies."""
+def inclusion_of(cylinder: Cylinder, oracle: SignOracle) -> Inclusion:
+    """Whether the fixed point of a cylinder's affine map lies in it, and where."""
     word = cylinder.word
     steepness = oracle.multiplier(word, 1)
     if steepness == 0:
         if oracle.sign(Offset(word)) != 0:
-            return Place.NONE
-        return Place.POINT if cylinder.is_point else Place.BAND
+            return Inclusion.NONE
+        return Inclusion.POINT if cylinder.is_point else Inclusion.BAND
     sides = [
         0 if cut is None else -steepness * above_diagonal(oracle, word, cut)
         for cut in (cylinder.lower, cylinder.upper)
     ]  # sign of (fixed point - end)
     if cylinder.is_point:
-        return Place.POINT if sides[0] == 0 else Place.VIRTUAL
+        return Inclusion.POINT if sides[0] == 0 else Inclusion.VIRTUAL
     if cylinder.lower is not None and sides[0] <= 0:
-        return Place.LOWER if sides[0] == 0 and cylinder.lower_closed else Place.VIRTUAL
+        return Inclusion.LOWER if sides[0] == 0 and cylinder.lower_closed else Inclusion.VIRTUAL
     if cylinder.upper is not None and sides[1] >= 0:
-        return Place.UPPER if sides[1] == 0 and cylinder.upper_closed else Place.VIRTUAL
-    return Place.INSIDE
+        return Inclusion.UPPER if sides[1] == 0 and cylinder.upper_closed else Inclusion.VIRTUAL
+    return Inclusion.INSIDE
 
 
 def crossings(cylinders: Sequence[Cylinder], oracle: SignOracle) -> Iterator[Crossing]:
@@ -211,22 +211,24 @@ def minimal_period(word: Word, unit: int = 1) -> int:
     return next(d for d in lengths if word[:d] * (n // d) == word) // unit
 
 
-def is_stable(cylinders: Sequence[Cylinder], i: int, place: Place, oracle: SignOracle) -> bool:
+def is_stable(
+    cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion, oracle: SignOracle
+) -> bool:
     """Whether a fixed point attracts from both sides.
 
     At a cut it does if the iterate is continuous there, with slopes m and n on its sides such
     that m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
     """
     cylinder = cylinders[i]
-    if place is Place.INSIDE:
+    if inclusion is Inclusion.INSIDE:
         word = cylinder.word
         return oracle.multiplier(word, 1) < 0 < oracle.multiplier(word, -1)
-    if place not in (Place.LOWER, Place.UPPER, Place.POINT):
+    if inclusion not in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT):
         return False
-    cut = cylinder.upper if place is Place.UPPER else cylinder.lower
+    cut = cylinder.upper if inclusion is Inclusion.UPPER else cylinder.lower
     assert cut is not None
-    left = cylinder if place is Place.UPPER else cylinders[i - 1]
-    right = cylinder if place is Place.LOWER else cylinders[i + 1]
+    left = cylinder if inclusion is Inclusion.UPPER else cylinders[i - 1]
+    right = cylinder if inclusion is Inclusion.LOWER else cylinders[i + 1]
     if any(above_diagonal(oracle, side.word, cut) for side in (left, right)):
         return False
     slopes = (left.word, right.word, left.word + right.word)

@@ -30,8 +30,8 @@ from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.terms import own_name, shortened
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import checked_size
-from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Iterate, Place, minimal_period
-from pwmap.maps.reading import Model, read, read_formula
+from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Inclusion, Iterate, minimal_period
+from pwmap.maps.reading import Definition, read, read_formula
 from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
 from pwmap.maps.words import (
     Layout,
@@ -296,17 +296,17 @@ class PiecewiseLinearMap:
 
     def _set(
         self,
-        model: Model,
+        definition: Definition,
         chain: Chain,
         decided: Decided | None = None,
         known: dict[Chain, tuple[Cylinder, ...]] | None = None,
     ) -> None:
-        self._model = model
+        self._definition = definition
         self._chain = chain
         if decided is None:
-            orbits = Orbits(model.table)
-            decide = sign if model.ring is None else model.region.sign
-            decided = Decided(model.region, orbits, SignOracle(orbits, decide), {})
+            orbits = Orbits(definition.table)
+            decide = sign if definition.ring is None else definition.region.sign
+            decided = Decided(definition.region, orbits, SignOracle(orbits, decide), {})
         self._decided = decided
         self._known: dict[Chain, tuple[Cylinder, ...]] = (
             {(): cyl.WHOLE_LINE, **{c: it.cylinders for c, it in decided.iterates.items()}}
@@ -335,15 +335,15 @@ class PiecewiseLinearMap:
             What iterates show there.
         """
         self = cls.__new__(cls)
-        self._set(map_._model, map_._chain, Decided(scope, orbits, oracle, iterates))
+        self._set(map_._definition, map_._chain, Decided(scope, orbits, oracle, iterates))
         return self
 
     def __reduce__(self) -> tuple[Callable[..., PiecewiseLinearMap], tuple[object, ...]]:
-        return _restored, (self._model, self._chain, self._decided)
+        return _restored, (self._definition, self._chain, self._decided)
 
     def _with_chain(self, chain: Chain) -> PiecewiseLinearMap:
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
-        other._set(self._model, chain, self._decided, self._known)
+        other._set(self._definition, chain, self._decided, self._known)
         return other
 
     @property
@@ -366,22 +366,22 @@ class PiecewiseLinearMap:
     @property
     def x(self) -> sympy.Symbol:
         """The variable."""
-        return self._model.x
+        return self._definition.x
 
     @property
     def parameters(self) -> tuple[sympy.Symbol, ...]:
         """The parameters that have no value yet."""
-        return tuple(self._model.ring.symbols) if self._model.ring is not None else ()
+        return tuple(self._definition.ring.symbols) if self._definition.ring is not None else ()
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
         """What is assumed of the parameters."""
-        return self._model.region.relations()
+        return self._definition.region.relations()
 
     @property
     def letters(self) -> tuple[str, ...]:
         """The names of the original pieces."""
-        return self._model.letters
+        return self._definition.letters
 
     @property
     def order(self) -> int:
@@ -389,9 +389,9 @@ class PiecewiseLinearMap:
         return len(self._chain)
 
     @property
-    def model(self) -> Model:
+    def definition(self) -> Definition:
         """Coefficients and assumptions."""
-        return self._model
+        return self._definition
 
     @property
     def chain(self) -> Chain:
@@ -438,7 +438,7 @@ class PiecewiseLinearMap:
         TypeError
             If a value is a float.
         """
-        model = self._model
+        definition = self._definition
         numbers = {
             own_name(name, self.parameters): rational(value) for name, value in values.items()
         }
@@ -449,7 +449,7 @@ class PiecewiseLinearMap:
         if not numbers:
             return self
         given = shortened(", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items()))
-        broken = model.region.contains(numbers)
+        broken = definition.region.contains(numbers)
         if broken is not None:
             raise ValueError(f"{given} contradicts the assumption {broken}")
         cell = self.scope.contains(numbers)
@@ -458,13 +458,13 @@ class PiecewiseLinearMap:
         ring = polynomial_ring([s for s in self.parameters if str(s) not in numbers])
         constraints = [
             Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
-            for c in dict.fromkeys((*model.region.constraints, *self.scope.constraints))
+            for c in dict.fromkeys((*definition.region.constraints, *self.scope.constraints))
         ]
         region = Region(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
         _ = region.sample  # complains if the values leave nothing
-        table = model.table.mapped(lambda number: evaluate(number, numbers, ring))
+        table = definition.table.mapped(lambda number: evaluate(number, numbers, ring))
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
-        other._set(Model(model.x, ring, region, table, model.letters), self._chain)
+        other._set(Definition(definition.x, ring, region, table, definition.letters), self._chain)
         return other
 
     def iterate(self, j: int) -> PiecewiseLinearMap:
@@ -492,21 +492,21 @@ class PiecewiseLinearMap:
         ValueError
             If the maps belong to different cells, or have different variables.
         """
-        if inner._model == self._model:
-            wide = self.scope == self._model.region  # a cell is the narrower one
-            if not wide and inner.scope not in (self.scope, inner._model.region):
+        if inner._definition == self._definition:
+            wide = self.scope == self._definition.region  # a cell is the narrower one
+            if not wide and inner.scope not in (self.scope, inner._definition.region):
                 cells = f"{self.scope} and {inner.scope}"
                 raise ValueError(f"the maps hold in different cells, {cells}")
             return (inner if wide else self)._with_chain(inner._chain + self._chain)
-        model, shift = _joined(inner._model, self._model)
+        definition, shift = _joined(inner._definition, self._definition)
         other = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
         chain = inner._chain + tuple(i + shift for i in self._chain)
-        cell = next((m.scope for m in (self, inner) if m.scope != m._model.region), None)
+        cell = next((m.scope for m in (self, inner) if m.scope != m._definition.region), None)
         if cell is None or (self.parameters and inner.parameters):
-            other._set(model, chain)
+            other._set(definition, chain)
         else:
-            orbits = Orbits(model.table)
-            other._set(model, chain, Decided(cell, orbits, SignOracle(orbits, cell.sign), {}))
+            orbits = Orbits(definition.table)
+            other._set(definition, chain, Decided(cell, orbits, SignOracle(orbits, cell.sign), {}))
         return other
 
     def __matmul__(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
@@ -539,7 +539,7 @@ class PiecewiseLinearMap:
 
     def _follow(self, x: object, direction: int) -> tuple[Word, Fraction_]:
         """Word and value of a point (direction 0) or of points just beside it (-1, +1)."""
-        table, decide = self._model.table, self.scope.sign
+        table, decide = self._definition.table, self.scope.sign
         top, bottom = self._fraction(x)
         word: list[int] = []
         slopes: list[Number] = []
@@ -561,14 +561,14 @@ class PiecewiseLinearMap:
         decide = self.scope.sign
         side = decide(bottom)
         for i, k in enumerate(layout.breaks):
-            table = self._model.table
+            table = self._definition.table
             order = side * decide(table.denominator * top - table.breaks[k] * bottom)
             if order <= 0:
                 return 2 * i + (order == 0)
         return 2 * len(layout.breaks)
 
     def _fraction(self, x: object) -> Fraction_:
-        return fraction_of(x, self._model.ring, "a point")
+        return fraction_of(x, self._definition.ring, "a point")
 
     def jumps(self) -> tuple[Jump, ...]:
         """All discontinuities, from left to right: where the limits differ as formulas.
@@ -600,12 +600,12 @@ class PiecewiseLinearMap:
 
     # --- The diagonal ---------------------------------------------------------------------------
 
-    def _place(self, i: int) -> Place:
-        """Where the fixed point of a cylinder lies."""
+    def _inclusion(self, i: int) -> Inclusion:
+        """Whether the fixed point of a cylinder lies in it, and where."""
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
-            return iterate.places[i]
-        return cyl.place_of_fixed_point(self.cylinders[i], self.oracle)
+            return iterate.inclusion[i]
+        return cyl.inclusion_of(self.cylinders[i], self.oracle)
 
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
         """All isolated fixed points, from left to right.
@@ -622,18 +622,19 @@ class PiecewiseLinearMap:
         """
         found = []
         for i, cylinder in enumerate(self.cylinders):
-            place = self._place(i)
-            if place in (Place.NONE, Place.BAND) or (place is Place.VIRTUAL and not virtual):
+            inclusion = self._inclusion(i)
+            if inclusion in (Inclusion.NONE, Inclusion.BAND):
                 continue
-            if place is Place.VIRTUAL and self.oracle.multiplier(cylinder.word, 1) == 0:
+            is_virtual = inclusion is Inclusion.VIRTUAL
+            if is_virtual and (not virtual or self.oracle.multiplier(cylinder.word, 1) == 0):
                 continue
-            found.append(self._fixed_point(i, place))
+            found.append(self._fixed_point(i, inclusion))
         return tuple(found)
 
-    def _fixed_point(self, i: int, place: Place) -> FixedPoint:
+    def _fixed_point(self, i: int, inclusion: Inclusion) -> FixedPoint:
         cylinder = self.cylinders[i]
         word = cylinder.word
-        if place is Place.POINT:
+        if inclusion is Inclusion.POINT:
             assert cylinder.lower is not None
             x = self.cut_to_sympy(word, cylinder.lower)
         else:
@@ -641,20 +642,20 @@ class PiecewiseLinearMap:
         multiplier = quotient_to_sympy(self.orbits.slope(word))
         return FixedPoint(
             x=x,
-            multiplier=sympy.nan if place is Place.POINT else multiplier,
+            multiplier=sympy.nan if inclusion is Inclusion.POINT else multiplier,
             word=self.spelled(word),
             order=self.order,
             period=self._period(word),
-            admissible=place is not Place.VIRTUAL,
-            stable=self._is_stable(i, place),
-            at_border=place in (Place.LOWER, Place.UPPER, Place.POINT),
+            admissible=inclusion is not Inclusion.VIRTUAL,
+            stable=self._is_stable(i, inclusion),
+            at_border=inclusion in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT),
         )
 
-    def _is_stable(self, i: int, place: Place) -> bool:
+    def _is_stable(self, i: int, inclusion: Inclusion) -> bool:
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
             return iterate.stable[i]
-        return cyl.is_stable(self.cylinders, i, place, self.oracle)
+        return cyl.is_stable(self.cylinders, i, inclusion, self.oracle)
 
     def _period(self, word: Word) -> int:
         """Minimal period of a point with a word, counted in single maps."""
@@ -671,7 +672,7 @@ class PiecewiseLinearMap:
                 period=self._band_period(piece.cylinder.word),
             )
             for i, piece in enumerate(self.pieces)
-            if self._place(i) is Place.BAND
+            if self._inclusion(i) is Inclusion.BAND
         )
 
     def _band_period(self, word: Word) -> int:
@@ -756,7 +757,7 @@ class PiecewiseLinearMap:
 
     def _layouts(self, n: int) -> list[Layout]:
         """The layouts of n maps in a row, the chain repeated."""
-        return [self._model.table.layouts[self._chain[i % self.order]] for i in range(n)]
+        return [self._definition.table.layouts[self._chain[i % self.order]] for i in range(n)]
 
     def _read_word(self, word: str) -> Word:
         """The pieces that the letters of a word name; two maps may use the same letter."""
@@ -836,7 +837,7 @@ class PiecewiseLinearMap:
 
     def __repr__(self) -> str:
         """Variable, order, letters, parameters and assumptions."""
-        given = f", given {self._model.region}" if self.given else ""
+        given = f", given {self._definition.region}" if self.given else ""
         names = ", ".join(map(str, self.parameters)) or "none"
         return (
             f"<PiecewiseLinearMap of {self.x}, order {self.order}, "
@@ -855,10 +856,10 @@ class PiecewiseLinearMap:
         )
 
 
-def _restored(model: Model, chain: Chain, decided: Decided) -> PiecewiseLinearMap:
+def _restored(definition: Definition, chain: Chain, decided: Decided) -> PiecewiseLinearMap:
     """A map as it was before it was copied or pickled; its pieces are made anew."""
     map_ = PiecewiseLinearMap.__new__(PiecewiseLinearMap)
-    map_._set(model, chain, decided)
+    map_._set(definition, chain, decided)
     return map_
 
 
@@ -901,7 +902,7 @@ def _neighbours(
         yield left, left, right, after
 
 
-def _joined(first: Model, second: Model) -> tuple[Model, int]:
+def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
     """Two maps in one table, and by how much the layouts of the second were shifted."""
     if first.x != second.x:
         raise ValueError(f"the maps have different variables, {first.x} and {second.x}")
@@ -932,5 +933,5 @@ def _joined(first: Model, second: Model) -> tuple[Model, int]:
         tables[0].one,
         tables[0].denominator,
     )
-    model = Model(first.x, ring, region, table, first.letters + second.letters)
-    return model, len(first.table.layouts)
+    definition = Definition(first.x, ring, region, table, first.letters + second.letters)
+    return definition, len(first.table.layouts)

@@ -40,7 +40,7 @@ Affine = tuple[Fraction_, Fraction_]  # slope and intercept
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class Definition:
     """A map as it was written: its variable, parameters, assumptions and coefficients."""
 
     x: sympy.Symbol
@@ -49,12 +49,14 @@ class Model:
     table: Table
     letters: tuple[str, ...]
 
-    def __reduce__(self) -> tuple[Callable[..., Model], tuple[object, ...]]:
-        return _model, (self.x, self.region, self.table, self.letters)
+    def __reduce__(self) -> tuple[Callable[..., Definition], tuple[object, ...]]:
+        return _definition, (self.x, self.region, self.table, self.letters)
 
 
-def _model(x: sympy.Symbol, region: Region, table: Table, letters: tuple[str, ...]) -> Model:
-    return Model(x, region.ring, region, table, letters)
+def _definition(
+    x: sympy.Symbol, region: Region, table: Table, letters: tuple[str, ...]
+) -> Definition:
+    return Definition(x, region.ring, region, table, letters)
 
 
 def read(
@@ -64,7 +66,7 @@ def read(
     letters: Sequence[str] | None,
     *,
     first_wins: bool,
-) -> Model:
+) -> Definition:
     """Read pieces (formula, condition), as in ``sympy.Piecewise``.
 
     With ``first_wins`` the first condition that holds counts, otherwise exactly one must hold.
@@ -86,7 +88,7 @@ def read(
 
 def read_formula(
     formula: object, x: object, given: Iterable[object], letters: Sequence[str] | None
-) -> Model:
+) -> Definition:
     """Read one formula, of which the first condition that holds counts; see :func:`read`."""
     variable = _symbol(x)
     term = term_of(formula, [variable])
@@ -103,7 +105,7 @@ def _read(
     letters: Sequence[str] | None,
     *,
     first_wins: bool,
-) -> Model:
+) -> Definition:
     given = [given] if isinstance(given, str | sympy.Basic) else list(given)
     assumed = [term_of(condition, [x]) for condition in given]
     region = _region([term for pair in pairs for term in pair], assumed, x)
@@ -205,7 +207,7 @@ def _assembled(
     breaks: Sequence[Fraction_],
     slots: Sequence[tuple[int, Affine]],
     letters: Sequence[str] | None,
-) -> Model:
+) -> Definition:
     """Give each maximal run of slots with one owner a letter; drop breaks inside a run."""
     runs = [(affine, len(list(group))) for (_, affine), group in groupby(slots)]
     letter_of_slot = [i for i, (_, length) in enumerate(runs) for _ in range(length)]
@@ -235,7 +237,7 @@ def _assembled(
         one,
         denominator,
     )
-    return Model(x, region.ring, region, table, _letters(letters, len(runs)))
+    return Definition(x, region.ring, region, table, _letters(letters, len(runs)))
 
 
 def _value(affine: Affine, x: Fraction_) -> Fraction_:

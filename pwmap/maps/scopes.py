@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import sympy
-from sympy import QQ
 
 from pwmap.algebra.assumptions import Region, UndecidedError
 from pwmap.algebra.exact import (
@@ -32,9 +31,9 @@ from pwmap.algebra.exact import (
 from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.roots import (
     Real,
-    RealRoot,
     portable,
     real_roots,
+    real_to_sympy,
     restored,
     sign_at,
     simplest_between,
@@ -249,9 +248,7 @@ def _refusal(polynomial: Number, cell: object, orders: Orders) -> str:
 
 
 def _shown(end: Real | None) -> sympy.Expr | None:
-    if end is None:
-        return None
-    return end.to_sympy() if isinstance(end, RealRoot) else QQ.to_sympy(end)
+    return None if end is None else real_to_sympy(end)
 
 
 def _between(low: sympy.Expr | None, symbol: sympy.Symbol, high: sympy.Expr | None) -> str:

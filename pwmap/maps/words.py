@@ -108,7 +108,7 @@ def _table(kept: Packed, letters: int, layouts: tuple[Layout, ...]) -> Table:
     return Table(slopes, intercepts, numbers[2 * letters : -2], layouts, *numbers[-2:])
 
 
-class Order(NamedTuple):
+class CriticalOrbit(NamedTuple):
     """Where the critical orbit of break k is after a word: A_word(b_k) - b_l."""
 
     k: int
@@ -136,7 +136,7 @@ class Offset(NamedTuple):
     name: str = "offset"
 
 
-Decision = Order | Slope | Multiplier | Offset
+Decision = CriticalOrbit | Slope | Multiplier | Offset
 
 
 class Mark(NamedTuple):
@@ -266,7 +266,7 @@ class Orbits:
 
     def _numerator(self, decision: Decision) -> Number:
         match decision:
-            case Order(k, word, l):
+            case CriticalOrbit(k, word, l):
                 b = self.table.breaks[l]
                 return self.orbit(k, word) - (b if self._plain else b * self.power(len(word)))
             case Slope(letter):
@@ -307,7 +307,7 @@ class IntegerOrbits:
     def polynomial(self, decision: Decision) -> int:
         """An integer with the sign that makes a decision."""
         match decision:
-            case Order(k, word, l):
+            case CriticalOrbit(k, word, l):
                 return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
             case Slope(letter):
                 return self._slopes[letter]
@@ -415,7 +415,7 @@ class SignOracle:
         low, high = 0, len(breaks)
         while low < high:
             middle = (low + high) // 2
-            side = self.sign(Order(k, word, breaks[middle]))
+            side = self.sign(CriticalOrbit(k, word, breaks[middle]))
             if side == 0:
                 return 2 * middle + 1
             if side < 0:

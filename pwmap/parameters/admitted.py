@@ -23,7 +23,7 @@ TRIES = 40  # samples: all but the first few are generic but for an accident
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class AdmittedInterval:
     """An open interval of an axis in which all assumptions hold.
 
     Attributes
@@ -46,7 +46,7 @@ class Stretch:
         )
 
 
-def stretches(axis: Axis, span: Span) -> list[Stretch]:
+def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
     """The parts of a span that the assumptions admit, from left to right.
 
     Raises
@@ -58,19 +58,19 @@ def stretches(axis: Axis, span: Span) -> list[Stretch]:
     low, high = (None if end is None else axis.place(end) for end in span)
     limits = _limits(axis)
     inner = [x for x in limits if (low is None or low < x) and (high is None or x < high)]
-    found: list[Stretch] = []
+    found: list[AdmittedInterval] = []
     for left, right in pairwise([low, *inner, high]):
         broken = _broken(axis, axis.between(left, right))
         if broken is None:
             closed = (_belongs(axis, left), _belongs(axis, right))
             if found and found[-1].high is left and closed[0]:  # an assumption only touches zero
-                found[-1] = Stretch(found[-1].low, right, (found[-1].closed[0], closed[1]))
+                found[-1] = AdmittedInterval(found[-1].low, right, (found[-1].closed[0], closed[1]))
             else:
-                found.append(Stretch(left, right, closed))
+                found.append(AdmittedInterval(left, right, closed))
         elif None not in (low, high):
             shown = f"{axis.name} = {axis.to_sympy(axis.between(left, right))}"
             raise ValueError(f"{shown} in the span contradicts the assumption {broken}")
-    ends = [end for stretch in found for end in (stretch.low, stretch.high)]
+    ends = [end for interval in found for end in (interval.low, interval.high)]
     for place in inner:
         if not any(place is end for end in ends) and _is_alone(axis, place, found):
             raise ValueError(
@@ -83,7 +83,7 @@ def stretches(axis: Axis, span: Span) -> list[Stretch]:
 def _limits(axis: Axis) -> list[Any]:
     """Places at which assumptions begin or cease to hold, from left to right."""
     found: dict[Any, Any] = {}
-    for constraint in axis.model.region.constraints:
+    for constraint in axis.definition.region.constraints:
         for place in axis.limits(constraint) if axis.degree(constraint.polynomial) else ():
             if not identical(found.setdefault(place, place), place):
                 raise ResampleError
@@ -92,7 +92,7 @@ def _limits(axis: Axis) -> list[Any]:
 
 def _broken(axis: Axis, place: Any) -> Constraint | None:
     """The first assumption that does not hold at a place."""
-    constraints = axis.model.region.constraints
+    constraints = axis.definition.region.constraints
     return next((c for c in constraints if not c.holds(axis.sign(c.polynomial, place))), None)
 
 
@@ -100,8 +100,8 @@ def _belongs(axis: Axis, place: Any) -> bool:
     return place is not None and _broken(axis, place) is None
 
 
-def _is_alone(axis: Axis, place: Any, found: Sequence[Stretch]) -> bool:
-    """Whether a place is admitted, and is not inside a stretch."""
+def _is_alone(axis: Axis, place: Any, found: Sequence[AdmittedInterval]) -> bool:
+    """Whether a place is admitted, and is not inside an interval."""
     inside = any(
         (s.low is None or s.low < place) and (s.high is None or place < s.high) for s in found
     )
@@ -126,16 +126,16 @@ def samples(
         values = {own_name(key, map_.parameters): rational(value) for key, value in chosen.items()}
         if set(values) != others:
             raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
-        broken = map_.model.region.contains(values)
+        broken = map_.definition.region.contains(values)
         if broken is not None:
             raise ValueError(f"the sample {dict(chosen)} contradicts the assumption {broken}")
         _ = map_.at(values)  # complains if nothing is left to the parameter of the axis
         yield values
         return
-    table = map_.model.table
+    table = map_.definition.table
     coefficients = (*table.breaks, *table.slopes, *table.intercepts)
     seen: list[dict[str, Number]] = []
-    for values in islice(_over(map_.model.region, name, span).samples(coefficients), TRIES):
+    for values in islice(_over(map_.definition.region, name, span).samples(coefficients), TRIES):
         del values[name]
         if values not in seen:
             seen.append(values)

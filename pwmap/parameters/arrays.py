@@ -15,15 +15,15 @@ from sympy import QQ
 from pwmap.algebra.exact import Fraction_, Number, to_float
 from pwmap.diagrams.diagram import BranchKind, FloatArray, SpecialPoint
 from pwmap.parameters.axis import Axis
-from pwmap.parameters.branches import Run, Sweep
+from pwmap.parameters.branches import Continuation, Segment
 
-SAMPLES = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
+POINTS = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
 ROUNDING = 2.0**-53  # of one operation, relative
 TRUSTED = 2.0**-40  # relative error of a value that is drawn; a picture shows 2**-12
 RESOLVED = 2.0**-30  # width of an interval over its ends from which floats can part it
 
 
-class Samples(NamedTuple):
+class BranchArrays(NamedTuple):
     """A branch as arrays; where a number is too large for a float it is infinite."""
 
     parameter: FloatArray
@@ -31,27 +31,29 @@ class Samples(NamedTuple):
     multiplier: FloatArray
 
 
-def samples(sweep: Sweep, run: Run, ends: tuple[SpecialPoint, SpecialPoint]) -> Samples:
-    """Parameter, x and multiplier along a run, few samples where that is enough."""
-    axis, slope = sweep.axis, sweep.orbits.slope(run.name.word)
-    smooth = run.name.kind is BranchKind.FIXED_POINT and not is_isolated(run)
+def branch_arrays(
+    continuation: Continuation, segment: Segment, ends: tuple[SpecialPoint, SpecialPoint]
+) -> BranchArrays:
+    """Parameter, x and multiplier along a segment, few points where that is enough."""
+    axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
+    smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated
     outer = [
         (
             end.parameter,
             end.x,
-            axis.number(slope, place) if smooth and sweep.is_finite(slope, place) else nan,
+            axis.number(slope, place) if smooth and continuation.is_finite(slope, place) else nan,
         )
-        for end, place in zip(ends, run.places, strict=True)
+        for end, place in zip(ends, segment.places, strict=True)
     ]
-    if run.band is not None:
-        return Samples(*np.array(outer).T)
-    if run.places[0] == run.places[1]:
-        return Samples(*np.array(outer[:1]).T)
-    position = sweep.position(run.name)
+    if segment.band is not None:
+        return BranchArrays(*np.array(outer).T)
+    if segment.places[0] == segment.places[1]:
+        return BranchArrays(*np.array(outer[:1]).T)
+    position = continuation.position(segment.key)
     degrees = [axis.degree(number) for number in (*position, *slope)]
     if degrees[0] <= 1 and not any(degrees[1:]):
-        return Samples(*np.array(outer).T)
-    places, parameter = _spread(axis, run, ends)
+        return BranchArrays(*np.array(outer).T)
+    places, parameter = _spread(axis, segment, ends)
     multiplier = values(axis, slope, places, parameter)
     inner = np.array(
         [
@@ -61,24 +63,19 @@ def samples(sweep: Sweep, run: Run, ends: tuple[SpecialPoint, SpecialPoint]) -> 
         ]
     )
     first, last = (np.array(end)[:, None] for end in outer)
-    return Samples(*np.hstack([first, inner, last]))
-
-
-def is_isolated(run: Run) -> bool:
-    """Whether a run is one of cylinders that are single points: it has no slope."""
-    return run.shows is not None and run.shows.isolated
+    return BranchArrays(*np.hstack([first, inner, last]))
 
 
 def _spread(
-    axis: Axis, run: Run, ends: tuple[SpecialPoint, SpecialPoint]
+    axis: Axis, segment: Segment, ends: tuple[SpecialPoint, SpecialPoint]
 ) -> tuple[list[Any], FloatArray]:
-    """Places inside a run, in equal steps, and the same as floats."""
+    """Places inside a segment, in equal steps, and the same as floats."""
     low, high = (end.parameter for end in ends)
-    steps = np.arange(1, SAMPLES - 1) / (SAMPLES - 1)
+    steps = np.arange(1, POINTS - 1) / (POINTS - 1)
     parameter = low + (high - low) * steps
     if RESOLVED * max(abs(low), abs(high)) < high - low < inf:
         return [axis.place(QQ(*p.as_integer_ratio())) for p in parameter.tolist()], parameter
-    places = axis.spread(*run.places, SAMPLES - 2)
+    places = axis.spread(*segment.places, POINTS - 2)
     return places, np.array([axis.number(axis.identity, place) for place in places])
 
 

@@ -41,12 +41,13 @@ from pwmap.algebra.roots import (
     bounds,
     integers,
     real_roots,
+    real_to_sympy,
     sign_at,
     simplest_between,
     trimmed,
 )
 from pwmap.algebra.signs import possible_signs, without_implied
-from pwmap.maps.reading import Model
+from pwmap.maps.reading import Definition
 from pwmap.maps.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
 from pwmap.maps.words import Decision, IntegerOrbits, Orbits, SignOracle
 
@@ -126,7 +127,7 @@ class DegreeError(ValueError):
 class Axis(ABC):
     """One parameter of a map, along which the signs of polynomials are followed."""
 
-    model: Model
+    definition: Definition
     name: str
     sample: dict[str, Number]  # values of the other, symbolic parameters
     orbits: Orbits  # of the map, in all its parameters
@@ -143,9 +144,9 @@ class Axis(ABC):
     def oracle(self, place: Any) -> SignOracle:
         """Who decides all signs at a place."""
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
-        self.orbits = Orbits(model.table)
+    def __init__(self, definition: Definition) -> None:
+        self.definition = definition
+        self.orbits = Orbits(definition.table)
         self.sample = {}
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
 
@@ -187,11 +188,11 @@ class Axis(ABC):
         """A quotient at a place, in a canonical form, or INFINITE."""
 
     @abstractmethod
-    def order(self, first: Fraction_, second: Fraction_, place: Any) -> int:
+    def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         """Sign of the difference of two finite quotients at a place."""
 
     @abstractmethod
-    def compare(self, first: Any, second: Any, place: Any) -> int:
+    def compare_values(self, first: Any, second: Any, place: Any) -> int:
         """Sign of the difference of two values, as :meth:`value` returned them for a place.
 
         With symbolic parameters it is the sign at their sample, which is not recorded.
@@ -227,12 +228,12 @@ class Axis(ABC):
     @property
     def identity(self) -> Fraction_:
         """The parameter itself, as a quotient."""
-        ring = self.model.ring
+        ring = self.definition.ring
         return ring.gens[names_of(ring).index(self.name)], ring.one
 
     def degree(self, number: Number) -> int:
         """Degree of a polynomial in the parameter of the axis; 0 for zero."""
-        index = names_of(self.model.ring).index(self.name)
+        index = names_of(self.definition.ring).index(self.name)
         return max(0, int(number.degree(index))) if number else 0
 
     def closing(self, places: Sequence[Any]) -> None:  # noqa: B027
@@ -262,9 +263,9 @@ def _integers(number: Number) -> tuple[int, ...]:
 class RationalAxis(Axis):
     """The only parameter of a map."""
 
-    def __init__(self, model: Model) -> None:
-        super().__init__(model)
-        self.name = str(model.ring.symbols[0])
+    def __init__(self, definition: Definition) -> None:
+        super().__init__(definition)
+        self.name = str(definition.ring.symbols[0])
 
     def place(self, value: Number) -> Number:
         return value
@@ -275,11 +276,11 @@ class RationalAxis(Axis):
     def oracle(self, place: Any) -> SignOracle:
         if isinstance(place, RealRoot):
             return SignOracle(self.orbits, _SignAt(place))
-        table = self.model.table.mapped(lambda number: _at(number, place))
+        table = self.definition.table.mapped(lambda number: _at(number, place))
         return SignOracle(IntegerOrbits(table), sign)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        symbol = self.model.ring.symbols[0]
+        symbol = self.definition.ring.symbols[0]
         if low is not None and low is high:
             return Edge(symbol, low)
         return Interval(symbol, low, high, orders)
@@ -298,12 +299,12 @@ class RationalAxis(Axis):
             return place.quotient(top, bottom)
         return _at(fraction[0], place) / _at(fraction[1], place)
 
-    def order(self, first: Fraction_, second: Fraction_, place: Any) -> int:
+    def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         (a, b), (c, d) = first, second
         bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
         return sign_at(dense(a * d - c * b), place) * bottom
 
-    def compare(self, first: Any, second: Any, place: Any) -> int:
+    def compare_values(self, first: Any, second: Any, place: Any) -> int:
         if isinstance(place, RealRoot):
             return sign_at(_difference(first, second), place)
         return sign(first - second)
@@ -336,7 +337,7 @@ class SymbolicAxis(Axis):
 
     Parameters
     ----------
-    model
+    definition
         The map.
     name
         The parameter of the axis.
@@ -344,12 +345,12 @@ class SymbolicAxis(Axis):
         Values of the other parameters at which the picture is drawn.
     """
 
-    def __init__(self, model: Model, name: str, sample: dict[str, Number]) -> None:
-        super().__init__(model)
+    def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
+        super().__init__(definition)
         self.name, self.sample = name, sample
-        names = [str(s) for s in model.ring.symbols]
+        names = [str(s) for s in definition.ring.symbols]
         self._index = names.index(name)
-        self._others = polynomial_ring([s for s in model.ring.symbols if str(s) != name])
+        self._others = polynomial_ring([s for s in definition.ring.symbols if str(s) != name])
         self._conditions: dict[PolyElement, None] = {}
         self._assumed: list[Constraint] | None = None  # of the others, when all was decided
 
@@ -362,7 +363,7 @@ class SymbolicAxis(Axis):
 
     def oracle(self, place: Threshold) -> SignOracle:
         values = {**self.sample, self.name: place.value}
-        table = self.model.table.mapped(lambda n: evaluate(n, values, None))
+        table = self.definition.table.mapped(lambda n: evaluate(n, values, None))
         return SignOracle(IntegerOrbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
@@ -436,7 +437,7 @@ class SymbolicAxis(Axis):
         top, bottom = top * scale ** max(0, m - n), bottom * scale ** max(0, n - m)
         return SymbolicValue(self._at_sample(top, bottom), top, bottom)
 
-    def order(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
+    def compare(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
         one, other = self.value(first, place), self.value(second, place)
         difference = one.top * other.bottom - other.top * one.bottom
         if not difference:
@@ -444,7 +445,7 @@ class SymbolicAxis(Axis):
         self._keep_sign_of(_quotient(difference, one.bottom * other.bottom))
         return sign(one.value - other.value)
 
-    def compare(self, first: Any, second: Any, place: Threshold) -> int:
+    def compare_values(self, first: Any, second: Any, place: Threshold) -> int:
         return sign(first.value - second.value)
 
     def to_sympy(self, place: Threshold) -> sympy.Expr:
@@ -535,7 +536,7 @@ class SymbolicAxis(Axis):
                 yield Constraint(sign(evaluate(polynomial, self.sample, None)) * polynomial, True)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        ring, symbol = self.model.ring, self.model.ring.symbols[self._index]
+        ring, symbol = self.definition.ring, self.definition.ring.symbols[self._index]
         if self._assumed is None:
             kept = self._kept()
             self._assumed = [Constraint(to_ring(c.polynomial, ring), c.strict) for c in kept]
@@ -554,7 +555,7 @@ class SymbolicAxis(Axis):
 
     def _quotient(self, place: Threshold) -> Fraction_:
         """Numerator and denominator of a place in the ring of all parameters."""
-        ring = self.model.ring
+        ring = self.definition.ring
         return to_ring(place.expr.numer, ring), to_ring(place.expr.denom, ring)
 
     def bounds(self) -> tuple[Any, Any]:
@@ -569,7 +570,7 @@ class SymbolicAxis(Axis):
         """What the map itself assumes of the other parameters."""
         return [
             Constraint(evaluate(c.polynomial, {self.name: QQ.zero}, self._others), c.strict)
-            for c in self.model.region.constraints
+            for c in self.definition.region.constraints
             if not self.degree(c.polynomial)
         ]
 
@@ -581,14 +582,9 @@ def identical(first: Any, second: Any) -> bool:
     return bool(first.top * second.bottom == second.top * first.bottom)
 
 
-def axis_of(model: Model, name: str, sample: dict[str, Number]) -> Axis:
+def axis_of(definition: Definition, name: str, sample: dict[str, Number]) -> Axis:
     """The axis of a parameter; the others, if any, stay symbolic, with values at a sample."""
-    return SymbolicAxis(model, name, sample) if sample else RationalAxis(model)
-
-
-def real_to_sympy(x: Any) -> sympy.Expr:
-    """A rational or algebraic number as an expression."""
-    return x.to_sympy() if isinstance(x, RealRoot) else QQ.to_sympy(x)
+    return SymbolicAxis(definition, name, sample) if sample else RationalAxis(definition)
 
 
 def _at(number: PolyElement, value: Number) -> Number:

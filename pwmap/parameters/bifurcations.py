@@ -1,7 +1,7 @@
 """The exact bifurcation diagram of a piecewise-linear map over one parameter.
 
-Runs become branches, and where their ends meet there is a special point. What kind it is follows
-from which branches meet there, and on which side.
+Segments become branches, and the junctions of their ends special points. What kind of point it is
+follows from which branches meet there, and on which side.
 """
 
 from __future__ import annotations
@@ -18,12 +18,21 @@ from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Progress, Report
-from pwmap.maps.cylinders import Place
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.admitted import Span
-from pwmap.parameters.arrays import is_isolated, samples
+from pwmap.parameters.arrays import branch_arrays
 from pwmap.parameters.axis import Axis
-from pwmap.parameters.branches import ALONG, LEFT, RIGHT, End, Infinite, Meeting, Name, Run, Sweep
+from pwmap.parameters.branches import (
+    ALONG,
+    LEFT,
+    RIGHT,
+    BranchKey,
+    Continuation,
+    End,
+    Infinite,
+    Junction,
+    Segment,
+)
 from pwmap.parameters.cells import (
     Cell,
     Stage,
@@ -90,7 +99,7 @@ def bifurcation_diagram(
             close(axis, cells)
         else:
             ends = axis.place(limits[0]), axis.place(limits[1])
-        found = _assembled(map_, Sweep(axis, cells, len(map_.chain), ends))
+        found = _assembled(map_, Continuation(axis, cells, len(map_.chain), ends))
         return replace(found, given=(*found.given, *watch.left_out))
 
     return with_cells(
@@ -184,56 +193,59 @@ def _number(place: Any) -> Any:
     return getattr(place, "value", place)
 
 
-def _assembled(map_: PiecewiseLinearMap, sweep: Sweep) -> Diagram:
-    """Name runs and meetings, and tell them of each other."""
-    runs = sweep.runs()
+def _assembled(map_: PiecewiseLinearMap, continuation: Continuation) -> Diagram:
+    """Name segments and junctions, and put them together."""
+    segments = continuation.segments()
     counts: dict[str, int] = defaultdict(int)
-    branch_ids: dict[Run, str] = {}
-    for run in runs:
-        letter = "F" if run.name.kind is BranchKind.FIXED_POINT else "J"
+    branch_ids: dict[Segment, str] = {}
+    for segment in segments:
+        letter = "F" if segment.key.kind is BranchKind.FIXED_POINT else "J"
         counts[letter] += 1
-        branch_ids[run] = f"{letter}{counts[letter]}"
+        branch_ids[segment] = f"{letter}{counts[letter]}"
     points: list[SpecialPoint] = []
-    ends: dict[tuple[Run, int], SpecialPoint] = {}
-    for meeting in sweep.meetings(runs):
-        kind, note = classify(meeting, at_span_end=meeting.place in sweep.stops)
-        if meeting.place in sweep.stops and meeting.place not in sweep.span:
+    ends: dict[tuple[Segment, int], SpecialPoint] = {}
+    for junction in continuation.junctions(segments):
+        kind, note = classify(junction, at_span_end=junction.place in continuation.stops)
+        if junction.place in continuation.stops and junction.place not in continuation.span:
             note = "end of what is assumed"
         counts[kind] += 1
-        point = _point(sweep, meeting, f"{kind}{counts[kind]}", kind, note, branch_ids)
+        point = _point(continuation, junction, f"{kind}{counts[kind]}", kind, note, branch_ids)
         points.append(point)
-        ends.update({(end.run, end.which): point for end in meeting.ends})
+        ends.update({(end.segment, end.which): point for end in junction.ends})
     branches = [
-        _branch(map_, sweep, run, branch_ids[run], (ends[run, 0], ends[run, 1])) for run in runs
+        _branch(
+            map_, continuation, segment, branch_ids[segment], (ends[segment, 0], ends[segment, 1])
+        )
+        for segment in segments
     ]
     return Diagram(
-        parameter_name=sweep.axis.name,
+        parameter_name=continuation.axis.name,
         x_name=str(map_.x),
         branches=tuple(branches),
         points=tuple(points),
-        given=tuple(str(relation) for relation in sweep.axis.given),
-        sample={name: QQ.to_sympy(value) for name, value in sweep.axis.sample.items()},
+        given=tuple(str(relation) for relation in continuation.axis.given),
+        sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
     )
 
 
 def _point(
-    sweep: Sweep,
-    meeting: Meeting,
+    continuation: Continuation,
+    junction: Junction,
     point_id: str,
     kind: PointKind,
     note: str,
-    branch_ids: Mapping[Run, str],
+    branch_ids: Mapping[Segment, str],
 ) -> SpecialPoint:
-    axis, place = sweep.axis, meeting.place
-    x = meeting.value
+    axis, place = continuation.axis, junction.place
+    x = junction.value
     exact_x = sympy.oo * x.side if isinstance(x, Infinite) else axis.value_to_sympy(x, place)
     return SpecialPoint(
         id=point_id,
         kind=kind,
         parameter=axis.number(axis.identity, place),
-        x=meeting.x,
-        branches=tuple(dict.fromkeys(branch_ids[end.run] for end in meeting.ends)),
-        order=lowest(meeting.ends) // sweep.unit,
+        x=junction.x,
+        branches=tuple(dict.fromkeys(branch_ids[end.segment] for end in junction.ends)),
+        order=lowest(junction.ends) // continuation.length,
         note=note,
         exact={"parameter": axis.to_sympy(place), "x": exact_x},
     )
@@ -241,47 +253,48 @@ def _point(
 
 def _branch(
     map_: PiecewiseLinearMap,
-    sweep: Sweep,
-    run: Run,
+    continuation: Continuation,
+    segment: Segment,
     branch_id: str,
     ends: tuple[SpecialPoint, SpecialPoint],
 ) -> Branch:
-    name, axis, orbits = run.name, sweep.axis, sweep.orbits
-    low, high = (axis.to_sympy(place) for place in run.places)
-    exact: dict[str, sympy.Basic] = {"interval": _interval(run, low, high)}
-    if run.band is None:
-        exact["x"] = fraction_to_sympy(sweep.position(name))
+    key, axis, orbits = segment.key, continuation.axis, continuation.orbits
+    low, high = (axis.to_sympy(place) for place in segment.places)
+    exact: dict[str, sympy.Basic] = {"interval": _interval(segment, low, high)}
+    if segment.band is None:
+        exact["x"] = fraction_to_sympy(continuation.position(key))
     else:
         exact["interval"] = sympy.FiniteSet(low)
-        lower, upper = run.band
+        lower, upper = segment.band
         exact["lower"] = -sympy.oo if lower is None else fraction_to_sympy(lower)
         exact["upper"] = sympy.oo if upper is None else fraction_to_sympy(upper)
-    if name.kind is BranchKind.JUMP and name.cut is not None:
-        for side, word in zip(("left", "right"), name.words, strict=True):
-            exact[side] = quotient_to_sympy(orbits.value(name.cut.k, word[name.cut.steps :]))
+    if key.kind is BranchKind.JUMP and key.cut is not None:
+        for side, word in zip(("left", "right"), key.words, strict=True):
+            exact[side] = quotient_to_sympy(orbits.value(key.cut.k, word[key.cut.steps :]))
     else:
-        slope = quotient_to_sympy(orbits.slope(name.word))
-        exact["multiplier"] = sympy.nan if is_isolated(run) else slope
-    drawn = samples(sweep, run, ends)
+        slope = quotient_to_sympy(orbits.slope(key.word))
+        exact["multiplier"] = sympy.nan if segment.is_isolated else slope
+    location = segment.location
+    drawn = branch_arrays(continuation, segment, ends)
     return Branch(
         id=branch_id,
-        kind=name.kind,
-        order=len(name.word) // sweep.unit,
-        word="|".join(map_.spelled(word) for word in name.words),
+        kind=key.kind,
+        order=len(key.word) // continuation.length,
+        word="|".join(map_.spelled(word) for word in key.words),
         parameter=drawn.parameter,
         x=drawn.x,
         multiplier=drawn.multiplier,
         ends=(ends[0].id, ends[1].id),
         exact=exact,
-        attracts=None if run.shows is None or run.shows.place is Place.INSIDE else run.shows.stable,
+        attracts=None if location is None or location.is_inside else location.stable,
     )
 
 
-def _interval(run: Run, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
-    """The values of the parameter at which a run exists."""
-    if run.places[0] == run.places[1]:
-        return sympy.FiniteSet(low) if all(run.closed) else sympy.EmptySet
-    left, right = (sympy.false if closed else sympy.true for closed in run.closed)
+def _interval(segment: Segment, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
+    """The values of the parameter at which a segment exists."""
+    if segment.places[0] == segment.places[1]:
+        return sympy.FiniteSet(low) if all(segment.closed) else sympy.EmptySet
+    left, right = (sympy.false if closed else sympy.true for closed in segment.closed)
     # its constructor would compare the ends by their digits; that they ascend is known
     return sympy.Basic.__new__(sympy.Interval, low, high, left, right)
 
@@ -291,11 +304,11 @@ def _interval(run: Run, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
 
 def lowest(ends: Sequence[End]) -> int:
     """Word length of the fixed points that meet, or of the jumps if only jumps do."""
-    fixed = [end.steps for end in ends if end.is_fixed]
-    return min(fixed or [end.steps for end in ends])
+    fixed = [end.length for end in ends if end.is_fixed]
+    return min(fixed or [end.length for end in ends])
 
 
-def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
+def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     """Kind of a special point, and a note, from the branches that meet there.
 
     With n the lowest order of the fixed points that meet, look at all branches of that order. If
@@ -317,29 +330,29 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     parameter, that of the fold if E and D have the same sign; with |m| > 1 there is one on both
     sides if these signs differ, otherwise on neither.
     """
-    ends = meeting.ends
+    ends = junction.ends
     if at_span_end:
         return PointKind.EP, "end of the span"
-    if isinstance(meeting.value, Infinite):
+    if isinstance(junction.value, Infinite):
         escapes = any(end.unit == 1 for end in ends)
         return PointKind.LP if escapes else PointKind.EP, "x grows without bound"
-    own = [end for end in ends if end.steps == lowest(ends)]
-    fixed = [end for end in own if end.is_fixed and end.run.band is None]
-    bands = [end for end in ends if end.run.band is not None]
+    own = [end for end in ends if end.length == lowest(ends)]
+    fixed = [end for end in own if end.is_fixed and end.segment.band is None]
+    bands = [end for end in ends if end.segment.band is not None]
     if not any(end.is_fixed for end in own):
         return PointKind.WC, "jumps only"
-    passing = {e.run.name for e in fixed if e.side == LEFT} & {
-        e.run.name for e in fixed if e.side == RIGHT
+    passing = {e.segment.key for e in fixed if e.side == LEFT} & {
+        e.segment.key for e in fixed if e.side == RIGHT
     }
-    units = {end.unit for end in fixed if end.run.name in passing}
+    units = {end.unit for end in fixed if end.segment.key in passing}
     if -1 in units:
-        doubled = any(band.steps == 2 * own[0].steps for band in bands)
+        doubled = any(band.length == 2 * own[0].length for band in bands)
         return PointKind.PD, "degenerate: points nearby have twice the period" if doubled else ""
     if 1 in units or not fixed:
         return PointKind.LP, "degenerate: an interval of fixed points"
-    staying = {end.run.name for end in fixed if end.run.closed[end.which]} & passing
+    staying = {end.segment.key for end in fixed if end.segment.closed[end.which]} & passing
     if staying:
-        return PointKind.BC, _staying_note(meeting, own, staying)
+        return PointKind.BC, _staying_note(junction, own, staying)
     sides = {end.side for end in own} - {ALONG}
     if len(sides) != 1:
         alone = all(end.side == ALONG for end in fixed)  # on a jump that passes, or by itself
@@ -349,18 +362,19 @@ def classify(meeting: Meeting, *, at_span_end: bool) -> tuple[PointKind, str]:
     return (PointKind.FF if flips else PointKind.BC), "fold"
 
 
-def _staying_note(meeting: Meeting, own: Sequence[End], staying: set[Name]) -> str:
+def _staying_note(junction: Junction, own: Sequence[End], staying: set[BranchKey]) -> str:
     """What happens to a branch that stays on a border, and which others end on it."""
-    stable = {end.run.shows.stable for end in own if end.run.name in staying and end.run.shows}
-    sides = {end.side for end in own if end.run.name not in staying} - {ALONG}
+    stayed = [end.segment for end in own if end.segment.key in staying]
+    stable = {segment.location.stable for segment in stayed if segment.location}
+    sides = {end.side for end in own if end.segment.key not in staying} - {ALONG}
     notes = ["stability changes at the border"] if len(stable) > 1 else []
     if sides:
         notes.append(f"{'fold' if len(sides) == 1 else 'persistence'} at a branch on the border")
-    elif not notes and any(end.run.band is not None for end in own):
+    elif not notes and any(end.segment.band is not None for end in own):
         notes.append("an interval of fixed points ends at a branch on the border")
-    elif len(own) < len(meeting.ends):
+    elif len(own) < len(junction.ends):
         notes.append("higher orders end at a branch on the border")
-    if meeting.attracts:
-        does = "attracts" if meeting.attracts > 0 else "does not attract"
-        notes.append(f"{does} at this value{' only' * (meeting.attracts > 0)}")
+    if junction.attracts:
+        does = "attracts" if junction.attracts > 0 else "does not attract"
+        notes.append(f"{does} at this value{' only' * (junction.attracts > 0)}")
     return ", ".join(notes)

@@ -1,8 +1,9 @@
 """What is followed through the cells of a parameter, and where the ends of it meet.
 
-Fixed points and jump crossings are followed from cell to cell by what names them: a fixed point by
-its word, a crossing by its cut and the words on both sides. A run lasts while its name does; it
-ends where the name does, or where its multiplier is +1 or -1. Ends that lie at one place meet.
+Fixed points and jump crossings are followed from cell to cell by their keys: that of a fixed point
+is its word, that of a crossing its cut and the words on both sides. A segment lasts while its key
+does; it ends where the key does, or where its multiplier is +1 or -1. Ends that lie at one place
+meet in a junction.
 """
 
 from __future__ import annotations
@@ -17,20 +18,20 @@ from typing import Any, NamedTuple
 
 from pwmap.algebra.exact import Fraction_, cancelled, is_constant
 from pwmap.diagrams.diagram import BranchKind
-from pwmap.maps.cylinders import Cut, Cylinder, Place, minimal_period
+from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, minimal_period
 from pwmap.maps.words import Orbits, SignOracle, Word
 from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
 
 Borders = set[tuple[int, int]]  # edge and word length of fixed points that others may end on
-Met = dict[Any, dict[Any, float]]  # for each place exact values, and their floats
+EndValues = dict[Any, dict[Any, float]]  # for each place exact values, and their floats
 EPSILON = 2.0**-52  # spacing of doubles at 1
 Position = Fraction_ | None  # an x as a quotient; None is infinite
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
 
 @dataclass(frozen=True, slots=True)
-class Name:
+class BranchKey:
     """What identifies a branch from cell to cell.
 
     Attributes
@@ -53,7 +54,7 @@ class Name:
         return self.words[0]
 
     def x(self, orbits: Orbits) -> Fraction_:
-        """Its position as a quotient in lowest terms; see :meth:`Sweep.position`."""
+        """Its position as a quotient in lowest terms; see :meth:`Continuation.position`."""
         if self.cut is None:
             return cancelled(orbits.fixed_point(self.word))
         return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
@@ -66,42 +67,52 @@ class Infinite:
     side: int
 
 
-class Shows(NamedTuple):
-    """What a cell shows of a fixed point."""
+class Location(NamedTuple):
+    """How a fixed point lies in its cylinder, and whether it attracts there."""
 
-    place: Place
+    inclusion: Inclusion
     stable: bool
 
     @property
-    def isolated(self) -> bool:
+    def is_isolated(self) -> bool:
         """Whether its cylinder is that point alone: then it has no slope."""
-        return self.place is Place.POINT
+        return self.inclusion is Inclusion.POINT
+
+    @property
+    def is_inside(self) -> bool:
+        """Whether it lies on no border."""
+        return self.inclusion is Inclusion.INSIDE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
-    """A name, from one place of the axis to another.
+class Segment:
+    """What has one key, from one place of the axis to another.
 
     Attributes
     ----------
     closed
         Whether it exists at its ends too.
-    shows
+    location
         How its fixed points lie in their cylinders, and whether they attract.
     band
-        For a run of fixed points along one value of the parameter, the x of its ends.
+        For a segment of fixed points along one value of the parameter, the x of its ends.
     """
 
-    name: Name
+    key: BranchKey
     places: tuple[Any, Any]
     closed: tuple[bool, bool] = (True, True)
-    shows: Shows | None = None
+    location: Location | None = None
     band: tuple[Position, Position] | None = None
+
+    @property
+    def is_isolated(self) -> bool:
+        """Whether its cylinders are single points: then it has no slope."""
+        return self.location is not None and self.location.is_isolated
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class End:
-    """One end of a run.
+    """One end of a segment.
 
     Attributes
     ----------
@@ -119,7 +130,7 @@ class End:
         The same in canonical form, or :class:`Infinite`.
     """
 
-    run: Run
+    segment: Segment
     which: int
     side: int
     unit: int
@@ -130,22 +141,22 @@ class End:
     @property
     def is_fixed(self) -> bool:
         """Whether it is the end of a branch of fixed points."""
-        return self.run.name.kind is BranchKind.FIXED_POINT
+        return self.segment.key.kind is BranchKind.FIXED_POINT
 
     @property
-    def steps(self) -> int:
-        """Length of the words."""
-        return len(self.run.name.word)
+    def length(self) -> int:
+        """Of the words."""
+        return len(self.segment.key.word)
 
     @property
     def place(self) -> Any:
         """Where on the axis it lies."""
-        return self.run.places[self.which]
+        return self.segment.places[self.which]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Meeting:
-    """The ends of runs that lie at one place.
+class Junction:
+    """The ends of segments that lie at one place.
 
     Attributes
     ----------
@@ -166,24 +177,24 @@ class Meeting:
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
-    """The cells of a parameter, from left to right, and the names that live in them.
+class Continuation:
+    """What lies on the diagonal, followed through the cells of a parameter from left to right.
 
     Attributes
     ----------
-    unit
-        How many maps make one step of order 1.
+    length
+        Of the words of order 1: how many maps are composed.
     span
         Places of the first and the last value of the parameter, as far as the assumptions reach.
     """
 
     axis: Axis
     cells: Sequence[Cell]
-    unit: int
+    length: int
     span: tuple[Any, Any]
-    _positions: dict[Name, Fraction_] = field(default_factory=dict, init=False, repr=False)
-    _values: dict[tuple[Name, Any], Any] = field(default_factory=dict, init=False, repr=False)
-    _ends: dict[Run, tuple[End, End]] = field(default_factory=dict, init=False, repr=False)
+    _positions: dict[BranchKey, Fraction_] = field(default_factory=dict, init=False, repr=False)
+    _values: dict[tuple[BranchKey, Any], Any] = field(default_factory=dict, init=False, repr=False)
+    _ends: dict[Segment, tuple[End, End]] = field(default_factory=dict, init=False, repr=False)
     _units: dict[tuple[Any, Any], int] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -192,41 +203,43 @@ class Sweep:
         return self.axis.orbits
 
     @cached_property
-    def present(self) -> list[dict[Name, Shows | None]]:
-        """For each cell what lies on the diagonal: fixed points with what they show, and jumps.
+    def present(self) -> list[dict[BranchKey, Location | None]]:
+        """For each cell what lies on the diagonal: fixed points with their location, and jumps.
 
         A fixed point that is a cylinder of its own has no slope, and is named by its cut too. But
-        at an edge, where it belongs to a branch of the cells beside, it has that branch's name.
+        at an edge, where it belongs to a branch of the cells beside, it has that branch's key.
         """
-        found = [dict(self._names(cell)) for cell in self.cells]
-        for i, names in enumerate(found):
+        found = [dict(self._keys(cell)) for cell in self.cells]
+        for i, keys in enumerate(found):
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
-            for name in [name for name, shows in names.items() if shows and shows.isolated]:
-                plain = Name(name.kind, name.words)
+            for key in [key for key, location in keys.items() if location and location.is_isolated]:
+                plain = BranchKey(key.kind, key.words)
                 if any(plain in others for others in beside):
-                    names[plain] = names.pop(name)
+                    keys[plain] = keys.pop(key)
         return found
 
-    def _names(self, cell: Cell) -> Iterator[tuple[Name, Shows | None]]:
+    def _keys(self, cell: Cell) -> Iterator[tuple[BranchKey, Location | None]]:
         oracle = cell.study.oracle
         for order, iterate in cell.study.iterates.items():
-            for cylinder, place, stable in zip(
-                iterate.cylinders, iterate.places, iterate.stable, strict=True
+            for cylinder, inclusion, stable in zip(
+                iterate.cylinders, iterate.inclusion, iterate.stable, strict=True
             ):
-                if self._is_own(cylinder, place, order, oracle):
-                    for cut in _cuts(cylinder, place):
-                        name = Name(BranchKind.FIXED_POINT, (cylinder.word,), cut)
-                        yield name, Shows(place, stable)
+                if self._is_own(cylinder, inclusion, order, oracle):
+                    for cut in _cuts(cylinder, inclusion):
+                        key = BranchKey(BranchKind.FIXED_POINT, (cylinder.word,), cut)
+                        yield key, Location(inclusion, stable)
             for crossing in iterate.crossings:
                 words = crossing.left, crossing.right
-                yield Name(BranchKind.JUMP, words, crossing.cut), None
+                yield BranchKey(BranchKind.JUMP, words, crossing.cut), None
 
-    def _is_own(self, cylinder: Cylinder, place: Place, order: int, oracle: SignOracle) -> bool:
+    def _is_own(
+        self, cylinder: Cylinder, inclusion: Inclusion, order: int, oracle: SignOracle
+    ) -> bool:
         """Whether there are fixed points whose minimal period is the order."""
-        if place in (Place.VIRTUAL, Place.NONE):
+        if inclusion in (Inclusion.VIRTUAL, Inclusion.NONE):
             return False
-        period = minimal_period(cylinder.word, self.unit)
-        if place is Place.BAND and order == 2 * period:
+        period = minimal_period(cylinder.word, self.length)
+        if inclusion is Inclusion.BAND and order == 2 * period:
             return oracle.slope(cylinder.word[: len(cylinder.word) // 2]) < 0
         return period == order
 
@@ -236,138 +249,140 @@ class Sweep:
         excluded = [end for c in self.cells if c.is_excluded for end in (c.lower, c.upper)]
         return (self.cells[0].lower, self.cells[-1].upper, *excluded)
 
-    # --- Runs -----------------------------------------------------------------------------------
+    # --- Segments -------------------------------------------------------------------------------
 
-    def runs(self) -> list[Run]:
-        """All runs: first those over the parameter, then bands along one value of it."""
+    def segments(self) -> list[Segment]:
+        """All segments: first those over the parameter, then bands along one value of it."""
         stretches = list(self._stretches())
         bands = list(self._bands())
         borders = {
-            (i, len(name.word))
-            for name, s in stretches
-            if name.kind is BranchKind.FIXED_POINT
+            (i, len(key.word))
+            for key, s in stretches
+            if key.kind is BranchKind.FIXED_POINT
             for i in s
-            if self.cells[i].is_edge and (len(s) == 1 or self._is_on_border(name, i))
+            if self.cells[i].is_edge and (len(s) == 1 or self._is_on_border(key, i))
         }
-        met = self._met(stretches, bands, borders)
+        values = self._end_values(stretches, bands, borders)
         found = [
-            self._run(name, part)
-            for name, stretch in stretches
-            for part in self._cut(name, stretch, borders, met)
+            self._segment(key, part)
+            for key, stretch in stretches
+            for part in self._cut(key, stretch, borders, values)
         ]
-        meetings = self.meetings(found) if bands else []
-        return found + [run for band in bands for run in self._parted(*band, meetings)]
+        junctions = self.junctions(found) if bands else []
+        return found + [segment for band in bands for segment in self._parted(*band, junctions)]
 
-    def _stretches(self) -> Iterator[tuple[Name, list[int]]]:
-        """Maximal stretches of cells with one name; a multiplier of +1 or -1 parts them too."""
-        where: dict[Name, list[int]] = defaultdict(list)
-        for i, names in enumerate(self.present):
-            for name in names:
-                where[name].append(i)
-        for name, indices in where.items():
+    def _stretches(self) -> Iterator[tuple[BranchKey, list[int]]]:
+        """Maximal stretches of cells with one key; a multiplier of +1 or -1 parts them too."""
+        where: dict[BranchKey, list[int]] = defaultdict(list)
+        for i, keys in enumerate(self.present):
+            for key in keys:
+                where[key].append(i)
+        for key, indices in where.items():
             stretch: list[int] = []
             for i, following in pairwise([*indices, -1]):
                 stretch.append(i)
                 goes_on = following == i + 1
                 parted = len(stretch) > 1 and self.cells[i].is_edge and goes_on
-                if not goes_on or (parted and self._changes(name, i)):
-                    if len(stretch) > 1 or not (self._is_edge_of_band(name, i) or self._at_end(i)):
-                        yield name, stretch
+                if not goes_on or (parted and self._changes(key, i)):
+                    if len(stretch) > 1 or not (self._is_edge_of_band(key, i) or self._at_end(i)):
+                        yield key, stretch
                     stretch = [i] if goes_on else []
 
-    def _changes(self, name: Name, i: int) -> bool:
+    def _changes(self, key: BranchKey, i: int) -> bool:
         """Whether a fixed point changes its stability at an edge through which it passes."""
-        stable = {shows.stable for k in (i - 1, i, i + 1) if (shows := self.present[k][name])}
-        if len(stable) > 1 or name.kind is BranchKind.JUMP or name.cut is not None:
+        stable = {location.stable for k in (i - 1, i, i + 1) if (location := self.present[k][key])}
+        if len(stable) > 1 or key.kind is BranchKind.JUMP or key.cut is not None:
             return len(stable) > 1
         oracle = self.cells[i].study.oracle
-        hits = any(oracle.multiplier(name.word, unit) == 0 for unit in (1, -1))
-        return hits and self.unit_multiplier(name, self.cells[i].lower) != 0
+        hits = any(oracle.multiplier(key.word, unit) == 0 for unit in (1, -1))
+        return hits and self.unit_multiplier(key, self.cells[i].lower) != 0
 
-    def _met(
+    def _end_values(
         self,
-        stretches: Sequence[tuple[Name, list[int]]],
+        stretches: Sequence[tuple[BranchKey, list[int]]],
         bands: Sequence[tuple[Cylinder, Any]],
         borders: Borders,
-    ) -> Met:
-        """For each place the x of all ends at which a run may be met that passes there."""
+    ) -> EndValues:
+        """For each place that segments pass the x of all ends there, on which they may lie."""
         passed = {
-            self.cells[i].lower for name, s in stretches for i in self._exposed(name, s, borders)
+            self.cells[i].lower for key, s in stretches for i in self._exposed(key, s, borders)
         }
-        met: Met = {place: {} for place in passed}
-        for name, stretch in stretches if passed else ():
-            run = self._run(name, stretch)
-            for k, place in enumerate(run.places):
-                value = self._value(run, k) if place in passed else None
+        found: EndValues = {place: {} for place in passed}
+        for key, stretch in stretches if passed else ():
+            segment = self._segment(key, stretch)
+            for k, place in enumerate(segment.places):
+                value = self._value(segment, k) if place in passed else None
                 if value is not None and not isinstance(value, Infinite):
-                    met[place][value] = self.axis.number(self.position(name), place)
+                    found[place][value] = self.axis.number(self.position(key), place)
         for cylinder, place in bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
                     x = self.orbits.preimage(cut.k, cylinder.word[: cut.steps])
-                    met[place][self.axis.value(x, place)] = self.axis.number(x, place)
-        return met
+                    found[place][self.axis.value(x, place)] = self.axis.number(x, place)
+        return found
 
-    def _exposed(self, name: Name, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
-        """Edges that a run passes and at which others of its order can end on it.
+    def _exposed(self, key: BranchKey, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
+        """Edges that a segment passes and at which others of its order can end on it.
 
         A fixed point inside its cylinder has none near; it must lie on a border. A jump that
         crosses the diagonal has none beside, but its break can be a fixed point.
         """
         for i in stretch[1:-1]:
-            met = self._is_on_border(name, i) or (i, len(name.word)) in borders
-            if self.cells[i].is_edge and met:
+            reached = self._is_on_border(key, i) or (i, len(key.word)) in borders
+            if self.cells[i].is_edge and reached:
                 yield i
 
-    def _is_on_border(self, name: Name, i: int) -> bool:
+    def _is_on_border(self, key: BranchKey, i: int) -> bool:
         """Whether a fixed point lies at an end of its cylinder, or is one."""
-        shows = self.present[i][name]
-        return shows is not None and shows.place is not Place.INSIDE
+        location = self.present[i][key]
+        return location is not None and not location.is_inside
 
     def _cut(
-        self, name: Name, stretch: Sequence[int], borders: Borders, met: Met
+        self, key: BranchKey, stretch: Sequence[int], borders: Borders, values: EndValues
     ) -> Iterator[Sequence[int]]:
-        """The parts of a stretch between the places where other runs end on it."""
+        """The parts of a stretch between the places where other segments end on it."""
         start = 0
-        for i in self._exposed(name, stretch, borders):
+        for i in self._exposed(key, stretch, borders):
             place = self.cells[i].lower
-            if self._is_among(name, place, met[place]):
+            if self._is_among(key, place, values[place]):
                 stop = stretch.index(i)
                 yield stretch[start : stop + 1]
                 start = stop
         yield stretch[start:]
 
-    def _is_among(self, name: Name, place: Any, values: Mapping[Any, float]) -> bool:
-        """Whether the x of what has a name, where it is finite, is one of some values.
+    def _is_among(self, key: BranchKey, place: Any, values: Mapping[Any, float]) -> bool:
+        """Whether the x of what has a key, where it is finite, is one of some values.
 
         Their floats, right but for the last bit, tell most of them apart; only where they do not,
         the exact value is taken.
         """
-        x = self.axis.number(self.position(name), place)
+        x = self.axis.number(self.position(key), place)
         near = any(
             not abs(x - other) > 4.0 * EPSILON * max(abs(x), abs(other))  # also if they overflow
             for other in values.values()
         )
-        return near and self._at(name, place) in values
+        return near and self._at(key, place) in values
 
-    def _run(self, name: Name, stretch: Sequence[int]) -> Run:
+    def _segment(self, key: BranchKey, stretch: Sequence[int]) -> Segment:
         first, last = self.cells[stretch[0]], self.cells[stretch[-1]]
-        return Run(
-            name,
+        return Segment(
+            key,
             (first.lower, last.upper),
             (first.is_edge, last.is_edge),
-            next((self.present[i][name] for i in stretch if not self.cells[i].is_edge), None)
-            or self.present[stretch[0]][name],
+            next((self.present[i][key] for i in stretch if not self.cells[i].is_edge), None)
+            or self.present[stretch[0]][key],
         )
 
     def _at_end(self, i: int) -> bool:
         """Whether the cells end at a cell: what exists there only is left out."""
         return self.cells[i].is_edge and self.cells[i].lower in self.stops
 
-    def _is_edge_of_band(self, name: Name, i: int) -> bool:
-        """Whether a name at an edge only is an end of a band along that edge."""
-        shows = self.present[i][name]
-        return self.cells[i].is_edge and shows is not None and shows.place is Place.BAND
+    def _is_edge_of_band(self, key: BranchKey, i: int) -> bool:
+        """Whether what has a key at an edge only is an end of a band along that edge."""
+        location = self.present[i][key]
+        return (
+            self.cells[i].is_edge and location is not None and location.inclusion is Inclusion.BAND
+        )
 
     def _bands(self) -> Iterator[tuple[Cylinder, Any]]:
         """Pieces that are the identity at one value of the parameter only, and that value."""
@@ -376,11 +391,11 @@ class Sweep:
                 continue
             beside = self._bands_beside(i)
             for order, iterate in cell.study.iterates.items():
-                for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True):
+                for cylinder, inclusion in zip(iterate.cylinders, iterate.inclusion, strict=True):
                     if (
-                        place is Place.BAND
+                        inclusion is Inclusion.BAND
                         and cylinder.word not in beside
-                        and self._is_own(cylinder, place, order, cell.study.oracle)
+                        and self._is_own(cylinder, inclusion, order, cell.study.oracle)
                     ):
                         yield cylinder, cell.lower
 
@@ -390,29 +405,31 @@ class Sweep:
             cylinder.word
             for cell in (self.cells[i - 1], self.cells[i + 1])
             for iterate in cell.study.iterates.values()
-            for cylinder, place in zip(iterate.cylinders, iterate.places, strict=True)
-            if place is Place.BAND
+            for cylinder, inclusion in zip(iterate.cylinders, iterate.inclusion, strict=True)
+            if inclusion is Inclusion.BAND
         }
 
-    def _parted(self, cylinder: Cylinder, place: Any, meetings: Sequence[Meeting]) -> Iterator[Run]:
-        """The runs of such a piece, which special points inside it part."""
-        word, order = cylinder.word, self.axis.order
+    def _parted(
+        self, cylinder: Cylinder, place: Any, junctions: Sequence[Junction]
+    ) -> Iterator[Segment]:
+        """The segments of such a piece, which special points inside it part."""
+        word, compare = cylinder.word, self.axis.compare
         low, high = (
             None if cut is None else self.orbits.preimage(cut.k, word[: cut.steps])
             for cut in (cylinder.lower, cylinder.upper)
         )
         inner = {
-            meeting.value: x
-            for meeting in meetings
-            if meeting.place == place
-            and (x := meeting.ends[0].x) is not None
-            and not isinstance(meeting.value, Infinite)
-            and (low is None or order(low, x, place) < 0)
-            and (high is None or order(x, high, place) < 0)
+            junction.value: x
+            for junction in junctions
+            if junction.place == place
+            and (x := junction.ends[0].x) is not None
+            and not isinstance(junction.value, Infinite)
+            and (low is None or compare(low, x, place) < 0)
+            and (high is None or compare(x, high, place) < 0)
         }
 
         def by_size(first: Fraction_, second: Fraction_) -> int:
-            return order(first, second, place)
+            return compare(first, second, place)
 
         stops: list[Position] = [low, *sorted(inner.values(), key=cmp_to_key(by_size)), high]
         for j, band in enumerate(pairwise(stops)):
@@ -420,18 +437,20 @@ class Sweep:
                 cylinder.lower_closed or j > 0,
                 cylinder.upper_closed or j < len(stops) - 2,
             )
-            yield Run(Name(BranchKind.FIXED_POINT, (word,)), (place, place), closed, band=band)
+            yield Segment(
+                BranchKey(BranchKind.FIXED_POINT, (word,)), (place, place), closed, band=band
+            )
 
-    # --- Where they meet ------------------------------------------------------------------------
+    # --- Junctions ------------------------------------------------------------------------------
 
-    def meetings(self, runs: Sequence[Run]) -> list[Meeting]:
-        """Ends of runs that lie at the same place, from left to right and bottom to top."""
+    def junctions(self, segments: Sequence[Segment]) -> list[Junction]:
+        """Ends of segments that lie at the same place, from left to right and bottom to top."""
         groups: dict[tuple[Any, Hashable], list[End]] = defaultdict(list)
-        for run in runs:
-            for end in self.ends(run):
+        for segment in segments:
+            for end in self.ends(segment):
                 groups[end.place, end.value].append(end)
         found = [
-            Meeting(place, value, self._number(ends[0]), tuple(ends), self._attracts(place, ends))
+            Junction(place, value, self._number(ends[0]), tuple(ends), self._attracts(place, ends))
             for (place, value), ends in groups.items()
         ]
         return sorted(found, key=cmp_to_key(self._compared))
@@ -439,12 +458,12 @@ class Sweep:
     def _attracts(self, place: Any, ends: Sequence[End]) -> int:
         """How the stability of a fixed point differs from that of its branches, as a sign."""
         i = self._edges.get(place)
-        beside: dict[Name, set[bool]] = defaultdict(set)
+        beside: dict[BranchKey, set[bool]] = defaultdict(set)
         for end in ends:
-            if end.run.shows is not None and end.run.places[0] != end.run.places[1]:
-                beside[end.run.name].add(end.run.shows.stable)
-        for name, stable in beside.items():
-            here = None if i is None else self.present[i].get(name)
+            if end.segment.location is not None and end.segment.places[0] != end.segment.places[1]:
+                beside[end.segment.key].add(end.segment.location.stable)
+        for key, stable in beside.items():
+            here = None if i is None else self.present[i].get(key)
             if here is not None and stable == {not here.stable}:
                 return 1 if here.stable else -1
         return 0
@@ -454,80 +473,82 @@ class Sweep:
         """Which cell an edge is."""
         return {cell.lower: i for i, cell in enumerate(self.cells) if cell.is_edge}
 
-    def _compared(self, first: Meeting, second: Meeting) -> int:
-        """-1, 0 or 1: the order of two meetings, by place and then by x."""
+    def _compared(self, first: Junction, second: Junction) -> int:
+        """-1, 0 or 1: the order of two junctions, by place and then by x."""
         place = first.place
         if place != second.place:
             return -1 if place < second.place else 1
         values = first.value, second.value
         sides = [value.side if isinstance(value, Infinite) else 0 for value in values]
-        return sides[0] - sides[1] if any(sides) else self.axis.compare(*values, place)
+        return sides[0] - sides[1] if any(sides) else self.axis.compare_values(*values, place)
 
-    def ends(self, run: Run) -> tuple[End, End]:
-        """Both ends of a run."""
-        if run not in self._ends:
-            along = run.places[0] == run.places[1]
-            is_steep = self._is_steep(run)
+    def ends(self, segment: Segment) -> tuple[End, End]:
+        """Both ends of a segment."""
+        if segment not in self._ends:
+            along = segment.places[0] == segment.places[1]
+            is_steep = self._is_steep(segment)
             first, last = (
                 End(
-                    run,
+                    segment,
                     which,
                     ALONG if along else side,
-                    self._unit_at_end(run, which),
+                    self._unit_at_end(segment, which),
                     is_steep,
-                    self._x(run, which),
-                    self._value(run, which),
+                    self._x(segment, which),
+                    self._value(segment, which),
                 )
                 for which, side in ((0, RIGHT), (1, LEFT))
             )
-            self._ends[run] = first, last
-        return self._ends[run]
+            self._ends[segment] = first, last
+        return self._ends[segment]
 
-    def position(self, name: Name) -> Fraction_:
-        """The x of what has a name, as a quotient in lowest terms."""
-        if name not in self._positions:
-            self._positions[name] = name.x(self.orbits)
-        return self._positions[name]
+    def position(self, key: BranchKey) -> Fraction_:
+        """The x of what has a key, as a quotient in lowest terms."""
+        if key not in self._positions:
+            self._positions[key] = key.x(self.orbits)
+        return self._positions[key]
 
-    def _at(self, name: Name, place: Any) -> Any:
-        """The x of what has a name at a place, in canonical form."""
-        if (name, place) not in self._values:
-            self._values[name, place] = self.axis.value(self.position(name), place)
-        return self._values[name, place]
+    def _at(self, key: BranchKey, place: Any) -> Any:
+        """The x of what has a key at a place, in canonical form."""
+        if (key, place) not in self._values:
+            self._values[key, place] = self.axis.value(self.position(key), place)
+        return self._values[key, place]
 
-    def _x(self, run: Run, which: int) -> Position:
+    def _x(self, segment: Segment, which: int) -> Position:
         """The x of an end as a quotient."""
-        return self.position(run.name) if run.band is None else run.band[which]
+        return self.position(segment.key) if segment.band is None else segment.band[which]
 
-    def _value(self, run: Run, which: int) -> Any:
+    def _value(self, segment: Segment, which: int) -> Any:
         """The x of an end in canonical form; an infinite one with its side."""
-        x, place = self._x(run, which), run.places[which]
+        x, place = self._x(segment, which), segment.places[which]
         if x is None:
             return Infinite(2 * which - 1)
-        value = self._at(run.name, place) if run.band is None else self.axis.value(x, place)
+        value = self._at(segment.key, place) if segment.band is None else self.axis.value(x, place)
         if value != INFINITE:
             return value
         one = self.orbits.table.one
-        inside = self.axis.between(*run.places)  # the denominator has no zero there
+        inside = self.axis.between(*segment.places)  # the denominator has no zero there
         top, bottom = (
-            self.axis.order((number, one), (one - one, one), where)
+            self.axis.compare((number, one), (one - one, one), where)
             for number, where in zip(x, (place, inside), strict=True)
         )
         return Infinite(top * bottom)
 
-    def _unit_at_end(self, run: Run, which: int) -> int:
-        return 0 if run.band is not None else self.unit_multiplier(run.name, run.places[which])
+    def _unit_at_end(self, segment: Segment, which: int) -> int:
+        if segment.band is not None:
+            return 0
+        return self.unit_multiplier(segment.key, segment.places[which])
 
-    def unit_multiplier(self, name: Name, place: Any) -> int:
+    def unit_multiplier(self, key: BranchKey, place: Any) -> int:
         """+1 or -1 where the multiplier of a fixed point passes through that value, else 0."""
-        slope, one = self.orbits.slope(name.word), self.orbits.table.one
-        if name.kind is BranchKind.JUMP or name.cut is not None or all(map(is_constant, slope)):
+        slope, one = self.orbits.slope(key.word), self.orbits.table.one
+        if key.kind is BranchKind.JUMP or key.cut is not None or all(map(is_constant, slope)):
             return 0
         if not self.is_finite(slope, place):
             return 0
         if (slope, place) not in self._units:
-            order = self.axis.order
-            units = (u for u in (1, -1) if order(slope, (u * one, one), place) == 0)
+            compare = self.axis.compare
+            units = (u for u in (1, -1) if compare(slope, (u * one, one), place) == 0)
             self._units[slope, place] = next(units, 0)
         return self._units[slope, place]
 
@@ -535,14 +556,14 @@ class Sweep:
         """Whether a quotient has a value; a denominator may vanish at an open end of the span."""
         return is_constant(fraction[1]) or self.axis.value(fraction, place) != INFINITE
 
-    def _is_steep(self, run: Run) -> bool:
-        if run.name.kind is BranchKind.JUMP or (run.shows is not None and run.shows.isolated):
+    def _is_steep(self, segment: Segment) -> bool:
+        if segment.key.kind is BranchKind.JUMP or segment.is_isolated:
             return False
-        place = run.places[0]
-        if place != run.places[1]:  # at its end the multiplier may be 1 in size
-            place = self.axis.between(*run.places)
-        (top, bottom), one = self.orbits.slope(run.name.word), self.orbits.table.one
-        return self.axis.order((top * top, bottom * bottom), (one, one), place) > 0
+        place = segment.places[0]
+        if place != segment.places[1]:  # at its end the multiplier may be 1 in size
+            place = self.axis.between(*segment.places)
+        (top, bottom), one = self.orbits.slope(segment.key.word), self.orbits.table.one
+        return self.axis.compare((top * top, bottom * bottom), (one, one), place) > 0
 
     def _number(self, end: End) -> float:
         """The x of an end as a float, which may be infinite."""
@@ -552,12 +573,12 @@ class Sweep:
         return self.axis.number(end.x, end.place)
 
 
-def _cuts(cylinder: Cylinder, place: Place) -> list[Cut | None]:
-    """What, besides the word, names the fixed points of a cylinder.
+def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
+    """What, besides the word, is in the keys of the fixed points of a cylinder.
 
     A point, or those ends of a band that belong to it; nothing for others.
     """
-    if place is Place.BAND:
+    if inclusion is Inclusion.BAND:
         lower = [cylinder.lower] if cylinder.lower_closed else []
         return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]
-    return [cylinder.lower if place is Place.POINT else None]
+    return [cylinder.lower if inclusion is Inclusion.POINT else None]

@@ -27,16 +27,22 @@ from pwmap.maps.budget import BUDGET, Budget, BudgetError, checked_size
 from pwmap.maps.cylinders import (
     WHOLE_LINE,
     Cylinder,
+    Inclusion,
     Iterate,
-    Place,
     crossings,
+    inclusion_of,
     is_stable,
-    place_of_fixed_point,
     refined,
 )
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Mark, SignOracle
-from pwmap.parameters.admitted import Span, Stretch, samples, shown_sample, stretches
+from pwmap.parameters.admitted import (
+    AdmittedInterval,
+    Span,
+    admitted_intervals,
+    samples,
+    shown_sample,
+)
 from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
 
 Result = TypeVar("Result")
@@ -62,7 +68,11 @@ class Study:
         """The iterates, without telling apart fixed points that are virtual or missing."""
         return {
             order: replace(
-                it, places=tuple(Place.VIRTUAL if p is Place.NONE else p for p in it.places)
+                it,
+                inclusion=tuple(
+                    Inclusion.VIRTUAL if found is Inclusion.NONE else found
+                    for found in it.inclusion
+                ),
             )
             for order, it in self.iterates.items()
         }
@@ -106,9 +116,9 @@ def grown(
     for layout in chain:
         current = refined(current, layout, oracle, budget)
     if shown:
-        places = tuple(place_of_fixed_point(cylinder, oracle) for cylinder in current)
-        stable = tuple(is_stable(current, i, place, oracle) for i, place in enumerate(places))
-        found = Iterate(current, places, stable, tuple(crossings(current, oracle)))
+        inclusion = tuple(inclusion_of(cylinder, oracle) for cylinder in current)
+        stable = tuple(is_stable(current, i, each, oracle) for i, each in enumerate(inclusion))
+        found = Iterate(current, inclusion, stable, tuple(crossings(current, oracle)))
         iterates = {**iterates, order: found}
     return Study(oracle, iterates, current)
 
@@ -400,9 +410,9 @@ def with_cells(
     checked_size(max(orders), len(map_.chain), budget)
     values: Mapping[str, Number] = {}
     for values in samples(map_, name, span, sample):
-        axis = axis_of(map_.model, name, values)
+        axis = axis_of(map_.definition, name, values)
         try:
-            found = stretches(axis, span)
+            found = admitted_intervals(axis, span)
             cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), budget))
             close(axis, cells)
             return build(axis, cells)
@@ -411,17 +421,17 @@ def with_cells(
     raise ResampleError(f"at {shown_sample(values)} edges meet by chance: choose another sample")
 
 
-def uncut(axis: Axis, admitted: Sequence[Stretch], with_ends: bool) -> list[Cell]:
+def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> list[Cell]:
     """One cell for each part of a span that the assumptions admit, and the gaps between them."""
     cells: list[Cell] = []
-    for stretch in admitted:
-        ends = stretch.closed_ends if with_ends else ()
-        sample = axis.between(stretch.low, stretch.high)
-        found = [_unstudied(axis, stretch.low, stretch.high, sample)]
-        if stretch.low in ends:
-            found.insert(0, _unstudied(axis, stretch.low, stretch.low, stretch.low))
-        if stretch.high in ends:
-            found.append(_unstudied(axis, stretch.high, stretch.high, stretch.high))
+    for interval in admitted:
+        ends = interval.closed_ends if with_ends else ()
+        sample = axis.between(interval.low, interval.high)
+        found = [_unstudied(axis, interval.low, interval.high, sample)]
+        if interval.low in ends:
+            found.insert(0, _unstudied(axis, interval.low, interval.low, interval.low))
+        if interval.high in ends:
+            found.append(_unstudied(axis, interval.high, interval.high, interval.high))
         cells += [*(_gap(cells[-1], found[0]) if cells else ()), *found]
     return cells
 

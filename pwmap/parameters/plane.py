@@ -9,10 +9,10 @@ from typing import Any
 
 import sympy
 
-from pwmap.algebra.roots import simplest_between
+from pwmap.algebra.roots import real_to_sympy, simplest_between
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.axis import Axis, ResampleError, SymbolicAxis, real_to_sympy
+from pwmap.parameters.axis import Axis, ResampleError, SymbolicAxis
 from pwmap.parameters.cells import (
     Cell,
     ParameterCells,
@@ -96,7 +96,7 @@ def parameter_plane(
     while waiting:
         left, right = waiting.pop()
         sample = {str(across): simplest_between(left, right)}
-        broken = map_.model.region.contains(sample)
+        broken = map_.definition.region.contains(sample)
         if broken is not None:
             value = real_to_sympy(sample[str(across)])
             raise ValueError(f"{across} = {value} in the span contradicts the assumption {broken}")

@@ -306,7 +306,7 @@ def test_ordered_breaks_whatever_their_names() -> None:
         map_ = stairs(names, assumed)
         own = dict(zip(sympy.symbols(names), sympy.symbols("p q r s t"), strict=True))
         pieces = [(p.word, p.expression.subs(own), p.interval.subs(own)) for p in map_.pieces]
-        results.add((tuple(pieces), tuple(map_.model.region.sample[name] for name in names)))
+        results.add((tuple(pieces), tuple(map_.definition.region.sample[name] for name in names)))
     assert len(results) == 1
 
 
@@ -314,10 +314,10 @@ def test_eleven_ordered_breaks() -> None:
     names = "fakcgbhdjei"
     map_ = stairs(names, [f"{low} < {high}" for low, high in pairwise(names)])
     assert len(map_.pieces) == 12
-    ring = map_.model.ring
+    ring = map_.definition.ring
     generators = {str(symbol): gen for symbol, gen in zip(ring.symbols, ring.gens, strict=True)}
     for low, high in combinations(names, 2):
-        assert map_.model.region.sign(generators[high] - generators[low]) == 1
+        assert map_.definition.region.sign(generators[high] - generators[low]) == 1
 
 
 def test_samples_depend_neither_on_names_nor_on_the_order_of_inequalities() -> None:

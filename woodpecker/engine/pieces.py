@@ -7,8 +7,11 @@ in this folder knows more of a map than this.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from typing import NamedTuple, Protocol
+
+import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 
@@ -27,8 +30,7 @@ class Image(NamedTuple):
     gradients
         (m, 2), their derivatives in x and p.
     causes
-        (m,) ascending codes that tell the margins apart; those of one piece at two points need not
-        be the same.
+        (m,) ascending codes that tell the margins apart; those of one piece at two points need not be the same.
     piece
         The piece, ready to be continued from this point.
     reason
@@ -43,6 +45,20 @@ class Image(NamedTuple):
     causes: Ints
     piece: Piece
     reason: str = ""
+
+    def margin(self, code: int) -> float:
+        """The margin of a code; nan if there is none here."""
+        k = self._place(code)
+        return math.nan if k < 0 else float(self.margins[k])
+
+    def gradient(self, code: int) -> Floats:
+        """Derivatives (2,) of a margin; nan if there is none here."""
+        k = self._place(code)
+        return np.full(2, math.nan) if k < 0 else self.gradients[k]
+
+    def _place(self, code: int) -> int:
+        k = int(np.searchsorted(self.causes, code))
+        return k if k < len(self.causes) and self.causes[k] == code else -1
 
 
 class Piece(Protocol):

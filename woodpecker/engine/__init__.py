@@ -1,0 +1,1 @@
+"""Piecewise-smooth maps of the line: borders, orbits, branches."""

@@ -1,0 +1,717 @@
+"""Branches from special point to special point: orbits followed from piece to piece.
+
+Where a cycle meets a border at which the map is continuous it goes on with the piece beyond. At a
+jump it ends, in a border collision; its points up to the border are the border orbit with which
+branches of jumps begin, and the other way round, so nothing is searched for there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pwmap.diagrams.diagram import BranchKind, PointKind
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.borders import Border, BorderKind, beyond
+from woodpecker.engine.jumps import Jump
+from woodpecker.engine.orbits import (
+    Closed,
+    Condition,
+    Coordinate,
+    Margin,
+    Orbit,
+    minimal_period,
+    scales,
+    solve,
+    tangent,
+)
+from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
+
+SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
+NOTHING_BEYOND = "no branch beyond a border"
+PASSED_OVER = "borders accumulate"
+FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
+GROW = 10.0  # of a distance from a place where borders accumulate
+MOST_LEGS = 10_000
+ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A change of word on a branch that is no special point.
+
+    Attributes
+    ----------
+    sample
+        Index of the sample at the border; the word changes after it.
+    cause
+        A sentence on what happens there.
+    kind
+        What the map does at the border.
+    """
+
+    sample: int
+    cause: str
+    kind: BorderKind
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Word:
+    """A stretch of a branch along which no piece changes.
+
+    Attributes
+    ----------
+    first
+        Its first sample; a sample at a border has the pieces before it.
+    text
+        The words of its pieces.
+    keys
+        The keys of the pieces of a cycle; of a jump those of the points before the border, and a
+        set of those on its two sides.
+    """
+
+    first: int
+    text: str
+    keys: tuple[object, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Collision:
+    """A cycle that meets a jump.
+
+    Attributes
+    ----------
+    orbit
+        The cycle, of minimal period, under the piece inside.
+    margin
+        Which of its points lies on the border, and which margin of its piece vanishes there.
+    kind, note
+        The code of the special point, and whether branches fold or persist.
+    cause
+        A sentence on what happens there.
+    """
+
+    orbit: Orbit
+    margin: Margin
+    kind: PointKind
+    note: str
+    cause: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class End:
+    """What ends a branch.
+
+    Attributes
+    ----------
+    kind, note, cause
+        The code of the special point, what it leaves open, and a sentence on what happens there.
+    p, x
+        Parameter, and the points (n,) of the orbit; of a jump the first one only counts.
+    precision
+        How well the parameter is located.
+    collision
+        The cycle that meets a jump, if one does.
+    """
+
+    kind: PointKind
+    p: float
+    x: Floats
+    note: str = ""
+    cause: str = ""
+    precision: float = 0.0
+    collision: Collision | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve:
+    """A branch between two special points.
+
+    Attributes
+    ----------
+    kind, order
+        Cycles of P_order, or jumps of it.
+    parameter, multiplier
+        Samples (m,), the ends included; the multiplier of a jump is nan.
+    points
+        m times the points (n,) of a cycle, or those up to the border of a jump.
+    words
+        Stretches between changes of word, in this order.
+    marks
+        These changes, one less.
+    ends
+        Why it begins and ends.
+    """
+
+    kind: BranchKind
+    order: int
+    parameter: Floats
+    points: tuple[Floats, ...]
+    multiplier: Floats
+    words: tuple[Word, ...]
+    marks: tuple[Mark, ...]
+    ends: tuple[End, End]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """A branch from a sample on, one way, to a special point.
+
+    Attributes
+    ----------
+    samples, marks
+        Samples, the special point included, and changes of word.
+    end
+        The special point.
+    following
+        The first samples of the branch that continues it; empty if none does.
+    stop
+        What ended it.
+    """
+
+    samples: tuple[Sample, ...]
+    marks: tuple[Mark, ...]
+    end: End
+    following: tuple[Sample, ...]
+    stop: Stop
+
+
+# --- Cycles ---------------------------------------------------------------------------------------
+
+
+class Cycles:
+    """Follows branches of cycles.
+
+    Parameters
+    ----------
+    map_, settings
+        The map, and how to follow it.
+    """
+
+    def __init__(self, map_: PiecewiseMap, settings: Settings) -> None:
+        self.map, self.settings = map_, settings
+        self.stepper = Stepper(map_, Closed(), settings, [FLIP])
+
+    def through(self, orbit: Orbit) -> list[Curve]:
+        """The branch through a cycle, both ways, with those that continue it."""
+        start = self.stepper.sample(orbit, np.eye(len(orbit) + 1)[-1])
+        ahead = self.legs((start,), start)
+        closes = ahead[-1].stop is Stop.CLOSED
+        behind = [] if closes else self.legs((turned(start),), start)
+        return curves_of(ahead, behind, BranchKind.FIXED_POINT, len(orbit))
+
+    def ahead(self, start: Sample, end: End) -> list[Curve]:
+        """The branch from a special point on, with those that continue it."""
+        legs = self.legs((start,), start, Stop.BORDER)
+        return curves_from(end, legs, BranchKind.FIXED_POINT, len(start.orbit))
+
+    def legs(
+        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None = None
+    ) -> list[Leg]:
+        """Follow a branch one way, across special points that it passes."""
+        found = [self._leg(first, origin, ignored)]
+        while found[-1].following and len(found) < MOST_LEGS:
+            last = found[-1]
+            found.append(self._leg(last.following, origin, last.stop))
+        return found
+
+    def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
+        samples, marks = list(first), list[Mark]()
+        while True:
+            stretch = self.stepper.follow(samples[-1], ignored, origin)
+            ignored = None
+            samples += stretch.samples[1:]
+            if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+                there = self._passed_over(stretch)
+                if there is not None:
+                    marks.append(Mark(len(samples) - 1, PASSED_OVER, BorderKind.SMOOTH))
+                    samples.append(there)
+                    continue
+            if stretch.stop is not Stop.BORDER:
+                end = self._end(stretch)
+                passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
+                passes &= not self._halves(stretch)
+                following = (samples[-1],) if passes else ()
+                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+            mark, end, there = self._meet(stretch)
+            if end is not None and end.note == NOTHING_BEYOND:
+                there = self._passed_over(stretch)
+                end = end if there is None else None
+            if end is not None:
+                following = () if there is None else (samples[-1], there)
+                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+            assert there is not None
+            marks.append(replace(mark, sample=len(samples) - 1))
+            samples.append(there)
+
+    def _meet(self, stretch: Stretch) -> tuple[Mark, End | None, Sample | None]:
+        """What happens to a branch at a border, whether that is special, and where it goes on."""
+        orbit, margin, last = stretch.end, stretch.margins[0], stretch.samples[-1]
+        border = border_at(self.map, orbit, margin, self.settings)
+        kind = border.kind(self.settings)
+        mark = Mark(sample=0, cause=border.cause, kind=kind)
+        if self._halves(stretch):
+            return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
+        if kind is BorderKind.LOST:
+            lost = end_at(PointKind.FALL, orbit, border.outer.reason, border.cause)
+            return mark, lost, None
+        if kind is BorderKind.JUMP:
+            met = collision(self.map, orbit, margin, border, self.settings)
+            return mark, end_of(met, orbit), None
+        there = restart(orbit, Closed(), border, margin.index, self.settings)
+        if there is None:
+            lost = end_at(PointKind.EP, orbit, NOTHING_BEYOND, border.cause)
+            return mark, lost, None
+        if last.tangent[-1] * there.tangent[-1] < 0.0:
+            return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
+        before, after = (abs(o.multiplier) < 1.0 for o in (orbit, there.orbit))
+        if kind is not BorderKind.SMOOTH and before != after:
+            return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
+        return mark, None, there
+
+    def _passed_over(self, stretch: Stretch) -> Sample | None:
+        """The branch beyond a place where borders accumulate, the nearest there is.
+
+        It is looked for along the tangent, with the pieces that the map takes there.
+        """
+        end = stretch.samples[-1]
+        x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
+        sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
+        away = self.settings.min_step
+        while away <= self.settings.max_step and low <= end.orbit.p + sign * away * p_scale <= high:
+            p = end.orbit.p + sign * away * p_scale
+            images = tuple(self.map.at(float(x), p) for x in end.orbit.x)
+            start = Orbit(end.orbit.x, p, images)
+            away *= GROW
+            if not start.defined:
+                continue
+            solution = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
+            found = solution.orbit
+            aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
+            if solution.converged and is_inside(found, Closed()) and aside <= FASTEST * away:
+                along = np.append(found.x - end.orbit.x, p - end.orbit.p)
+                return self.stepper.sample(found, along / scales(len(found), self.settings))
+        return None
+
+    def _halves(self, stretch: Stretch) -> bool:
+        """Whether the cycle at the end goes round one of smaller period, and those before do not."""
+        first, last = (minimal_period(s.orbit, self.settings) for s in (stretch.samples[0], stretch.samples[-1]))
+        return last < first
+
+    def _end(self, stretch: Stretch) -> End:
+        kinds = {
+            Stop.FOLD: PointKind.LP, Stop.FLIP: PointKind.PD, Stop.BRANCHING: PointKind.BP,
+        }  # fmt: skip
+        kind, note = kinds.get(stretch.stop, PointKind.EP), ""
+        if kind is PointKind.EP:
+            note = stretch.stop.value
+        elif self._halves(stretch):
+            kind = PointKind.PD  # a branch of doubled period folds where it began
+        return end_at(kind, stretch.end, note)
+
+
+def cycle_from(met: Collision, settings: Settings) -> Sample | None:
+    """The branch of cycles that starts at a border, into the piece inside."""
+    direction = tangent(met.orbit, Closed(), settings)
+    if not np.isfinite(direction).all():
+        return None
+    scale, i = scales(len(met.orbit), settings), met.margin.index
+    gradient = met.orbit.images[i].gradient(met.margin.code)
+    rise = float(gradient @ (direction * scale)[[i, -1]])
+    return Sample(met.orbit, direction if rise > 0.0 else -direction, rise > 0.0)
+
+
+# --- Jumps ----------------------------------------------------------------------------------------
+
+
+class Jumps:
+    """Follows branches of jumps of P_order that cross the diagonal.
+
+    Parameters
+    ----------
+    map_, order, settings
+        The map, the iterate, and how to follow them.
+    """
+
+    def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
+        self.map, self.order, self.settings = map_, order, settings
+
+    def through(self, head: Orbit, closing: Margin) -> list[Curve]:
+        """The branch of jumps through a border orbit, both ways, with those that continue it."""
+        start = self._sample(head, closing)
+        ahead = self.legs((start,), start)
+        behind = [] if ahead[-1].stop is Stop.CLOSED else self.legs((turned(start),), start)
+        return curves_of(ahead, behind, BranchKind.JUMP, self.order)
+
+    def starts(self, met: Collision, shift: int) -> list[tuple[Sample, Sample]]:
+        """Branches that start where a cycle meets a jump, seen from one of its points.
+
+        The orbit may have gone round some times before it meets the border.
+
+        Returns
+        -------
+        For each the sample at the collision, and the next one.
+        """
+        n, found = len(met.orbit), []
+        orbit = met.orbit.rotated(shift)
+        to_border = (met.margin.index - shift) % n
+        for length in range(to_border + 1, self.order + 1, n):
+            rounds = -(-length // n)
+            x, images = np.tile(orbit.x, rounds)[:length], (orbit.images * rounds)[:length]
+            head = Orbit(x, orbit.p, images)
+            start = self._sample(head, Margin(length - 1, met.margin.code))
+            for sign in (1.0, -1.0):
+                there = self._beside(start, sign)
+                if there is not None:
+                    found.append((start if sign > 0.0 else turned(start), there))
+        return found
+
+    def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
+        """The branch from a special point on, with those that continue it."""
+        return curves_from(end, self.legs(start, start[-1]), BranchKind.JUMP, self.order)
+
+    def legs(self, first: tuple[Sample, ...], origin: Sample) -> list[Leg]:
+        """Follow a branch one way, across folds."""
+        found = [self._leg(first, origin, None)]
+        while found[-1].following and len(found) < MOST_LEGS:
+            found.append(self._leg(found[-1].following, origin, found[-1].stop))
+        return found
+
+    def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
+        samples, marks = list(first), list[Mark]()
+        while True:
+            last = samples[-1]
+            assert last.jump is not None
+            stretch = self._stepper(last.jump.closing).follow(last, ignored, origin)
+            ignored = None
+            samples += stretch.samples[1:]
+            if stretch.stop not in (Stop.BORDER, Stop.TAIL):
+                following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
+                end = self._end(stretch)
+                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+            met = self._closed_early(stretch)
+            if met is not None:
+                return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
+            mark, there = self._beyond(stretch)
+            if there is None:
+                end = end_at(PointKind.EP, stretch.end, "the jump ends", mark.cause)
+                return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
+            marks.append(replace(mark, sample=len(samples) - 1))
+            samples.append(there)
+
+    def _stepper(self, closing: Margin) -> Stepper:
+        return Stepper(self.map, closing, self.settings, order=self.order)
+
+    def _sample(self, head: Orbit, closing: Margin, along: Floats | None = None) -> Sample:
+        forward = np.eye(len(head) + 1)[-1] if along is None else along
+        return self._stepper(closing).sample(head, forward)
+
+    def _beside(self, start: Sample, sign: float = 1.0) -> Sample | None:
+        """The next sample of a jump branch, right beside one where it changes; None if it ends.
+
+        It is admissible, and crosses the diagonal.
+        """
+        base = start if sign > 0.0 else turned(start)
+        away = self.settings.beside
+        while away >= self.settings.min_step:
+            found = self._at(base, away)
+            if found is not None:
+                return found if self._is_good(found) else None
+            away *= SHRINK
+        return None
+
+    def _at(self, base: Sample, away: float) -> Sample | None:
+        """The sample at a distance along a jump branch; None if there is none."""
+        assert base.jump is not None
+        if any(image.slope == 0.0 for image in base.orbit.images[:-1]):
+            return None  # where the orbit starts does not change where it ends: P_order has no jump
+        found = self._stepper(base.jump.closing).advance(base, away)
+        return found if isinstance(found, Sample) and found.jump is not None else None
+
+    def _is_good(self, sample: Sample) -> bool:
+        """Whether a sample is admissible, and its jump crosses the diagonal."""
+        jump = sample.jump
+        return jump is not None and jump.crosses and is_inside(sample.orbit, jump.closing)
+
+    def _end(self, stretch: Stretch) -> End:
+        if stretch.stop is not Stop.LIMIT:
+            kind = PointKind.LP if stretch.stop is Stop.FOLD else PointKind.EP
+            note = "" if kind is PointKind.LP else stretch.stop.value
+            return end_at(kind, stretch.end, note)
+        assert stretch.meeting is not None
+        margin = stretch.margins[0]
+        border = border_at(self.map, stretch.meeting, margin, self.settings)
+        met = collision(self.map, stretch.meeting, margin, border, self.settings)
+        return end_of(met, stretch.end)
+
+    def _closed_early(self, stretch: Stretch) -> Collision | None:
+        """The collision of a cycle of smaller period, if an orbit comes back to its own border."""
+        last = stretch.samples[-1].jump
+        assert last is not None
+        meeting, margin = stretch.meeting or stretch.end, stretch.margins[0]
+        own = Margin(last.closing.index, last.code(stretch.inner))
+        first, second = sorted((own, margin), key=lambda each: each.index)
+        i, k = first.index, second.index
+        if i == k or abs(meeting.x[k] - meeting.x[i]) > self.settings.same * self.settings.x_scale:
+            return None
+        cycle, there = Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), Margin(0, first.code)
+        border = border_at(self.map, cycle, there, self.settings)
+        return collision(self.map, cycle, there, border, self.settings)
+
+    def _beyond(self, stretch: Stretch) -> tuple[Mark, Sample | None]:
+        """Where a jump branch goes on when one of its orbits meets another border."""
+        end, margin = stretch.samples[-1], stretch.margins[0]
+        meeting = stretch.meeting or stretch.end
+        assert end.jump is not None
+        border = border_at(self.map, meeting, margin, self.settings)
+        kind = border.kind(self.settings)
+        mark = Mark(sample=0, cause=border.cause, kind=kind)
+        there = None
+        if stretch.stop is Stop.TAIL:
+            there = self._beside(end)
+        elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
+            there = self._restarted(end, border, margin.index)
+        if there is None and margin.index != end.jump.closing.index:
+            there = self._round_corner(end, meeting, margin)
+        return mark, there or self._passed_over(end)
+
+    def _restarted(self, end: Sample, border: Border, index: int) -> Sample | None:
+        """Beyond a border at which the map is continuous, met by a point before the jump."""
+        assert end.jump is not None
+        closing = end.jump.closing
+        found = restart(end.orbit, closing, border, index, self.settings)
+        if found is None:
+            return None
+        there = self._sample(found.orbit, closing, found.tangent)
+        return there if there.jump is not None and there.jump.crosses else None
+
+    def _passed_over(self, end: Sample) -> Sample | None:
+        """The same jump beyond a place where one of its pieces ends, the nearest there is.
+
+        The piece on the other side of the border still defines it there. Infinitely many borders
+        can accumulate at such a place, so the distance grows.
+        """
+        assert end.jump is not None
+        jump, k = end.jump, end.jump.closing.index
+        bases = [end]
+        if jump.outer_code >= 0:
+            images = (*end.orbit.images[:-1], jump.outer.images[0])
+            head = Orbit(end.orbit.x, end.orbit.p, images)
+            bases.insert(0, self._sample(head, Margin(k, jump.outer_code), end.tangent))
+        away = self.settings.beside
+        while away <= self.settings.max_step:
+            for base in bases:
+                found = self._at(base, away)
+                if found is not None and self._is_good(found):
+                    return found
+            away *= GROW
+        return None
+
+    def _round_corner(self, end: Sample, meeting: Orbit, margin: Margin) -> Sample | None:
+        """Where two jumps meet: the other one that crosses the diagonal there.
+
+        One of the two borders is met by the orbit of a limit of the other. There is another jump of
+        P_order beside the first on one side of the meeting; of the three jumps that meet there an
+        even number cross the diagonal.
+        """
+        assert end.jump is not None
+        own = end.jump.closing
+        if own.index < margin.index:
+            start = self._sample(meeting, margin)
+        else:
+            n = margin.index + 1
+            start = self._sample(Orbit(meeting.x[:n], meeting.p, meeting.images[:n]), margin)
+        found = [s for sign in (1.0, -1.0) if (s := self._beside(start, sign)) is not None]
+        return found[0] if len(found) == 1 else None
+
+
+# --- Borders and collisions -----------------------------------------------------------------------
+
+
+def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settings) -> Border:
+    """The border that a point of an orbit meets."""
+    i = margin.index
+    image, x = orbit.images[i], float(orbit.x[i])
+    side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
+    outer, code = beyond(map_, x, orbit.p, side, settings)
+    return Border(x, orbit.p, image, margin.code, side, outer, code)
+
+
+def collision(
+    map_: PiecewiseMap, orbit: Orbit, margin: Margin, border: Border, settings: Settings
+) -> Collision:
+    """The border collision of a cycle with a jump: its minimal orbit, and what kind it is.
+
+    With F the distance of the inner limit from the diagonal at the border and D that of the outer
+    one, the jump of P_n crosses the diagonal where they differ in sign, and the fixed point lives
+    where F has one sign. If that is on one side of the parameter, branches fold. A branch of
+    jumps of P_2n then starts at the preimage of the border just if the multiplier exceeds 1.
+    """
+    n = minimal_period(orbit, settings)
+    first = int(np.argmin(orbit.x[:n]))
+    small = Orbit(orbit.x[:n], orbit.p, orbit.images[:n]).rotated(first)
+    index = (margin.index - first) % n
+    met = Collision(
+        orbit=small, margin=Margin(index, margin.code), kind=PointKind.BC, note="",
+        cause=border.cause,
+    )  # fmt: skip
+    inside = cycle_from(met, settings)
+    starts = Jumps(map_, n, settings).starts(met, index)
+    if inside is None or not starts:
+        return met
+    sides = {bool(sample.tangent[-1] > 0.0) for sample in (inside, starts[0][1])}
+    if len(sides) == 2:
+        return replace(met, note="persistence")
+    steep = abs(small.multiplier) > 1.0
+    return replace(met, note="fold", kind=PointKind.FF if steep else PointKind.BC)
+
+
+def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> End:
+    """A special point that is no collision with a jump."""
+    return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=cause)
+
+
+def end_of(met: Collision, orbit: Orbit) -> End:
+    """A collision with a jump, as an orbit meets it."""
+    return End(
+        kind=met.kind, p=orbit.p, x=orbit.x, note=met.note, cause=met.cause, collision=met
+    )
+
+
+def restart(
+    orbit: Orbit, closing: Condition, border: Border, index: int, settings: Settings
+) -> Sample | None:
+    """The orbit beyond a border, whose margin there is small and positive; None if there is none.
+
+    That is well posed also where the piece beyond begins with a square root. It lies so close to
+    the border that no fold or flip is passed.
+    """
+    images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
+    at_border = Orbit(orbit.x, orbit.p, images).multiplier
+    found: Sample | None = None
+    away = settings.beside * settings.x_scale
+    while away >= settings.nearest * settings.x_scale:
+        there = _restarted(orbit, closing, border, index, away, settings)
+        found = there or found
+        if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
+            return there
+        away *= SHRINK
+    return found
+
+
+def _sides(multiplier: float) -> tuple[bool, bool]:
+    """On which sides of a fold and a flip a multiplier lies."""
+    return multiplier > 1.0, multiplier > -1.0
+
+
+def _restarted(
+    orbit: Orbit, closing: Condition, border: Border, index: int, away: float, settings: Settings
+) -> Sample | None:
+    """The orbit about a distance beyond a border; None if there is none that is admissible."""
+    x, images = orbit.x.copy(), list(orbit.images)
+    x[index] += border.side * away
+    images[index] = border.outer.piece.at(float(x[index]), orbit.p)
+    value = images[index].margin(border.outer_code)
+    if not value > 0.0:
+        return None
+    margin = Margin(index, border.outer_code, value)
+    solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
+    found = solution.orbit
+    direction = tangent(found, closing, settings)
+    if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
+        return None
+    gradient = found.images[index].gradient(border.outer_code)
+    rise = float(gradient @ (direction * scales(len(orbit), settings))[[index, -1]])
+    return Sample(found, direction if rise > 0.0 else -direction, rise > 0.0)
+
+
+def is_inside(orbit: Orbit, closing: Condition) -> bool:
+    """Whether all margins are positive, but for the one at the end of a border orbit."""
+    for i, image in enumerate(orbit.images):
+        own = closing.code if isinstance(closing, Margin) and closing.index == i else -1
+        if ((image.margins < 0.0) & (image.causes != own)).any():
+            return False
+    return True
+
+
+def turned(sample: Sample) -> Sample:
+    """The same sample on the way back."""
+    return replace(sample, tangent=-sample.tangent, forward=not sample.forward)
+
+
+def word_of(orbit: Orbit) -> str:
+    """The words of all pieces."""
+    return " | ".join(orbit.words)
+
+
+# --- Curves ---------------------------------------------------------------------------------------
+
+
+def curves_of(ahead: list[Leg], behind: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
+    """Curves from the legs both ways from one sample, or all round."""
+    if not behind and len(ahead) == 1:
+        end = ahead[0].end
+        return [_curve(ahead[0].samples, ahead[0].marks, (end, end), kind, order)]
+    if not behind:
+        last, ahead = ahead[-1], ahead[:-1]
+        first = [_joined(last, ahead[0], (ahead[-1].end, ahead[0].end), kind, order)]
+        return first + _rest(ahead, kind, order)
+    back = _reversed(behind[0])
+    middle = _joined(back, ahead[0], (behind[0].end, ahead[0].end), kind, order)
+    return [middle, *_rest(ahead, kind, order), *_rest(behind, kind, order)]
+
+
+def curves_from(end: End, legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
+    """Curves from the legs that start at a special point."""
+    first = _curve(legs[0].samples, legs[0].marks, (end, legs[0].end), kind, order)
+    return [first, *_rest(legs, kind, order)]
+
+
+def _rest(legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
+    return [
+        _curve(leg.samples, leg.marks, (before.end, leg.end), kind, order)
+        for before, leg in zip(legs[:-1], legs[1:], strict=True)
+    ]
+
+
+def _reversed(leg: Leg) -> Leg:
+    n = len(leg.samples)
+    marks = tuple(replace(mark, sample=n - 2 - mark.sample) for mark in reversed(leg.marks))
+    return replace(leg, samples=leg.samples[::-1], marks=marks)
+
+
+def _joined(
+    one: Leg, other: Leg, ends: tuple[End, End], kind: BranchKind, order: int
+) -> Curve:
+    n = len(one.samples) - 1
+    marks = (*one.marks, *(replace(mark, sample=mark.sample + n) for mark in other.marks))
+    return _curve((*one.samples, *other.samples[1:]), marks, ends, kind, order)
+
+
+def _curve(
+    samples: tuple[Sample, ...], marks: tuple[Mark, ...], ends: tuple[End, End], kind: BranchKind,
+    order: int,
+) -> Curve:  # fmt: skip
+    jumps = kind is BranchKind.JUMP
+    words = list[Word]()
+    for k, sample in enumerate(samples):
+        keys = keys_of(sample.orbit, sample.jump)
+        if not words or keys != words[-1].keys:
+            text = word_of(sample.orbit) if sample.jump is None else sample.jump.word
+            words.append(Word(k, text, keys))
+    return Curve(
+        kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
+        points=tuple(s.orbit.x for s in samples),
+        multiplier=np.array([np.nan if jumps else s.orbit.multiplier for s in samples]),
+        words=tuple(words), marks=marks, ends=ends,
+    )  # fmt: skip
+
+
+def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
+    """The pieces of an orbit, see :class:`Word`."""
+    if jump is None:
+        return orbit.keys
+    return *orbit.keys[:-1], frozenset((jump.inner.keys[0], jump.outer.keys[0]))

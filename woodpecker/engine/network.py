@@ -1,0 +1,242 @@
+"""What a search has found: branches, the special points they end in, and what is left to follow."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections import deque
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.branches import Collision, Curve, End
+from woodpecker.engine.orbits import Condition, Coordinate, Orbit, newton_step, orbit_of
+from woodpecker.engine.settings import Settings
+
+AT_FLIP = 1e-4  # in x, scaled: a doubled cycle leaves its flip like a square root
+COLLISIONS = (PointKind.BC, PointKind.FF)
+
+
+@dataclass(eq=False)
+class Node:
+    """A special point under construction."""
+
+    id: str
+    end: End
+    x: float
+    order: int
+    branches: list[str] = field(default_factory=list)
+
+
+class Network:
+    """Branches, special points, and collisions at which something is left to follow.
+
+    Parameters
+    ----------
+    settings
+        Scales, within which two special points are one.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.curves: list[Curve] = []
+        self.branches: list[Branch] = []
+        self.nodes: list[Node] = []
+        self.waiting: deque[Collision] = deque()
+        self._collisions: list[Collision] = []
+        self._counts: dict[str, int] = {}
+
+    def diagram(self, parameter_name: str, x_name: str) -> Diagram:
+        """Everything found so far."""
+        names = self._names()
+        points = tuple(
+            SpecialPoint(
+                id=names[node.id], kind=node.end.kind, parameter=node.end.p, x=node.x,
+                branches=tuple(dict.fromkeys(node.branches)), order=node.order,
+                note=node.end.note,
+            )
+            for node in self.nodes
+        )  # fmt: skip
+        branches = tuple(
+            replace(branch, ends=(names[branch.ends[0]], names[branch.ends[1]]))
+            for branch in self.branches
+        )
+        return Diagram(
+            parameter_name=parameter_name, x_name=x_name, branches=branches, points=points
+        )
+
+    def _names(self) -> dict[str, str]:
+        """Names of special points, by those that they were given when they were met."""
+        counts: dict[PointKind, int] = {}
+        names = {}
+        for node in self.nodes:
+            counts[node.end.kind] = counts.get(node.end.kind, 0) + 1
+            names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
+        return names
+
+    def add(self, curve: Curve) -> None:
+        """Keep a branch: as many as its cycle has points."""
+        self.curves.append(curve)
+        for end in curve.ends:
+            if end.collision is not None and not self._is_known(end.collision):
+                self._collisions.append(end.collision)
+                self.waiting.append(end.collision)
+        columns = 1 if curve.kind is BranchKind.JUMP else curve.order
+        for column in range(columns):
+            x = np.array([points[column] for points in curve.points])
+            ends = tuple(
+                self._node(end, float(x[k]), curve.order)
+                for end, k in zip(curve.ends, (0, -1), strict=True)
+            )
+            name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
+            self.branches.append(
+                Branch(
+                    id=name, kind=curve.kind, order=curve.order, word=curve.words[0].text,
+                    parameter=curve.parameter, x=x, multiplier=curve.multiplier,
+                    ends=(ends[0].id, ends[1].id),
+                )
+            )
+            for node in ends:
+                node.branches.append(name)
+
+    def _is_known(self, met: Collision) -> bool:
+        """Whether a collision was met before, of the same cycle by the same piece."""
+        same = self.settings.same
+        return any(
+            abs(known.orbit.p - met.orbit.p) <= same * self.settings.p_scale
+            and len(known.orbit) == len(met.orbit)
+            and known.margin.index == met.margin.index
+            and float(np.abs(known.orbit.x - met.orbit.x).max()) <= same * self.settings.x_scale
+            for known in self._collisions
+        )
+
+    def _node(self, end: End, x: float, order: int) -> Node:
+        """The special point at a place; one that was met before is found again."""
+        best: Node | None = None
+        for node in self.nodes:
+            if self._meets(node, end, x, order):
+                best = node
+                break
+        if best is None:
+            best = Node(f"node {len(self.nodes)}", end, x, order)
+            self.nodes.append(best)
+        elif order < best.order or (end.kind in COLLISIONS and best.end.kind not in COLLISIONS):
+            best.end, best.order = end, min(order, best.order)
+        return best
+
+    def _meets(self, node: Node, end: End, x: float, order: int) -> bool:
+        kinds = {node.end.kind, end.kind}
+        flips = PointKind.PD in kinds and kinds <= {PointKind.PD, PointKind.LP}
+        near = self.settings.same * self.settings.x_scale
+        if flips:
+            near = AT_FLIP * self.settings.x_scale
+        if abs(node.x - x) > near:
+            return False
+        wide = 1e-8 if flips else self.settings.same
+        if abs(node.end.p - end.p) > wide * self.settings.p_scale:
+            return False
+        return len(kinds) == 1 or flips or bool(kinds & set(COLLISIONS))
+
+    def _name(self, prefix: str) -> str:
+        self._counts[prefix] = self._counts.get(prefix, 0) + 1
+        return f"{prefix}{self._counts[prefix]}"
+
+
+class Known:
+    """Which cycles and jumps the branches of one order explain.
+
+    An orbit lies on a branch if one Newton step takes the orbit that the branch has at its
+    parameter, between two samples, to it.
+    """
+
+    def __init__(self, network: Network, kind: BranchKind, order: int) -> None:
+        self.network, self.kind, self.order = network, kind, order
+        self.settings = network.settings
+        self._seen = 0
+        self._chords = np.empty((0, 7))  # p, x_0 at both ends; numbers of curve, sample and point
+
+    def explains(self, orbit: Orbit, closing: Condition, keys: tuple[object, ...]) -> bool:
+        """Whether a branch passes through an orbit.
+
+        Parameters
+        ----------
+        orbit, closing
+            The orbit, and the condition that makes it a cycle or a border orbit.
+        keys
+            Its pieces, see :class:`woodpecker.engine.branches.Word`.
+        """
+        self._update()
+        slack = self.settings.same
+        p0, x0, p1, x1 = self._chords[:, :4].T
+        tolerance = slack * self.settings.p_scale
+        near = (np.minimum(p0, p1) - tolerance <= orbit.p) & (
+            orbit.p <= np.maximum(p0, p1) + tolerance
+        )
+        off = np.abs(x1 - x0) + self._bulge(p1 - p0, x1 - x0)
+        near &= np.minimum(x0, x1) - off <= orbit.x[0]
+        near &= orbit.x[0] <= np.maximum(x0, x1) + off
+        return any(self._reaches(row, orbit, closing, keys) for row in self._chords[near])
+
+    def _bulge(self, dp: Floats, dx: Floats) -> Floats:
+        """How far a branch may stray from the chord of two samples: by its largest turn, and more."""
+        length = np.hypot(dp / self.settings.p_scale, dx / self.settings.x_scale)
+        found: Floats = (self.settings.max_turn * length + self.settings.same) * self.settings.x_scale
+        return found
+
+    def _reaches(
+        self, row: Floats, orbit: Orbit, closing: Condition, keys: tuple[object, ...]
+    ) -> bool:
+        p0, _, p1, _ = row[:4].tolist()
+        curve, k, shift = self.network.curves[int(row[4])], int(row[5]), int(row[6])
+        owns = (
+            curve.words[bisect_right(curve.words, j, key=lambda word: word.first) - 1].keys
+            for j in (k, k + 1)
+        )
+        if not any(agree((*own[shift:], *own[:shift]), keys) for own in owns):
+            return False
+        one, other = (np.roll(curve.points[j], -shift) for j in (k, k + 1))
+        if len(one) != len(orbit) or len(other) != len(orbit):
+            return False
+        part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
+        x = one + part * (other - one)
+        before = float(np.abs(x - orbit.x).max())
+        if before <= self.settings.same * self.settings.x_scale:
+            return True
+        step = newton_step(
+            orbit_of(orbit.pieces, x, orbit.p), (closing, Coordinate(-1, orbit.p)), self.settings
+        )
+        after = float(np.abs(x + step[:-1] - orbit.x).max())
+        return after <= CLOSER * before
+
+    def _update(self) -> None:
+        rows = [self._chords]
+        for number, curve in enumerate(self.network.curves[self._seen :], self._seen):
+            if curve.order != self.order or curve.kind is not self.kind:
+                continue
+            shifts = 1 if self.kind is BranchKind.JUMP else self.order
+            p, n = curve.parameter, len(curve.parameter) - 1
+            for shift in range(shifts):
+                x = np.array([points[shift] for points in curve.points])
+                rows.append(
+                    np.column_stack([
+                        p[:-1], x[:-1], p[1:], x[1:], np.full(n, number), np.arange(n),
+                        np.full(n, shift),
+                    ])
+                )  # fmt: skip
+        self._seen = len(self.network.curves)
+        self._chords = np.concatenate(rows)
+
+
+CLOSER = 0.5  # part of its distance that a Newton step leaves at most, if it leads to an orbit
+
+
+def agree(one: tuple[object, ...], other: tuple[object, ...]) -> bool:
+    """Whether two orbits take the same pieces; at a border one side is enough.
+
+    What is on the other side of a jump may be a piece so thin that rounding decides whether it is seen.
+    """
+    return len(one) == len(other) and all(
+        not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
+        for a, b in zip(one, other, strict=True)
+    )

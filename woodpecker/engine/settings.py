@@ -1,0 +1,106 @@
+"""Every number that decides a result of the continuation, with its reason and its scale."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from woodpecker.base.checks import interval, positive, whole
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How far, how finely and how exactly to follow branches.
+
+    Lengths are parts of the scales: of the length of ``span`` in the parameter, and of ``window``
+    in x (of 1 if it is infinite). So they need no tuning for maps in other units.
+
+    Parameters
+    ----------
+    span
+        Interval of the parameter, finite; branches end (EP) at its ends.
+    window
+        Interval of x; branches end (EP) where an orbit leaves it. A search for every branch needs a
+        finite one.
+    step, max_step
+        First and largest step in arclength.
+    min_step
+        Smallest step; a branch that needs a smaller one ends (EP). Borders that are closer together
+        than this are passed over, and their number is not known.
+    max_turn
+        Largest angle [rad] between the tangents of neighbouring samples.
+    max_samples
+        A branch ends (EP) after this many.
+    newton
+        Largest number of Newton steps of a corrector; four are usual, more show a bad start.
+    converged
+        A Newton step of this length is the last: 16 spacings of doubles at 1, what rounding of a
+        map leaves.
+    stalled
+        Steps that become no shorter are as good as converged below this length: rounding of an
+        ill-conditioned orbit, five digits above the usual.
+    beside
+        Distance from a border at which the piece beyond is asked for first; a hundredth of a step.
+    nearest
+        Smallest such distance, tried if there are other pieces in between: far enough from the
+        border, a hundred times ``converged``, for rounding not to decide.
+    jump
+        Limits of a map closer than this are one value: far above what is left of a rounded
+        location at a steep slope, far below jumps that are worth drawing.
+    kink
+        Slopes that differ by a larger part than this differ.
+    finest
+        Pieces shorter than this are not looked for one by one: a part of the window. Where they
+        accumulate, their total length is reported.
+    same
+        Orbits this close at one parameter are one: far above rounding, far below their distances.
+
+    Raises
+    ------
+    ValueError
+        If span or window are no two ascending numbers, or a number is not positive.
+    """
+
+    span: tuple[float, float] = (0.0, 1.0)
+    window: tuple[float, float] = (-math.inf, math.inf)
+    step: float = 0.005
+    max_step: float = 0.02
+    min_step: float = 1e-10
+    max_turn: float = 0.1
+    max_samples: int = 20_000
+    newton: int = 12
+    converged: float = 2.0**-48
+    stalled: float = 1e-10
+    beside: float = 1e-6
+    nearest: float = 1e-12
+    jump: float = 1e-7
+    kink: float = 1e-6
+    finest: float = 1e-7
+    same: float = 1e-9
+
+    def __post_init__(self) -> None:
+        for name in ("span", "window"):
+            ends = interval(name, getattr(self, name), finite=name == "span")
+            object.__setattr__(self, name, ends)
+        for name in (
+            "step", "max_step", "min_step", "max_turn", "converged", "stalled", "beside",
+            "nearest", "jump", "kink", "finest", "same",
+        ):  # fmt: skip
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        if not self.min_step <= self.step <= self.max_step:
+            raise ValueError(
+                f"step must lie in [{self.min_step}, {self.max_step}], got {self.step}"
+            )
+        for name in ("max_samples", "newton"):
+            object.__setattr__(self, name, whole(name, getattr(self, name)))
+
+    @property
+    def x_scale(self) -> float:
+        """The unit of x."""
+        low, high = self.window
+        return high - low if math.isfinite(high - low) else 1.0
+
+    @property
+    def p_scale(self) -> float:
+        """The unit of the parameter."""
+        return self.span[1] - self.span[0]

@@ -1,0 +1,166 @@
+"""All cycles and jumps of some iterates at one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.engine.borders import Border, BorderKind, bracketed, depth
+from woodpecker.engine.branches import is_inside
+from woodpecker.engine.itineraries import Itineraries
+from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.orbits import (
+    Closed,
+    Coordinate,
+    Margin,
+    Orbit,
+    minimal_period,
+    orbit_of,
+    solve,
+)
+from woodpecker.engine.partition import Partition, Stretch, partition
+from woodpecker.engine.pieces import Image, PiecewiseMap
+from woodpecker.engine.settings import Settings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slice:
+    """What one iterate shows at a parameter.
+
+    Attributes
+    ----------
+    p, order
+        The parameter and the iterate.
+    cycles
+        Its cycles, each once, from their smallest point.
+    jumps
+        Its jumps that cross the diagonal.
+    unresolved
+        Total length of intervals in which there are more pieces of P_1 than were looked for.
+    """
+
+    p: float
+    order: int
+    cycles: tuple[Orbit, ...]
+    jumps: tuple[Jump, ...]
+    unresolved: float
+
+
+def slices_at(
+    map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings
+) -> list[Slice]:
+    """What some iterates show at a parameter.
+
+    Parameters
+    ----------
+    map_, p
+        P_1, and the parameter.
+    orders
+        The iterates.
+    settings
+        The window, finite; orbits of which a point leaves it do not count.
+    """
+    pieces = partition(map_, p, settings.window, settings)
+    borders = [b for b in pieces.borders() if b.kind(settings) is BorderKind.JUMP]
+    found = []
+    orbits = Itineraries(pieces, settings) if max(orders) > 1 else None
+    for order in orders:
+        if order == 1:
+            cycles = list(_fixed_points(pieces, settings))
+        else:
+            assert orbits is not None
+            cycles = orbits.cycles(order)
+        kept = tuple(_distinct(cycles, order, settings))
+        jumps = tuple(_jumps(map_, borders, orbits, order, settings))
+        found.append(Slice(p, order, kept, jumps, pieces.unresolved))
+    return found
+
+
+def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterator[Orbit]:
+    """Cycles of minimal period ``order`` from their smallest points, each once."""
+    turned = [
+        orbit.rotated(int(np.argmin(orbit.x)))
+        for orbit in cycles
+        if minimal_period(orbit, settings) == order and not _on_border(orbit, settings)
+    ]
+    last: Orbit | None = None
+    for orbit in sorted(turned, key=lambda orbit: float(orbit.x[0])):
+        same = settings.same * settings.x_scale
+        if last is None or np.abs(orbit.x - last.x).max() > same:
+            yield orbit
+        last = orbit
+
+
+def _on_border(orbit: Orbit, settings: Settings) -> bool:
+    """Whether rounding decides which pieces a cycle takes; it is then one of a border collision."""
+    least = settings.nearest * settings.x_scale
+    return any(abs(depth(image)) <= least for image in orbit.images)
+
+
+def _jumps(
+    map_: PiecewiseMap, borders: Sequence[Border], orbits: Itineraries | None, order: int,
+    settings: Settings,
+) -> Iterator[Jump]:  # fmt: skip
+    if orbits is None:
+        heads: Iterator[tuple[Orbit, Border]] = (
+            (Orbit(np.array([b.x]), b.p, (b.inner,)), b) for b in borders
+        )
+    else:
+        heads = orbits.heads(borders, order)
+    for guess, border in heads:
+        closing = Margin(len(guess) - 1, border.code)
+        solution = solve(guess, (closing, Coordinate(-1, border.p)), settings)
+        head = solution.orbit
+        if solution.converged and is_inside(head, closing) and _within(head, settings):
+            jump = jump_of(map_, head, closing, order, settings)
+            if jump.crosses:
+                yield jump
+
+
+def _within(orbit: Orbit, settings: Settings) -> bool:
+    low, high = settings.window
+    return bool(low <= orbit.x.min() and orbit.x.max() <= high)
+
+
+def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
+    for stretch in pieces.stretches:
+        for (a, one), (b, other) in _parts(stretch, pieces.p):
+            if (one.value - a) * (other.value - b) > 0.0:
+                continue
+            root = bracketed(one, a, b, pieces.p, _gap)
+            if root is None:
+                continue
+            start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
+            solution = solve(start, (Closed(), Coordinate(-1, pieces.p)), settings)
+            if solution.converged:
+                yield solution.orbit
+
+
+class _Point(NamedTuple):
+    x: float
+    image: Image
+
+
+def _parts(stretch: Stretch, p: float) -> Iterator[tuple[_Point, _Point]]:
+    """Neighbouring samples, with one more where P(x) - x may turn round between them."""
+    points = [_Point(x, image) for x, image in zip(stretch.x, stretch.images, strict=True)]
+    for a, b in zip(points[:-1], points[1:], strict=True):
+        gaps, slopes = (a.image.value - a.x, b.image.value - b.x), (
+            a.image.slope - 1.0, b.image.slope - 1.0,
+        )  # fmt: skip
+        towards = gaps[0] * slopes[0] < 0.0 < gaps[1] * slopes[1]
+        if gaps[0] * gaps[1] > 0.0 and towards:
+            x = a.x + (b.x - a.x) * slopes[0] / (slopes[0] - slopes[1])
+            middle = _Point(x, a.image.piece.at(x, p))
+            if a.x < x < b.x and not middle.image.reason:
+                yield a, middle
+                yield middle, b
+                continue
+        yield a, b
+
+
+def _gap(image: Image, x: float) -> tuple[float, float]:
+    return image.value - x, image.slope - 1.0

@@ -1,0 +1,115 @@
+"""What a search asks for: to follow branches and to take slices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pwmap.diagrams.diagram import BranchKind
+from woodpecker.base.executors import Done
+from woodpecker.engine.branches import (
+    Collision,
+    Curve,
+    Cycles,
+    End,
+    Jumps,
+    cycle_from,
+    end_of,
+)
+from woodpecker.engine.jumps import Jump
+from woodpecker.engine.orbits import Closed, Condition, Margin, Orbit
+from woodpecker.engine.pieces import Image, PiecewiseMap
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.slices import Slice, slices_at
+from woodpecker.engine.stepping import Sample
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where a branch can be picked up.
+
+    Attributes
+    ----------
+    kind, order
+        Cycles of P_order, or jumps of it.
+    samples
+        Its first samples.
+    closing
+        The condition that its orbits obey.
+    end
+        The special point in which it starts.
+    """
+
+    kind: BranchKind
+    order: int
+    samples: tuple[Sample, ...]
+    closing: Condition
+    end: End
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
+
+    map: PiecewiseMap
+    settings: Settings
+
+    def __call__(self, task: str, *arguments: Any) -> Done:
+        """Carry out a task, a method of :class:`Tasks`."""
+        counted = _Counted(self.map)
+        value = getattr(Tasks(counted, self.settings), task)(*arguments)
+        return Done(value, counted.calls)
+
+
+class _Counted:
+    """A map that counts how often it is asked."""
+
+    def __init__(self, map_: PiecewiseMap) -> None:
+        self._map, self.calls = map_, 0
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point."""
+        self.calls += 1
+        return self._map.at(x, p)
+
+
+class Tasks:
+    """The tasks."""
+
+    def __init__(self, map_: PiecewiseMap, settings: Settings) -> None:
+        self.map, self.settings = map_, settings
+
+    def cycle(self, orbit: Orbit) -> list[Curve]:
+        """The branch through a cycle."""
+        return Cycles(self.map, self.settings).through(orbit)
+
+    def jump(self, jump: Jump) -> list[Curve]:
+        """The branch of a jump."""
+        return Jumps(self.map, jump.order, self.settings).through(jump.head, jump.closing)
+
+    def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
+        """Branches that start where a cycle meets a jump."""
+        found = []
+        n, first = len(met.orbit), cycle_from(met, self.settings)
+        if n in orders and first is not None:
+            end = end_of(met, met.orbit)
+            found.append(Start(BranchKind.FIXED_POINT, n, (first,), Closed(), end))
+        for order in orders:
+            for shift in range(n) if order >= n else ():
+                end = end_of(met, met.orbit.rotated(shift))
+                for samples in Jumps(self.map, order, self.settings).starts(met, shift):
+                    closing = Margin(len(samples[0].orbit) - 1, met.margin.code)
+                    found.append(Start(BranchKind.JUMP, order, samples, closing, end))
+        return found
+
+    def ahead(self, start: Start) -> list[Curve]:
+        """The branch that starts at a collision."""
+        if start.kind is BranchKind.JUMP:
+            jumps = Jumps(self.map, start.order, self.settings)
+            return jumps.ahead(start.samples, start.end)
+        return Cycles(self.map, self.settings).ahead(start.samples[0], start.end)
+
+    def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
+        """All cycles and jumps at one parameter."""
+        return slices_at(self.map, p, orders, self.settings)
