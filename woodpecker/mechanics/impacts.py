@@ -36,7 +36,7 @@ import math
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.mechanics.modes import (
     ANGLE,
@@ -70,7 +70,7 @@ SLACK = 1e-11  # used only where strict signs leave no combination: a solution o
 SAME = 1e-8  # velocities closer than this (relative) are one solution found twice
 
 
-@jit
+@part
 def one_contact_case(
     case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
     floor: float,
@@ -93,7 +93,7 @@ def one_contact_case(
     return impulse, friction * impulse
 
 
-@jit
+@part
 def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
@@ -165,7 +165,7 @@ def make_pair() -> Pair:
     return pair
 
 
-@jit
+@part
 def two_contacts(
     table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, coupling: float,
     floor: Floats, feeds: Ints, cases: Ints, impulse: Floats, pair: Pair,
@@ -237,7 +237,7 @@ def two_contacts(
     return status
 
 
-@jit
+@part
 def _violation(
     case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
     p: Floats, v: Floats,
@@ -270,20 +270,20 @@ def _violation(
     return float(max(0.0, normal, tangential))
 
 
-@jit
+@part
 def _size(i: int, delassus: Floats, free: Floats, p: Floats) -> float:
     """Size of the terms that a velocity is the sum of, and that rounding of impulses enters."""
     row = abs(delassus[i, 0]) + abs(delassus[i, 1]) + abs(delassus[i, 2]) + abs(delassus[i, 3])
     return float(abs(free[i]) + row * _largest(p))
 
 
-@jit
+@part
 def _largest(p: Floats) -> float:
     """Largest modulus of an impulse."""
     return float(max(abs(p[0]), abs(p[1]), abs(p[2]), abs(p[3])))
 
 
-@jit
+@part
 def _ends(points: Floats, count: int) -> tuple[int, int]:
     """The two ends among points that lie on one segment: extremes of its longest coordinate."""
     first = last = 0
@@ -300,7 +300,7 @@ def _ends(points: Floats, count: int) -> tuple[int, int]:
     return first, last
 
 
-@jit
+@part
 def velocity_of(
     index: int, delassus: Floats, free: Floats, impulse: Floats, velocity: Floats
 ) -> None:
@@ -318,7 +318,7 @@ def velocity_of(
             velocity[2 * k + 1] = 0.0
 
 
-@jit
+@part
 def _mark(first: int, second: int, expands: bool, floor: float) -> int:
     """What the compression and the expansion did at one contact, as a number below MARKS."""
     compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
@@ -329,13 +329,13 @@ def _mark(first: int, second: int, expands: bool, floor: float) -> int:
     return compression + 3 * expansion
 
 
-@jit
+@part
 def halts(mark: int) -> bool:
     """Whether a contact with this mark sticks at the end of the compression or of the expansion."""
     return mark % 3 == 1 or mark // 3 % 2 == 1
 
 
-@jit
+@part
 def impact(
     model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
     choice: Ints, case: Ints, impulses: Floats, marks: Ints, pair: Pair,
@@ -351,7 +351,7 @@ def impact(
     return status
 
 
-@jit
+@part
 def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair) -> int:
     """Find the index combinations of an impact.
 
@@ -375,7 +375,7 @@ def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, 
     return _decide_double(model, contacts, z, choice, marks, pair)
 
 
-@jit
+@part
 def carry_out(
     model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
     seed: Floats, case: Ints, impulses: Floats, pair: Pair,
@@ -423,7 +423,7 @@ def carry_out(
             tangents[m, 3 + ANGLE[contacts[0]]] = bounce
 
 
-@jit
+@part
 def rates(model: Floats, i: int, z: Floats) -> tuple[float, float]:
     """Gap rate and tangential velocity [m/s] of contact i (0-based)."""
     w = CONTACT + i
@@ -433,7 +433,7 @@ def rates(model: Floats, i: int, z: Floats) -> tuple[float, float]:
     )
 
 
-@jit
+@part
 def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
     """Change the velocities by the impulses (p_n, p_t) at contact i."""
     row = CONTACT + i
@@ -441,7 +441,7 @@ def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
         z[3 + j] += p_n * model[row, RESPONSE_N + j] + p_t * model[row, RESPONSE_T + j]
 
 
-@jit
+@part
 def _set_gap_rate(model: Floats, i: int, rate: float, z: Floats) -> None:
     """Give contact i the gap rate [m/s] that its impact leaves, without the rounding of the kick.
 
@@ -450,7 +450,7 @@ def _set_gap_rate(model: Floats, i: int, rate: float, z: Floats) -> None:
     z[3 + ANGLE[i]] = SIGN[i] * rate / model[FORCE, LEVER + i]
 
 
-@jit
+@part
 def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) -> int:
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
@@ -472,7 +472,7 @@ def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) 
     return SOLVED
 
 
-@jit
+@part
 def _carry_out_single(
     model: Floats, change: Floats, i: int, choice: Ints, z: Floats, tangents: Floats, seed: Floats,
     impulses: Floats,
@@ -512,7 +512,7 @@ def _carry_out_single(
     _set_gap_rate(model, i, v_n + g_nn * e_n + g_nt * e_t, z)
 
 
-@jit
+@part
 def one_change(
     model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
     free_n: float, free_t: float, floor: float,
@@ -535,7 +535,7 @@ def one_change(
     return d_n, d_t + tau, v_n, v_t
 
 
-@jit
+@part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
     """Write what an impact at two contacts starts from into its room."""
     fill_pair(model, contacts[1])
@@ -550,7 +550,7 @@ def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
         pair.floor[k] = 0.0
 
 
-@jit
+@part
 def _decide_double(
     model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair
 ) -> int:
@@ -590,7 +590,7 @@ def _decide_double(
     return outcome
 
 
-@jit
+@part
 def _carry_out_double(
     model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
     seed: Floats, case: Ints, impulses: Floats, pair: Pair,
@@ -622,7 +622,7 @@ def _carry_out_double(
         _set_gap_rate(model, contacts[k], after[2 * k], z)
 
 
-@jit
+@part
 def _pair_tangent(
     model: Floats, change: Floats, along: int, contacts: Ints, z: Floats, tangent: Floats,
     seed: Floats, case: Ints, impulses: Floats, expands: bool, pair: Pair,
@@ -670,7 +670,7 @@ def _pair_tangent(
         _kick(model, contacts[k], total[2 * k], total[2 * k + 1], tangent)
 
 
-@jit
+@part
 def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, out: Floats, velocity: Floats, pair: Pair,
@@ -702,7 +702,7 @@ def pair_change(
     out[3] += tau_1
 
 
-@jit
+@part
 def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
     """Velocities that an index combination makes zero become exactly zero."""
     for k in range(len(contacts)):
@@ -713,7 +713,7 @@ def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
             hold(model, contacts[k], z)
 
 
-@jit
+@part
 def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
     """What a moving direction of sticking adds to the velocity of the sleeve that keeps it.
 
@@ -725,21 +725,21 @@ def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent
             return
 
 
-@jit
+@part
 def hold(model: Floats, i: int, z: Floats) -> None:
     """Make the tangential velocity of contact i exactly zero through the velocity of the sleeve."""
     row = CONTACT + i
     z[3] = -(model[row, TANGENT + 1] * z[4] + model[row, TANGENT + 2] * z[5])
 
 
-@jit
+@part
 def rest_is_possible(model: Floats, k: int, d: float) -> bool:
     """Whether contacts 1 and k + 1 can hold the toy at rest: some forces lie in both cones."""
     low, high = rest_range(model, k, d)
     return low <= high
 
 
-@jit
+@part
 def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
     """The interval of lambda_T1 with which contacts 1 and k + 1 hold the toy at rest.
 
@@ -764,7 +764,7 @@ def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
     return low, high
 
 
-@jit
+@part
 def _half_line(constant: float, rate: float, low: float, high: float) -> tuple[float, float]:
     """Intersect [low, high] with {s : constant + rate s >= 0}."""
     if rate > 0.0:

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Complexes, Floats
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import jit, part
 from woodpecker.mechanics.cases import fill_cases
 from woodpecker.mechanics.equations import (
     force_at_rest,
@@ -53,8 +53,8 @@ OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled co
 EPSILONS = ("eps_n1", "eps_n2", "eps_n3")
 STEP = 1e-150  # imaginary part of the parameter that moves
 
-_mass, _constant, _elastic = jit(mass_matrix), jit(force_at_rest), jit(force_per_stretch)
-_normal, _tangent, _offsets = jit(normal_directions), jit(tangential_directions), jit(gap_offsets)
+_mass, _constant, _elastic = part(mass_matrix), part(force_at_rest), part(force_per_stretch)
+_normal, _tangent, _offsets = part(normal_directions), part(tangential_directions), part(gap_offsets)
 
 # The kernel reads one array, because compiled code passes one array cheaply. Rows and columns:
 MODES = 28
@@ -226,7 +226,7 @@ def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
     numbers[FORCE, DUE] = numbers[FORCE, DUE + 1] = 1.0
 
 
-@jit
+@part
 def fill_pair(numbers: Floats, k: int) -> None:
     """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
     if numbers[FORCE, DUE + k - 1] == 0.0:
@@ -246,12 +246,12 @@ def fill_pair(numbers: Floats, k: int) -> None:
     numbers[FORCE, DUE + k - 1] = 0.0
 
 
-@jit
+@part
 def _put(numbers: Floats, rates: Floats, row: int, column: int, value: complex) -> None:
     numbers[row, column], rates[row, column] = value.real, value.imag / STEP
 
 
-@jit
+@part
 def _mode(
     system: Complexes, row: Complexes, beak: int, sleeve: int, mass: Any, constant: Any,
     elastic: Any, normal: Any, tangent: Any, mu: Any,
@@ -310,7 +310,7 @@ def _mode(
             at += 2
 
 
-@jit
+@part
 def _solve(system: Complexes, n: int, right: int) -> None:
     """Solve for the columns right of the first n, in place; scaled, so that no unit is preferred.
 

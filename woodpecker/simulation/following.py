@@ -13,7 +13,7 @@ import math
 from typing import Any
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.compiled import borrowed, jit
+from woodpecker.base.compiled import borrowed, jit, part
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.impacts import UNSOLVED, carry_out, hold, prepare
 from woodpecker.mechanics.modes import (
@@ -146,7 +146,7 @@ def follow(
     return RETURNED
 
 
-@jit
+@part
 def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     """Put the toy on the section, jammed, at rest."""
     z, tangents = route.z, route.tangents
@@ -161,7 +161,7 @@ def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     route.fired[0], route.flown[0], route.count[0] = typed(-1), typed(-1), typed(0)
 
 
-@jit
+@part
 def bounce_repeats(path: Ints, k: int) -> bool:
     """Whether row k of a path is a bounce that repeats until the next row closes its contact."""
     if k == 0 or k + 1 >= len(path) or path[k + 1, CLOSED] not in (1, 2, 4):
@@ -174,7 +174,7 @@ def bounce_repeats(path: Ints, k: int) -> bool:
     return same
 
 
-@jit
+@part
 def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bool:
     """Whether the bounces of a phase of duration t are still too large to be summed."""
     if not bounce_repeats(path, k):
@@ -185,7 +185,7 @@ def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bo
     return bool(abs(t) * (model[mode, OMEGA] + turn) > CHATTER)
 
 
-@jit
+@part
 def unpack(mode: int, states: Ints) -> None:
     """Contact states (3,) of a mode; undoes :func:`woodpecker.simulation.kernel.mode_of`."""
     sleeve = mode % 7
@@ -194,7 +194,7 @@ def unpack(mode: int, states: Ints) -> None:
     states[2] = sleeve - 3 if sleeve > 3 else 0
 
 
-@jit
+@part
 def _find_orders(step: Ints, route: Route) -> None:
     """How many derivatives of each gap an event makes zero; states are those of the phase before.
 
@@ -214,7 +214,7 @@ def _find_orders(step: Ints, route: Route) -> None:
             route.orders[i] = 3 if route.fired[0] == NORMAL + i else 2
 
 
-@jit
+@part
 def _duration(
     model: Floats, step: Ints, mode: int, guard: int, near: float, again: bool, route: Route
 ) -> float:
@@ -233,7 +233,7 @@ def _duration(
     return root_near(order, f0, f1, f2, f3, kappa, omega, near)
 
 
-@jit
+@part
 def _find_delays(
     model: Floats, change: Floats, step: Ints, mode: int, guard: int, t: float, c: Ratios,
     route: Route,
@@ -260,7 +260,7 @@ def _find_delays(
         route.flight[0], route.flight[1], route.flight[2] = t, route.delays[0], route.delays[1]
 
 
-@jit
+@part
 def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: Route) -> None:
     """Move the state and its tangents to the event that ends a phase."""
     z, work, tangents = route.z, route.work, route.tangents
@@ -287,7 +287,7 @@ def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: 
     copy(work, z)
 
 
-@jit
+@part
 def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
     """Carry out what begins a phase; ``states`` are those of the phase before."""
     struck, states = step[STRUCK], route.states
@@ -310,7 +310,7 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
         _close(model, change, step, k, notes, route)
 
 
-@jit
+@part
 def _strike(
     model: Floats, change: Floats, step: Ints, struck: int, k: int, notes: Floats, route: Route
 ) -> None:
@@ -334,7 +334,7 @@ def _strike(
     )  # fmt: skip
 
 
-@jit
+@part
 def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
     """The end of impacts that accumulate."""
     z, mark, closed, i = route.z, route.mark, step[CLOSED], route.touching[0]

@@ -16,7 +16,7 @@ from typing import Any, cast
 import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.base.compiled import borrowed, jit
+from woodpecker.base.compiled import borrowed, jit, part
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.impacts import (
     AMBIGUOUS,
@@ -124,7 +124,7 @@ def make_room() -> Room:
     return room
 
 
-@jit
+@part
 def mode_of(states: Ints) -> int:
     """Row of the mode table for the states of contacts 1, 2, 3."""
     sleeve = states[1]
@@ -133,14 +133,14 @@ def mode_of(states: Ints) -> int:
     return int(7 * states[0] + sleeve)
 
 
-@jit
+@part
 def spring(model: Floats, mode: int, z: Floats) -> tuple[float, float, float]:
     """Stretch d, its rate, and its acceleration in a mode."""
     d = z[2] - z[1]
     return d, z[5] - z[4], model[mode, ALPHA] + model[mode, KAPPA] * d
 
 
-@jit
+@part
 def flow(model: Floats, mode: int, z: Floats, t: float, out: Floats) -> None:
     """State after a time t in a mode."""
     _, s1, s2, s3, s4 = stumpff(model[mode, KAPPA], model[mode, OMEGA], t)
@@ -149,7 +149,7 @@ def flow(model: Floats, mode: int, z: Floats, t: float, out: Floats) -> None:
         out[j] += z[j]
 
 
-@jit
+@part
 def displace(
     model: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float, s4: float,
     out: Floats,
@@ -169,14 +169,14 @@ def displace(
     out[6] = z[6] + t
 
 
-@jit
+@part
 def measure(model: Floats, z: Floats, gaps: Floats) -> None:
     """Gaps (3,) over their lever arms [rad] from the angles of a state."""
     for i in range(3):
         gaps[i] = model[CONTACT + i, LIMIT] + SIGN[i] * z[ANGLE[i]]
 
 
-@jit
+@part
 def jet(
     model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints
 ) -> tuple[float, float, float, float]:
@@ -210,7 +210,7 @@ def jet(
     return p + r * d0, r * d1, r * d2, r * kappa * d1
 
 
-@jit
+@part
 def starting_jet(
     model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints, fired: int
 ) -> tuple[float, float, float, float]:
@@ -232,7 +232,7 @@ def starting_jet(
     return f0, f1, f2, f3
 
 
-@jit
+@part
 def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
     """p, r of a guard p + r d on contact forces: lambda_N, or mu lambda_N -+ lambda_T."""
     kind, i = (guard // 3) * 3, guard % 3
@@ -246,7 +246,7 @@ def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
     )
 
 
-@jit
+@part
 def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
     """Time > 0 until phi_S, swinging on the jammed sleeve, is at its next minimum."""
     omega = model[mode, OMEGA]
@@ -255,7 +255,7 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
     return float((angle if angle > 0.0 else angle + 2.0 * math.pi) / omega)
 
 
-@jit
+@part
 def next_event(
     model: Floats, mode: int, z: Floats, gaps: Floats, states: Ints, to_section: bool,
     horizon: float, before: int, ignored: int,
@@ -283,7 +283,7 @@ def next_event(
     return horizon, fired
 
 
-@jit
+@part
 def guard_rates(
     model: Floats, mode: int, guard: int, end: Floats, tangent: Floats
 ) -> tuple[float, float]:
@@ -305,7 +305,7 @@ def guard_rates(
     return tangent[2] - tangent[1], d1
 
 
-@jit
+@part
 def advance(
     model: Floats, change: Floats, mode: int, guard: int, t: float, z: Floats, gaps: Floats,
     tangents: Floats, work: Floats,
@@ -348,7 +348,7 @@ def advance(
     copy(work, z)
 
 
-@jit
+@part
 def change_flow(
     model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
     s4: float, v: Floats,
@@ -373,7 +373,7 @@ def change_flow(
         v[3 + j] += a * t + b * once + model[mode, B + j] * d_once
 
 
-@jit
+@part
 def guard_change(model: Floats, change: Floats, mode: int, guard: int, end: Floats) -> float:
     """Change of a guard with the table at a fixed state, in the units of :func:`guard_rates`."""
     kind, i = (guard // 3) * 3, guard % 3
@@ -396,14 +396,14 @@ def guard_change(model: Floats, change: Floats, mode: int, guard: int, end: Floa
     return float((friction - sign * tangential) / r)
 
 
-@jit
+@part
 def copy(source: Floats, target: Floats) -> None:
     """Copy the seven entries of a state; loops compile much faster than slices."""
     for k in range(7):
         target[k] = source[k]
 
 
-@jit
+@part
 def settle(
     model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, states: Ints,
     trial: Ints,
@@ -457,7 +457,7 @@ def settle(
     return NO_SOLUTION
 
 
-@jit
+@part
 def _matches(trial: Ints, slips: Ints) -> bool:
     """A sliding contact keeps its direction; two closed contacts move as one."""
     together = OPEN
@@ -474,7 +474,7 @@ def _matches(trial: Ints, slips: Ints) -> bool:
     return True
 
 
-@jit
+@part
 def _admissible(
     model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, trial: Ints,
     sleeve: int, strict: bool,
@@ -502,14 +502,14 @@ def _admissible(
     return True
 
 
-@jit
+@part
 def _weight(model: Floats, mode: int, i: int, z: Floats) -> float:
     """Size of the contact force that a rounding error can hide in."""
     column = LAMBDA + 4 * i
     return float(abs(model[mode, column]) + abs(model[mode, column + 1] * (z[2] - z[1])))
 
 
-@jit
+@part
 def _positive(f0: float, f1: float, f2: float, f3: float, weight: float, strict: bool) -> bool:
     """Sign right after 0 by the first non-zero derivative; f identically zero counts as inside.
 
@@ -524,7 +524,7 @@ def _positive(f0: float, f1: float, f2: float, f3: float, weight: float, strict:
     return f3 >= 0.0
 
 
-@jit
+@part
 def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
     """Whether two modes start with the same accelerations and rates of acceleration."""
     d0, d1 = z[2] - z[1], z[5] - z[4]
@@ -540,7 +540,7 @@ def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
     return True
 
 
-@jit
+@part
 def arrive(
     model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, seed: Floats,
     fired: int, states: Ints, slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
@@ -587,7 +587,7 @@ def arrive(
     return status
 
 
-@jit
+@part
 def _strike(
     model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
     slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
@@ -619,7 +619,7 @@ def _strike(
     return status
 
 
-@jit
+@part
 def _held(closed: Ints, slips: Ints) -> int:
     """Mask of the closed contacts whose slip is exactly zero."""
     mask = 0
@@ -629,7 +629,7 @@ def _held(closed: Ints, slips: Ints) -> int:
     return mask
 
 
-@jit
+@part
 def still_contacts(states: Ints, tangents: Floats) -> None:
     """Where a larger eps_N would make a closed contact bounce, the derivative is unknown.
 
@@ -642,13 +642,13 @@ def still_contacts(states: Ints, tangents: Floats) -> None:
                     tangents[m, 3 + ANGLE[i]] = math.nan
 
 
-@jit
+@part
 def touch(model: Floats, i: int, z: Floats, gaps: Floats) -> None:
     """Make exact that contact i has no gap."""
     z[ANGLE[i]], gaps[i] = -SIGN[i] * model[CONTACT + i, LIMIT], 0.0
 
 
-@jit
+@part
 def _touching(
     model: Floats, z: Floats, gaps: Floats, states: Ints, fired: int, closed: Ints, found: Ints
 ) -> tuple[int, bool]:
@@ -670,19 +670,19 @@ def _touching(
     return n, striking
 
 
-@jit
+@part
 def _sign(value: float) -> int:
     return 1 if value > 0.0 else (-1 if value < 0.0 else 0)
 
 
-@jit
+@part
 def _append(word: Codes, counts: Ints, code: int) -> None:
     if counts[0] < len(word):
         word[counts[0]] = code
     counts[0] += 1
 
 
-@jit
+@part
 def _append_transitions(before: Ints, after: Ints, fired: int, word: Codes, counts: Ints) -> None:
     """Symbols for contacts that opened, stuck, began to slip or reversed."""
     for i in range(3):
@@ -735,7 +735,7 @@ def run(
     )  # fmt: skip
 
 
-@jit
+@part
 def _follow(
     model: Floats, change: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints,
     to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints, events: Floats,
@@ -788,7 +788,7 @@ def _follow(
             return TIME_REACHED
 
 
-@jit
+@part
 def put_on_section(model: Floats, change: Floats, z: Floats, tangents: Floats) -> None:
     """Make exact what the section says: the sleeve at its lower contact, everything at rest."""
     z[1] = -model[CONTACT + 1, LIMIT]
@@ -799,7 +799,7 @@ def put_on_section(model: Floats, change: Floats, z: Floats, tangents: Floats) -
         tangents[len(tangents) - 1, 1] = -change[CONTACT + 1, LIMIT]
 
 
-@jit
+@part
 def _watch_bounces(
     model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, i: int, symbols: int,
     to_section: bool, states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats,
@@ -834,7 +834,7 @@ def _watch_bounces(
     return SOLVED
 
 
-@jit
+@part
 def _chatters(
     model: Floats, z: Floats, gaps: Floats, states: Ints, to_section: bool, i: int, speed: float,
     lap: float, ratio: float,
@@ -859,7 +859,7 @@ def _chatters(
     return next_event(model, mode, z, gaps, states, to_section, horizon, GAP + i, GAP + i)[1] < 0
 
 
-@jit
+@part
 def _pair_at_rest(
     model: Floats, z: Floats, gaps: Floats, states: Ints, i: int, symbols: int, bounce: Ints
 ) -> int:
@@ -881,7 +881,7 @@ def _pair_at_rest(
     return 1 + (1 << sleeve) if swing <= COLLAPSED else 0
 
 
-@jit
+@part
 def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> float:
     """How long the beak and a contact of the sleeve can bounce, as an angle of the free swing."""
     d, fastest, pull = z[2] - z[1], 0.0, 0.0
@@ -895,7 +895,7 @@ def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> flo
     return float(model[0, OMEGA] * math.sqrt(fastest) / pull)
 
 
-@jit
+@part
 def _close_chatter(
     model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, ratio: float, i: int,
     states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, memory: Floats,
@@ -914,7 +914,7 @@ def _close_chatter(
     )
 
 
-@jit
+@part
 def sum_bounces(
     z: Floats, gaps: Floats, tangents: Floats, memory: Floats, mark: Floats, ratio: float, i: int
 ) -> None:
@@ -936,7 +936,7 @@ def sum_bounces(
         z[k] += (z[k] - mark[k]) * rest
 
 
-@jit
+@part
 def shut(
     model: Floats, change: Floats, mask: int, z: Floats, gaps: Floats, tangents: Floats
 ) -> None:
@@ -952,7 +952,7 @@ def shut(
                 tangents[len(tangents) - 1, j] = -SIGN[k] * change[CONTACT + k, LIMIT]
 
 
-@jit
+@part
 def stop(model: Floats, change: Floats, k: int, z: Floats, tangents: Floats) -> None:
     """Make the slip of contact k exactly zero, and that of the tangents."""
     hold(model, k, z)
@@ -962,7 +962,7 @@ def stop(model: Floats, change: Floats, k: int, z: Floats, tangents: Floats) -> 
         tangents[len(tangents) - 1, 3] -= rates(change, k, z)[1]
 
 
-@jit
+@part
 def _close(
     model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, mask: int,
     states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, room: Room,
@@ -1001,7 +1001,7 @@ def _close(
     return status
 
 
-@jit
+@part
 def _record_phase(
     phases: Floats, path: Ints, counts: Ints, z: Floats, mode: int, decided: Ints
 ) -> None:
@@ -1016,7 +1016,7 @@ def _record_phase(
         counts[1] += 1
 
 
-@jit
+@part
 def _record_events(
     events: Floats, counts: Ints, symbols: int, t: float, word: Codes, event: Floats
 ) -> None:
