@@ -29,7 +29,6 @@ from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
     CONTACT,
-    FIXED,
     GAP,
     GUARDS,
     KAPPA,
@@ -99,19 +98,14 @@ def first_return_ode(
     if not (math.isfinite(phi_s) and phi_s < toy.phi_s_max):
         raise ValueError(f"phi_s must be finite and below {toy.phi_s_max:.6g}, got {phi_s}")
     numbers = model(toy)
-    z, event = np.zeros(7), np.zeros(kernel.EVENT_COLUMNS)
-    tangents, seed = np.zeros((0, 7)), np.zeros((0, 3))
-    states, slips = np.array([Contact.OPEN, Contact.STICK, Contact.OPEN]), np.zeros(3, np.int64)
-    codes, counts = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64)
-    room, gaps = kernel.make_room(), np.zeros(3)
+    codes, counts, room = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64), kernel.make_room()
+    z, states = room.z, room.states
     z[1], z[2] = -toy.phi_m_max, phi_s
+    states[:] = Contact.OPEN, Contact.STICK, Contact.OPEN
     fired, evaluations, modes = -1, 0, dict[int, _Mode]()
     while fired != SECTION:
-        kernel.measure(numbers, z, gaps)
-        status = kernel.arrive(
-            numbers, FIXED, z, gaps, tangents, seed, fired, states, slips, codes, counts, event,
-            room,
-        )  # fmt: skip
+        kernel.measure(numbers, z, room.gaps)
+        status = kernel.arrive(numbers, fired, codes, counts, room)
         if status != SOLVED or counts[0] > len(codes):
             raise LostError(f"the contact problem at t = {z[6]} s has no single solution")
         mode = mode_index(*states)

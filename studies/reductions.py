@@ -30,7 +30,6 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-import numpy.typing as npt
 from cases import CYCLE, FIXED_POINT, GUESS, WINDOW, distance, numbers
 from clocks import Job, Seconds, Timing, clocked, race
 from matplotlib.axes import Axes
@@ -66,6 +65,7 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.simulation import kernel
 from woodpecker.simulation.guards import bracketed, value
+from woodpecker.simulation.sweeping import sweep
 
 EVENTS = 60  # room for one return
 SHORTEST = 5e-3  # s; a job repeats its work until it lasts about this long
@@ -198,8 +198,8 @@ def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
     z, counts = np.zeros(7), np.zeros(3, np.int64)
     z[1], z[2] = -table[CONTACT + 1, 0], phi_s
     kernel.run(
-        table, FIXED, z, np.zeros((0, 7)), np.zeros((0, 3)), np.array([0, 1, 0]), True, math.inf,
-        np.zeros(EVENTS, np.int16), phases, kernel.NO_PATH, happened, counts,
+        table, z, np.array([0, 1, 0]), True, math.inf, np.zeros(EVENTS, np.int16), phases,
+        kernel.NO_PATH, happened, counts,
     )  # fmt: skip
     return phases[: counts[1]], happened[: counts[2]]
 
@@ -465,16 +465,13 @@ def shooting(plan: Plan) -> Results:
     }
 
 
-def land(table: Floats, z: Floats, tangents: npt.ArrayLike = ()) -> tuple[Floats, Floats]:
+def land(table: Floats, z: Floats) -> Floats:
     """Next return of a state (phi_M, phi_S, dy, dphi_M, dphi_S) at or near the section.
 
     A minimum of phi_S before the beak or the upper sleeve contact has struck is the end of the
     disturbance of the start, not a return.
     """
     state, counts = np.concatenate([[0.0], z, [0.0]]), np.zeros(3, np.int64)
-    v = np.zeros((len(np.atleast_2d(tangents)) if len(tangents) else 0, 7))
-    if len(tangents):
-        v[:, 1:6] = tangents
     touching = z[0] <= -table[CONTACT + 1, 0] and z[3] == 0.0
     slips = rates(table, 1, state)[1] != 0.0
     states = np.array([0, (2 if slips else 1) if touching else 0, 0])
@@ -482,25 +479,27 @@ def land(table: Floats, z: Floats, tangents: npt.ArrayLike = ()) -> tuple[Floats
     away = 0
     while not away:
         kernel.run(
-            table, FIXED, state, v, np.zeros((len(v), 3)), states, True, math.inf, codes,
-            np.zeros((0, kernel.PHASE_COLUMNS)), kernel.NO_PATH,
-            np.zeros((0, kernel.EVENT_COLUMNS)), counts,
+            table, state, states, True, math.inf, codes, np.zeros((0, kernel.PHASE_COLUMNS)),
+            kernel.NO_PATH, np.zeros((0, kernel.EVENT_COLUMNS)), counts,
         )  # fmt: skip
         away = int(np.bitwise_or.reduce(codes[: counts[0]] % 8)) & 0b101
-    return state[1:6], v[:, 1:6]
+    return state[1:6]
 
 
 def shoot_one(toy: Toy, guess: float, laps: int = 20) -> Found:
     """Newton's method in phi_S with the exact slope of the map."""
-    table, z = model(toy), np.array([-toy.phi_m_max, guess, 0.0, 0.0, 0.0])
+    table, phi_s = model(toy), np.array([guess])
+    out, words = np.empty((1, 5)), np.empty((1, EVENTS), np.int16)
+    status, lengths = np.empty(1, np.int64), np.empty(1, np.int64)
     spent = 0
     for _ in range(laps):
         spent += 1
-        image, tangent = land(table, z, [np.eye(5)[1]])
-        residual, slope = image[1] - z[1], tangent[0, 1]
+        sweep(table, FIXED, phi_s, 1, np.zeros((1, 3)), out, status, lengths, words)
+        residual, slope = out[0, 0] - phi_s[0], out[0, 3]
         if abs(residual) <= CONVERGED:
             break
-        z[1] += residual / (1.0 - slope)
+        phi_s += residual / (1.0 - slope)
+    z = np.array([-toy.phi_m_max, phi_s[0], 0.0, 0.0, 0.0])
     return Found(z, np.array([[slope]]), spent)
 
 
@@ -512,9 +511,9 @@ def shoot_five(toy: Toy, guess: float, laps: int = 20) -> Found:
     """
     table, z, spent = model(toy), np.array([-toy.phi_m_max, guess, 0.0, 0.0, 0.0]), 0
     for _ in range(laps):
-        image, _ = land(table, z)
+        image = land(table, z)
         jacobian = np.column_stack(
-            [(land(table, z + QUOTIENT * e)[0] - image) / QUOTIENT for e in np.eye(5)]
+            [(land(table, z + QUOTIENT * e) - image) / QUOTIENT for e in np.eye(5)]
         )
         spent += 6
         residual = image - z

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.mechanics.modes import model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import kernel
 from woodpecker.simulation.words import word
@@ -70,7 +70,7 @@ def run(
     phases = np.zeros((limit + 1, kernel.PHASE_COLUMNS))
     events = np.zeros((limit, kernel.EVENT_COLUMNS))
     code = kernel.run(
-        model(toy), FIXED, state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end,
+        model(toy), state, modes, to_section, t_end,
         codes, phases, kernel.NO_PATH, events, counts,
     )  # fmt: skip
     return Run(

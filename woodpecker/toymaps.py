@@ -21,9 +21,9 @@ from woodpecker.mechanics.modes import (
     LIMIT,
     STEP,
     Numbers,
-    fill,
     model,
     parameters_of,
+    refill,
 )
 from woodpecker.mechanics.toy import Toy, known_parameter, limits
 from woodpecker.piecewise.maps import Evaluation
@@ -31,6 +31,7 @@ from woodpecker.piecewise.partition import Samples, WordBook
 from woodpecker.simulation import kernel
 from woodpecker.simulation.returns import EVENT_LIMIT
 from woodpecker.simulation.status import status
+from woodpecker.simulation.sweeping import sweep
 from woodpecker.simulation.words import word
 
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
@@ -44,7 +45,7 @@ class Table:
     Attributes
     ----------
     numbers, change
-        As :func:`woodpecker.simulation.kernel.sweep` takes them, for the value of the last
+        As :func:`woodpecker.simulation.sweeping.sweep` takes them, for the value of the last
         :meth:`at`.
     seed
         (1, 3), derivatives of the restitution coefficients.
@@ -71,7 +72,7 @@ class Table:
             self.numbers[CONTACT + EPSILONS.index(self._parameter), EPS] = p
         elif self._parameter in Numbers._fields:
             self._complex[Numbers._fields.index(self._parameter)] = complex(p, STEP)
-            fill(self._complex, self.numbers, self.change)
+            refill(self._complex, self.numbers, self.change)
         self._value = p
 
 
@@ -85,7 +86,7 @@ class _Evaluation:
         self._code, self._length = np.empty(1, dtype=np.int64), np.empty(1, dtype=np.int64)
         self._word = np.empty((1, EVENT_LIMIT), dtype=np.int16)
         self._texts: dict[bytes, str] = {}
-        announce(kernel.sweep)
+        announce(sweep)
 
     def __call__(self, phi_s: float, p: float) -> Evaluation:
         table = self.table
@@ -96,7 +97,7 @@ class _Evaluation:
         if not phi_s < table.numbers[CONTACT, LIMIT]:
             return _undefined("the beak touches the pole")
         self._start[0] = phi_s
-        kernel.sweep(
+        sweep(
             table.numbers, table.change, self._start, 1, table.seed, self._out, self._code,
             self._length, self._word,
         )  # fmt: skip
@@ -185,8 +186,8 @@ class ToySamples:
         table.at(p)
         out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
         codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        announce(kernel.sweep)
-        kernel.sweep(table.numbers, table.change, x, 1, table.seed, out, codes, lengths, texts)
+        announce(sweep)
+        sweep(table.numbers, table.change, x, 1, table.seed, out, codes, lengths, texts)
         defined = codes == kernel.RETURNED
         out[~defined] = np.nan
         index = np.array(

@@ -54,7 +54,11 @@ EPSILONS = ("eps_n1", "eps_n2", "eps_n3")
 STEP = 1e-150  # imaginary part of the parameter that moves
 
 _mass, _constant, _elastic = part(mass_matrix), part(force_at_rest), part(force_per_stretch)
-_normal, _tangent, _offsets = part(normal_directions), part(tangential_directions), part(gap_offsets)
+_normal, _tangent, _offsets = (
+    part(normal_directions),
+    part(tangential_directions),
+    part(gap_offsets),
+)
 
 # The kernel reads one array, because compiled code passes one array cheaply. Rows and columns:
 MODES = 28
@@ -120,7 +124,10 @@ class Numbers(NamedTuple):
 
 
 def model(toy: Toy) -> Floats:
-    """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will."""
+    """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will.
+
+    Index combinations of pairs are due: the kernel writes them where it needs them first.
+    """
     return _bouncing(toy).copy()
 
 
@@ -148,8 +155,6 @@ def _bouncing(toy: Toy) -> Floats:
 def _plastic(toy: Toy) -> Floats:
     numbers = blank(toy)
     fill(parameters_of(toy), numbers, np.zeros(CHANGE))
-    for k in (1, 2):
-        fill_pair(numbers, k)
     return numbers
 
 
@@ -172,7 +177,6 @@ def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
     )
 
 
-@jit
 def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
     """Write the table of the modes and all else that depends on the parameters, and derivatives.
 
@@ -224,6 +228,11 @@ def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
             product = w[0] * system[0, 3 + a] + w[1] * system[1, 3 + a] + w[2] * system[2, 3 + a]
             _put(numbers, rates, DELASSUS + b, a, product)
     numbers[FORCE, DUE] = numbers[FORCE, DUE + 1] = 1.0
+
+
+refill = jit(fill)
+"""The same, compiled: for whoever does it again and again. Once takes some milliseconds, less than
+to compile it."""
 
 
 @part

@@ -15,8 +15,9 @@ from typing import Any
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import borrowed, jit, part
 from woodpecker.mechanics.cases import REST
-from woodpecker.mechanics.impacts import UNSOLVED, carry_out, hold, prepare
+from woodpecker.mechanics.impacts import UNSOLVED, carry_out_along, hold, prepare, rates
 from woodpecker.mechanics.modes import (
+    ALPHA,
     ANGLE,
     CONTACT,
     FORCE,
@@ -33,7 +34,7 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.guards import TWO_PI, first_root
+from woodpecker.simulation.guards import TWO_PI, first_root, stumpff_rates
 from woodpecker.simulation.kernel import (
     CHATTER,
     CLOSED,
@@ -45,14 +46,12 @@ from woodpecker.simulation.kernel import (
     RETURNED,
     SECOND,
     STRUCK,
-    change_flow,
     copy,
     displace,
     measure,
     put_on_section,
     shut,
-    still_contacts,
-    stop,
+    spring,
     sum_bounces,
     touch,
     typed,
@@ -118,7 +117,7 @@ def follow(
             _event(model, change, step, k, notes, route)
         unpack(mode, states)
         if step[STRUCK] != 0:
-            still_contacts(states, route.tangents)
+            _still_contacts(states, route.tangents)
         if watched:
             start_margins(model, change, step, k, mode, notes, route)
         t = _duration(model, step, mode, guard, times[k], repeated > 0, route)
@@ -142,7 +141,12 @@ def follow(
             repeated += 1
         else:
             return NO_ROOT
-    put_on_section(model, change, z, route.tangents)
+    put_on_section(model, z)
+    for m in range(2):
+        for j in (1, 3, 4, 5):
+            route.tangents[m, j] = 0.0
+    if len(change) > 0:
+        route.tangents[1, 1] = -change[CONTACT + 1, LIMIT]
     return RETURNED
 
 
@@ -279,7 +283,7 @@ def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: 
             v[j] += v[3 + j] * t + acceleration * (s2 * d0 + s3 * d1)
             v[3 + j] += acceleration * (s1 * d0 + s2 * d1)
         if m == 1 and len(change) > 0:
-            change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
+            _change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
         for j in range(3):
             v[j] += delay * work[3 + j]
             v[3 + j] += delay * (model[mode, A + j] + model[mode, B + j] * end)
@@ -328,7 +332,7 @@ def _strike(
         impact_margins(model, change, n, k, notes, route)
         if n == 2:
             prepare(model, contacts, route.z, pair)
-    carry_out(
+    carry_out_along(
         model, change, contacts, choice, route.z, route.tangents, route.seeds, route.case,
         route.impulses, pair,
     )  # fmt: skip
@@ -346,8 +350,82 @@ def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
             x = SIGN[i] * (route.tangents[0, j] - ratio * route.memory[0, j]) / mark[7]
             p = SIGN[i] * (route.tangents[1, j] - ratio * route.memory[1, j]) / mark[7]
             note(notes, route, 1000 * k + 100 * BOUNCES + i, 1.0 - ratio, -x, -p)
-        sum_bounces(z, route.gaps, route.tangents, route.memory, mark, ratio, i)
-    shut(model, change, closed, z, route.gaps, route.tangents)
+        _sum_tangents(i, ratio, route)
+        sum_bounces(z, route.gaps, mark, ratio)
+    shut(model, closed, z, route.gaps)
+    for i in range(3):
+        if closed >> i & 1:
+            _shut_tangents(change, i, route.tangents)
     for i in range(3):
         if step[HELD] >> i & 1:
-            stop(model, change, i, z, route.tangents)
+            _hold_tangents(model, change, i, route)
+
+
+@part
+def _sum_tangents(i: int, ratio: float, route: Route) -> None:
+    """Derivatives of the state in which bounces at contact i end, as `sum_bounces` has it."""
+    z, mark, tangents, memory = route.z, route.mark, route.tangents, route.memory
+    j, rest = 3 + ANGLE[i], ratio / (1.0 - ratio)
+    for m in range(2):
+        change_of_ratio = SIGN[i] * (tangents[m, j] - ratio * memory[m, j]) / mark[7]
+        change_of_rest = change_of_ratio / ((1.0 - ratio) * (1.0 - ratio))
+        for k in range(7):
+            tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
+            tangents[m, k] += (z[k] - mark[k]) * change_of_rest
+
+
+@part
+def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
+    """Contact i is closed and stays so."""
+    for m in range(2):
+        tangents[m, ANGLE[i]] = tangents[m, 3 + ANGLE[i]] = 0.0
+    if len(change) > 0:
+        tangents[1, ANGLE[i]] = -SIGN[i] * change[CONTACT + i, LIMIT]
+
+
+@part
+def _hold_tangents(model: Floats, change: Floats, i: int, route: Route) -> None:
+    """Make the slip of contact i exactly zero, and that of the tangents."""
+    hold(model, i, route.z)
+    for m in range(2):
+        hold(model, i, route.tangents[m])
+    if len(change) > 0:
+        route.tangents[1, 3] -= rates(change, i, route.z)[1]
+
+
+@part
+def _change_flow(
+    model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
+    s4: float, v: Floats,
+) -> None:  # fmt: skip
+    """Add to a tangent what the coefficients of the mode, which change, do in a time t.
+
+    qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
+    once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
+    """
+    kappa = model[mode, KAPPA]
+    d0, d1, d2 = spring(model, mode, z)
+    once = d0 * t + d1 * s2 + d2 * s3
+    twice = 0.5 * d0 * t * t + d1 * s3 + d2 * s4
+    dkappa = change[mode, KAPPA]
+    dd2 = change[mode, ALPHA] + dkappa * d0
+    k2, k3, k4 = stumpff_rates(kappa, t, s1, s2, s3, s4)
+    d_once = dd2 * s3 + dkappa * (d1 * k2 + d2 * k3)
+    d_twice = dd2 * s4 + dkappa * (d1 * k3 + d2 * k4)
+    for j in range(3):
+        a, b = change[mode, A + j], change[mode, B + j]
+        v[j] += 0.5 * a * t * t + b * twice + model[mode, B + j] * d_twice
+        v[3 + j] += a * t + b * once + model[mode, B + j] * d_once
+
+
+@part
+def _still_contacts(states: Ints, tangents: Floats) -> None:
+    """Where a larger eps_N would make a closed contact bounce, the derivative is unknown.
+
+    The bounces that it begins are not in this flow.
+    """
+    for i in range(3):
+        if states[i] != OPEN:
+            for m in range(len(tangents)):
+                if tangents[m, 3 + ANGLE[i]] != 0.0:
+                    tangents[m, 3 + ANGLE[i]] = math.nan

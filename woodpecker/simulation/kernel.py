@@ -2,16 +2,15 @@
 
 A state is z = (y, phi_M, phi_S, dy, dphi_M, dphi_S, t). Between events it follows the closed form
 of its mode; the earliest guard root ends the mode; impacts and the contact problem on
-acceleration level decide the next one. Along go derivatives of the state *at* the events (with
-the event time as seventh entry): differentiating the map from event to event is the variational
-flow with saltation, without a formula for the jump.
+acceleration level decide the next one. What happened is recorded as a path; derivatives are those
+of the map along it, see :mod:`woodpecker.simulation.following`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -25,9 +24,10 @@ from woodpecker.mechanics.impacts import (
     NO_SOLUTION,
     PAIR_ROOM,
     SOLVED,
+    carry_out,
+    decide,
     halts,
     hold,
-    impact,
     rates,
     rest_is_possible,
 )
@@ -55,7 +55,7 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.guards import EPSILON, first_root, stumpff, stumpff_rates
+from woodpecker.simulation.guards import EPSILON, first_root, stumpff
 
 # A number with a type: numba would compile every function anew for a literal argument.
 typed = cast("Callable[[int], int]", np.int64)
@@ -93,10 +93,12 @@ ROOM = np.dtype(
     (
         np.record,
         [
+            ("z", "f8", (7,)),  # the state
+            ("states", "i8", (3,)),  # of the contacts
             ("slips", "i8", (3,)),  # signs of the tangential velocities
             ("stopped", "i8", (3,)),  # nonzero where the last impact stopped the slip, in any phase
             ("gaps", "f8", (3,)),  # of the contacts, over their lever arms
-            ("work", "f8", (7,)),  # a state
+            ("work", "f8", (7,)),  # another state
             ("event", "f8", (EVENT_COLUMNS,)),
             ("bounce", "i8", (3,)),  # the last: contact, symbols; symbols before unnamed ones
             ("mark", "f8", (8,)),  # its state and its speed
@@ -284,33 +286,8 @@ def next_event(
 
 
 @part
-def guard_rates(
-    model: Floats, mode: int, guard: int, end: Floats, tangent: Floats
-) -> tuple[float, float]:
-    """Change of a guard at the end of a phase: along a tangent at fixed time, and in time."""
-    kind, i = (guard // 3) * 3, guard % 3
-    d0, d1, d2 = spring(model, mode, end)
-    if guard == SECTION:
-        return tangent[5] - tangent[4], d2
-    if kind == GAP:
-        j = ANGLE[i]
-        return tangent[j], end[3 + j]
-    if kind == SLIP:
-        change = rate = 0.0
-        for j in range(3):
-            w = model[CONTACT + i, TANGENT + j]
-            change += w * tangent[3 + j]
-            rate += w * (model[mode, A + j] + model[mode, B + j] * d0)
-        return change, rate
-    return tangent[2] - tangent[1], d1
-
-
-@part
-def advance(
-    model: Floats, change: Floats, mode: int, guard: int, t: float, z: Floats, gaps: Floats,
-    tangents: Floats, work: Floats,
-) -> None:  # fmt: skip
-    """Move the state and its tangents to the event at time t (guard -1: to a fixed time).
+def advance(model: Floats, mode: int, t: float, z: Floats, gaps: Floats, work: Floats) -> None:
+    """Move the state to time t.
 
     Gaps are moved by displacements, so that a small one has no rounding of the large angle that it
     is a difference of.
@@ -321,79 +298,7 @@ def advance(
         gaps[i] += SIGN[i] * work[ANGLE[i]]
     for j in range(3):
         work[j] += z[j]
-    if len(tangents) == 0:
-        copy(work, z)
-        return
-    end_d = work[2] - work[1]
-    for m in range(len(tangents)):
-        v = tangents[m]
-        d0, d1 = v[2] - v[1], v[5] - v[4]
-        for j in range(3):
-            acceleration = model[mode, B + j]
-            v[j] += v[3 + j] * t + acceleration * (s2 * d0 + s3 * d1)
-            v[3 + j] += acceleration * (s1 * d0 + s2 * d1)
-        moves = len(change) > 0 and m == len(tangents) - 1
-        if moves:
-            change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
-        if guard < 0:
-            continue
-        shift, rate = guard_rates(model, mode, guard, work, v)
-        if moves:
-            shift += guard_change(model, change, mode, guard, work)
-        delay = -shift / rate if rate != 0.0 else math.nan
-        for j in range(3):
-            v[j] += delay * work[3 + j]
-            v[3 + j] += delay * (model[mode, A + j] + model[mode, B + j] * end_d)
-        v[6] += delay
     copy(work, z)
-
-
-@part
-def change_flow(
-    model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
-    s4: float, v: Floats,
-) -> None:  # fmt: skip
-    """Add to a tangent what the coefficients of the mode, which change, do in a time t.
-
-    qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
-    once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
-    """
-    kappa = model[mode, KAPPA]
-    d0, d1, d2 = spring(model, mode, z)
-    once = d0 * t + d1 * s2 + d2 * s3
-    twice = 0.5 * d0 * t * t + d1 * s3 + d2 * s4
-    dkappa = change[mode, KAPPA]
-    dd2 = change[mode, ALPHA] + dkappa * d0
-    k2, k3, k4 = stumpff_rates(kappa, t, s1, s2, s3, s4)
-    d_once = dd2 * s3 + dkappa * (d1 * k2 + d2 * k3)
-    d_twice = dd2 * s4 + dkappa * (d1 * k3 + d2 * k4)
-    for j in range(3):
-        a, b = change[mode, A + j], change[mode, B + j]
-        v[j] += 0.5 * a * t * t + b * twice + model[mode, B + j] * d_twice
-        v[3 + j] += a * t + b * once + model[mode, B + j] * d_once
-
-
-@part
-def guard_change(model: Floats, change: Floats, mode: int, guard: int, end: Floats) -> float:
-    """Change of a guard with the table at a fixed state, in the units of :func:`guard_rates`."""
-    kind, i = (guard // 3) * 3, guard % 3
-    if guard == SECTION:
-        return 0.0
-    if kind == GAP:
-        return SIGN[i] * float(change[CONTACT + i, LIMIT])
-    if kind == SLIP:
-        return rates(change, i, end)[1]
-    d = end[2] - end[1]
-    _, r = force_guard(model, mode, guard)
-    column = LAMBDA + 4 * i
-    normal = change[mode, column] + change[mode, column + 1] * d
-    if kind == NORMAL:
-        return float(normal / r)
-    sign = 1.0 if kind == CONE_POSITIVE else -1.0
-    tangential = change[mode, column + 2] + change[mode, column + 3] * d
-    friction = model[CONTACT + i, MU] * normal
-    friction += change[CONTACT + i, MU] * (model[mode, column] + model[mode, column + 1] * d)
-    return float((friction - sign * tangential) / r)
 
 
 @part
@@ -541,15 +446,13 @@ def _same_motion(model: Floats, one: int, other: int, z: Floats) -> bool:
 
 
 @part
-def arrive(
-    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, seed: Floats,
-    fired: int, states: Ints, slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
-) -> int:  # fmt: skip
+def arrive(model: Floats, fired: int, word: Codes, counts: Ints, room: Room) -> int:
     """Apply an event: the impact if a gap closes, then the contact problem that follows.
 
     ``states`` becomes the new mode, ``slips`` keeps the signs of the tangential velocities (0:
     exactly zero), symbols go to ``word`` (their number is counts[0]), details to ``event``.
     """
+    z, gaps, states, slips, event = room.z, room.gaps, room.states, room.slips, room.event
     closed, before, decided = room.closed, room.before, room.decided
     for i in range(3):
         closed[i], before[i] = 0, states[i]
@@ -559,9 +462,7 @@ def arrive(
     for k in range(EVENT_COLUMNS):
         event[k] = z[1 + k] if 2 <= k < 5 else 0.0
     if striking:
-        status = _strike(
-            model, change, room.touching[:n], z, tangents, seed, slips, word, counts, event, room
-        )
+        status = _strike(model, room.touching[:n], word, counts, room)
         if status in (NO_SOLUTION, AMBIGUOUS):
             return status
         for i in range(3):
@@ -582,24 +483,19 @@ def arrive(
     decided[HELD] = _held(closed, slips)
     if status == SOLVED:
         _append_transitions(before, states, fired, word, counts)
-        if striking:
-            still_contacts(states, tangents)
     return status
 
 
 @part
-def _strike(
-    model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
-    slips: Ints, word: Codes, counts: Ints, event: Floats, room: Room,
-) -> int:  # fmt: skip
+def _strike(model: Floats, contacts: Ints, word: Codes, counts: Ints, room: Room) -> int:
     """The impact of some contacts: velocities, slips, which of them stay closed, and its symbol."""
-    closed, case, impulses, marks = room.closed, room.case, room.impulses, room.marks
+    z, slips, event, closed = room.z, room.slips, room.event, room.closed
+    case, impulses, marks = room.case, room.impulses, room.marks
     marks[0] = marks[1] = 0
-    status = impact(
-        model, change, contacts, z, tangents, seed, room.choice, case, impulses, marks, room.pair
-    )
+    status = decide(model, contacts, z, room.choice, marks, room.pair)
     if status in (NO_SOLUTION, AMBIGUOUS):
         return status
+    carry_out(model, contacts, room.choice, z, case, impulses, room.pair)
     kind = INDETERMINATE_IMPACT if status == INDETERMINATE else IMPACT
     mask = 0
     for k in range(len(contacts)):
@@ -627,19 +523,6 @@ def _held(closed: Ints, slips: Ints) -> int:
         if closed[i] and slips[i] == 0:
             mask += 1 << i
     return mask
-
-
-@part
-def still_contacts(states: Ints, tangents: Floats) -> None:
-    """Where a larger eps_N would make a closed contact bounce, the derivative is unknown.
-
-    The bounces that it begins are not in this flow.
-    """
-    for i in range(3):
-        if states[i] != OPEN:
-            for m in range(len(tangents)):
-                if tangents[m, 3 + ANGLE[i]] != 0.0:
-                    tangents[m, 3 + ANGLE[i]] = math.nan
 
 
 @part
@@ -703,20 +586,17 @@ def _append_transitions(before: Ints, after: Ints, fired: int, word: Codes, coun
 
 @jit
 def run(
-    model: Floats, change: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints,
-    to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints, events: Floats,
-    counts: Ints,
+    model: Floats, z: Floats, states: Ints, to_section: bool, t_end: float, word: Codes,
+    phases: Floats, path: Ints, events: Floats, counts: Ints,
 ) -> int:  # fmt: skip
     """Follow the toy from event to event until it returns to the section or a limit is met.
 
     Parameters
     ----------
-    change
-        Derivative of the model along the last tangent (modes.CHANGE), or of length 0 if it stays.
-    z, tangents, seed
-        State (7,), derivatives of it (m, 7), derivatives of eps_N along them (m, 3); in place.
+    z
+        State (7,); in place.
     states
-        (3,) contact states before the start; contacts with zero gap are decided afresh.
+        (3,) contact states before the start; contacts with zero gap are decided afresh. In place.
     to_section, t_end
         Stop at the next minimum of phi_S on the jammed sleeve; stop at this time.
     word
@@ -727,42 +607,42 @@ def run(
     counts
         (3,) output: symbols, phases, events. Symbols already in the word are kept.
     """
-    memory, owner = np.zeros((len(tangents), 7)), np.zeros(1, dtype=ROOM)
-    return _follow(
-        borrowed(model), borrowed(change), borrowed(z), borrowed(tangents), borrowed(seed),
-        borrowed(states), to_section, t_end, borrowed(word), borrowed(phases), borrowed(path),
-        borrowed(events), borrowed(counts), borrowed(memory), owner[0], owner, memory,
+    owner = np.zeros(1, dtype=ROOM)
+    room = owner[0]
+    for k in range(7):
+        room.z[k] = z[k]
+    for i in range(3):
+        room.states[i] = states[i]
+    reason = search(
+        borrowed(model), to_section, t_end, borrowed(word), borrowed(phases), borrowed(path),
+        borrowed(events), borrowed(counts), room,
     )  # fmt: skip
+    for k in range(7):
+        z[k] = owner[0].z[k]
+    for i in range(3):
+        states[i] = owner[0].states[i]
+    return reason
 
 
 @part
-def _follow(
-    model: Floats, change: Floats, z: Floats, tangents: Floats, seed: Floats, states: Ints,
-    to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints, events: Floats,
-    counts: Ints, memory: Floats, room: Room, owner: Any, owner_of_memory: Floats,
+def search(
+    model: Floats, to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints,
+    events: Floats, counts: Ints, room: Room,
 ) -> int:  # fmt: skip
-    """The same with borrowed arrays, and those that own ``room`` and ``memory``.
-
-    ``memory`` holds (m, 7) tangents at the last bounce.
-    """
-    slips, gaps, work, event = room.slips, room.gaps, room.work, room.event
+    """The same with state and contact states in a room, and with borrowed arrays."""
+    z, gaps, states = room.z, room.gaps, room.states
     measure(model, z, gaps)
     none = typed(-1)
     fired = room.bounce[0] = room.bounce[2] = none
     room.mark[7] = 0.0
-    slips[0] = slips[1] = slips[2] = 0
+    room.slips[0] = room.slips[1] = room.slips[2] = 0
     while True:
         symbols = counts[0]
-        status = arrive(
-            model, change, z, gaps, tangents, seed, fired, states, slips, word, counts, event, room
-        )
+        status = arrive(model, fired, word, counts, room)
         if len(events) > 0:
-            _record_events(events, counts, symbols, z[6], word, event)
+            _record_events(events, counts, symbols, z[6], word, room.event)
         if status == SOLVED and 0 <= fired < 3:
-            status = _watch_bounces(
-                model, change, z, gaps, tangents, fired, symbols, to_section, states, slips, word,
-                counts, events, memory, room,
-            )  # fmt: skip
+            status = _watch_bounces(model, fired, symbols, to_section, word, counts, events, room)
         if status != SOLVED:
             return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
         if counts[0] > len(word):
@@ -778,42 +658,35 @@ def _follow(
         if len(path) > 0:
             together = SLIP <= fired < SECTION and mode >= 7 and mode % 7 > 0
             path[counts[1] - 1, GUARD] = SLIP if together else fired  # they slide as one
-        advance(model, change, mode, fired, t, z, gaps, tangents, work)
+        advance(model, mode, t, z, gaps, room.work)
         if z[0] < -model[FORCE, POLE]:
             return POLE_END
         if fired == SECTION:
-            put_on_section(model, change, z, tangents)
+            put_on_section(model, z)
             return RETURNED
         if fired < 0:
             return TIME_REACHED
 
 
 @part
-def put_on_section(model: Floats, change: Floats, z: Floats, tangents: Floats) -> None:
+def put_on_section(model: Floats, z: Floats) -> None:
     """Make exact what the section says: the sleeve at its lower contact, everything at rest."""
     z[1] = -model[CONTACT + 1, LIMIT]
     z[3] = z[4] = z[5] = 0.0
-    for m in range(len(tangents)):
-        tangents[m, 1] = tangents[m, 3] = tangents[m, 4] = tangents[m, 5] = 0.0
-    if len(change) > 0:
-        tangents[len(tangents) - 1, 1] = -change[CONTACT + 1, LIMIT]
 
 
 @part
 def _watch_bounces(
-    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, i: int, symbols: int,
-    to_section: bool, states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats,
-    memory: Floats, room: Room,
+    model: Floats, i: int, symbols: int, to_section: bool, word: Codes, counts: Ints,
+    events: Floats, room: Room,
 ) -> int:  # fmt: skip
     """After an impact at contact i: sum the bounces that accumulate, or remember this one."""
-    bounce, mark = room.bounce, room.mark
+    z, gaps, states, bounce, mark = room.z, room.gaps, room.states, room.bounce, room.mark
     pair = _pair_at_rest(model, z, gaps, states, i, symbols, bounce)
     if pair != 0:
         counts[0] = bounce[2]
         bounce[0] = bounce[2] = -1
-        return _close(
-            model, change, z, gaps, tangents, pair, states, slips, word, counts, events, room
-        )
+        return _close(model, pair, word, counts, events, room)
     if counts[0] != symbols + 1 or states[i] != OPEN:
         bounce[0] = -1
         return SOLVED
@@ -822,15 +695,10 @@ def _watch_bounces(
     again = bounce[0] == i and bounce[1] == symbols and 0.0 <= ratio < 1.0
     if again and _chatters(model, z, gaps, states, to_section, i, mark[7], z[6] - mark[6], ratio):
         bounce[0] = -1
-        return _close_chatter(
-            model, change, z, gaps, tangents, ratio, i, states, slips, word, counts, events, memory,
-            room,
-        )  # fmt: skip
+        return _close_chatter(model, ratio, i, word, counts, events, room)
     bounce[0], bounce[1], mark[7] = i, counts[0], speed
     for k in range(7):
         mark[k] = z[k]
-        for m in range(len(tangents)):
-            memory[m, k] = tangents[m, k]
     return SOLVED
 
 
@@ -897,39 +765,27 @@ def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> flo
 
 @part
 def _close_chatter(
-    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, ratio: float, i: int,
-    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, memory: Floats,
-    room: Room,
-) -> int:  # fmt: skip
+    model: Floats, ratio: float, i: int, word: Codes, counts: Ints, events: Floats, room: Room
+) -> int:
     """Sum the accumulating impacts at contact i and close it.
 
     In the word the run of equal impacts becomes the one symbol of the accumulation.
     """
-    sum_bounces(z, gaps, tangents, memory, room.mark, ratio, i)
+    sum_bounces(room.z, room.gaps, room.mark, ratio)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
         counts[0] -= 1
-    return _close(
-        model, change, z, gaps, tangents, 1 << i, states, slips, word, counts, events, room
-    )
+    return _close(model, 1 << i, word, counts, events, room)
 
 
 @part
-def sum_bounces(
-    z: Floats, gaps: Floats, tangents: Floats, memory: Floats, mark: Floats, ratio: float, i: int
-) -> None:
-    """The state in which bounces at contact i end, which shrink by a ratio.
+def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
+    """The state in which bounces end, which shrink by a ratio.
 
-    With ``mark`` (and ``memory`` of the tangents) after the bounce before and z after the last one,
-    it is z + (z - mark) ratio / (1 - ratio).
+    With ``mark`` after the bounce before and z after the last one, it is
+    z + (z - mark) ratio / (1 - ratio).
     """
-    j, rest = 3 + ANGLE[i], ratio / (1.0 - ratio)
-    for m in range(len(tangents)):
-        change_of_ratio = SIGN[i] * (tangents[m, j] - ratio * memory[m, j]) / mark[7]
-        change_of_rest = change_of_ratio / ((1.0 - ratio) * (1.0 - ratio))
-        for k in range(7):
-            tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
-            tangents[m, k] += (z[k] - mark[k]) * change_of_rest
+    rest = ratio / (1.0 - ratio)
     for k in range(3):
         gaps[k] += SIGN[k] * (z[ANGLE[k]] - mark[ANGLE[k]]) * rest
     for k in range(7):
@@ -937,41 +793,22 @@ def sum_bounces(
 
 
 @part
-def shut(
-    model: Floats, change: Floats, mask: int, z: Floats, gaps: Floats, tangents: Floats
-) -> None:
+def shut(model: Floats, mask: int, z: Floats, gaps: Floats) -> None:
     """Make exact that the contacts of a mask are closed and stay so."""
     for k in range(3):
         if mask >> k & 1:
-            j = ANGLE[k]
             touch(model, k, z, gaps)
-            z[3 + j] = 0.0
-            for m in range(len(tangents)):
-                tangents[m, j] = tangents[m, 3 + j] = 0.0
-            if len(change) > 0:
-                tangents[len(tangents) - 1, j] = -SIGN[k] * change[CONTACT + k, LIMIT]
+            z[3 + ANGLE[k]] = 0.0
 
 
 @part
-def stop(model: Floats, change: Floats, k: int, z: Floats, tangents: Floats) -> None:
-    """Make the slip of contact k exactly zero, and that of the tangents."""
-    hold(model, k, z)
-    for m in range(len(tangents)):
-        hold(model, k, tangents[m])
-    if len(change) > 0:
-        tangents[len(tangents) - 1, 3] -= rates(change, k, z)[1]
-
-
-@part
-def _close(
-    model: Floats, change: Floats, z: Floats, gaps: Floats, tangents: Floats, mask: int,
-    states: Ints, slips: Ints, word: Codes, counts: Ints, events: Floats, room: Room,
-) -> int:  # fmt: skip
+def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, room: Room) -> int:
     """Close the contacts of a mask at the end of their accumulating impacts, and decide the mode.
 
     Tangential velocities that every one of the impacts has stopped, in either phase, are zero in
     the limit, whatever rounding has left of them.
     """
+    z, gaps, states, slips = room.z, room.gaps, room.states, room.slips
     closed, before = room.closed, room.before
     for k in range(3):
         before[k] = states[k]
@@ -979,13 +816,13 @@ def _close(
     for k in range(3):
         if mask >> k & 1:
             before[k] = SLIP_POSITIVE
-    shut(model, change, mask, z, gaps, tangents)
+    shut(model, mask, z, gaps)
     for k in range(3):
         if not closed[k] or states[k] == STICK:
             continue
         slips[k] = 0 if room.stopped[k] else _sign(rates(model, k, z)[1])
         if room.stopped[k]:
-            stop(model, change, k, z, tangents)
+            hold(model, k, z)
     status = settle(model, z, gaps, closed, slips, typed(-1), states, room.trial)
     room.decided[CLOSED], room.decided[HELD] = mask, _held(closed, slips)
     symbols = counts[0]
@@ -994,9 +831,9 @@ def _close(
         before[k] = states[k] if mask >> k & 1 and states[k] > STICK else before[k]
     _append_transitions(before, states, typed(-1), word, counts)
     if len(events) > 0:
-        event = np.zeros(EVENT_COLUMNS)
-        for k in range(3):
-            event[2 + k] = event[5 + k] = z[3 + k]
+        event = room.event
+        for k in range(EVENT_COLUMNS):
+            event[k] = z[1 + k] if 2 <= k < 5 else (z[k - 2] if 5 <= k < 8 else 0.0)
         _record_events(events, counts, symbols, z[6], word, event)
     return status
 
@@ -1034,64 +871,6 @@ def _record_events(
                 row[c] = 0.0
         row[0], row[1] = t, word[k]
         counts[2] += 1
-
-
-@jit
-def sweep(
-    model: Floats, change: Floats, starts: Floats, order: int, seed: Floats, out: Floats,
-    status: Ints, lengths: Ints, words: Codes,
-) -> None:  # fmt: skip
-    """P_order at many starts on the section.
-
-    Parameters
-    ----------
-    change
-        Derivative of the model along the last direction (modes.CHANGE), or of length 0 if only
-        restitution changes.
-    starts
-        (n,) values of phi_S.
-    seed
-        (k, 3) directions in (eps_N1, eps_N2, eps_N3) to differentiate along.
-    out
-        (n, 4 + k) output: phi_S, period, drop, d phi_S / d start, d phi_S along the seeds.
-    status, lengths, words
-        Output: (n,) why each run stopped, (n,) lengths of the words, (n, event limit) event codes;
-        code 0 separates the returns of a word.
-    """
-    z, states = np.zeros(7), np.zeros(3, dtype=np.int64)
-    tangents, seeds = np.zeros((1 + len(seed), 7)), np.zeros((1 + len(seed), 3))
-    for k in range(len(seed)):
-        for i in range(3):
-            seeds[1 + k, i] = seed[k, i]
-    counts, separator = np.zeros(3, dtype=np.int64), typed(0)
-    nothing, no_events = np.zeros((0, PHASE_COLUMNS)), np.zeros((0, EVENT_COLUMNS))
-    no_path = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
-    memory, owner = np.zeros((len(tangents), 7)), np.zeros(1, dtype=ROOM)
-    for n in range(len(starts)):
-        for k in range(7):
-            z[k] = 0.0
-            for m in range(len(tangents)):
-                tangents[m, k] = 0.0
-        counts[0] = 0
-        z[1], z[2], tangents[0, 2] = -model[CONTACT + 1, LIMIT], starts[n], 1.0
-        if len(change) > 0:
-            tangents[len(seed), 1] = -change[CONTACT + 1, LIMIT]
-        for lap in range(order):
-            if lap > 0:
-                _append(words[n], counts, separator)
-            states[0], states[1], states[2] = OPEN, STICK, OPEN
-            status[n] = _follow(
-                borrowed(model), borrowed(change), borrowed(z), borrowed(tangents),
-                borrowed(seeds), borrowed(states), True, math.inf, borrowed(words[n]),
-                borrowed(nothing), borrowed(no_path), borrowed(no_events), borrowed(counts),
-                borrowed(memory), owner[0], owner, memory,
-            )  # fmt: skip
-            if status[n] != RETURNED:
-                break
-        out[n, 0], out[n, 1], out[n, 2] = z[2], z[6], -z[0]
-        for m in range(len(tangents)):
-            out[n, 3 + m] = tangents[m, 2]
-        lengths[n] = min(counts[0], words.shape[1])
 
 
 @jit

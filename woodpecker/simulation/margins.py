@@ -546,9 +546,10 @@ def _impact_phase(
                 pair.free[a] = route.d_free[m, a]
             pair.floor[0], pair.floor[1] = route.d_floor[m, 0], route.d_floor[m, 1]
             pair_change(
-                model, change, along, route.touching, table, combination, coupling, p, d_p, d_v,
-                pair,
-            )  # fmt: skip
+                model, change, along, route.touching[:n], table, combination, coupling, p, pair
+            )
+            for a in range(4):
+                d_p[a], d_v[a] = pair.more[a], pair.middle[a]
         else:
             d_p[0], d_p[1], d_v[0], d_v[1] = one_change(
                 model, change, along, route.touching[0], combination, p[0], p[1],

@@ -180,13 +180,12 @@ class Follower:
     Parameters
     ----------
     numbers, change, seed
-        As :func:`woodpecker.simulation.kernel.sweep` takes them; ``seed`` is (1, 3).
+        As :func:`woodpecker.simulation.sweeping.sweep` takes them; ``seed`` is (1, 3).
     """
 
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
-        self._z, self._nothing, self._states = np.zeros(7), np.zeros((0, 7)), np.zeros(3, dtype=int)
-        self._no_seeds = np.zeros((0, 3))
+        self._z, self._states = np.zeros(7), np.zeros(3, dtype=int)
         self._codes: Codes = np.zeros(EVENT_LIMIT, dtype=np.int16)
         self._phases = np.zeros((EVENT_LIMIT + 1, kernel.PHASE_COLUMNS))
         self._steps = np.zeros((EVENT_LIMIT + 1, kernel.STEP_COLUMNS), dtype=np.int64)
@@ -206,7 +205,7 @@ class Follower:
         z[:], counts[:], states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
         code = kernel.run(
-            self.numbers, FIXED, z, self._nothing, self._no_seeds, states, True, math.inf,
+            self.numbers, z, states, True, math.inf,
             self._codes, self._phases, self._steps, self._no_events, counts,
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()

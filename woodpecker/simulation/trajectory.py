@@ -17,7 +17,6 @@ from woodpecker.mechanics.equations import (
     tangential_directions,
 )
 from woodpecker.mechanics.modes import (
-    FIXED,
     LAMBDA,
     OMEGA,
     Contact,
@@ -170,14 +169,11 @@ def simulate(
     codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
     phases = np.zeros((max_events + 1, kernel.PHASE_COLUMNS))
     rows = np.zeros((max_events, kernel.EVENT_COLUMNS))
-    none = np.zeros((0, 7)), np.zeros((0, 3))
     announce(kernel.run)
     reason = status(
         kernel.run(
             numbers,
-            FIXED,
             z,
-            *none,
             states,
             False,
             t_end,
