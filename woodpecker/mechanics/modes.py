@@ -138,7 +138,7 @@ def change(toy: Toy, parameter: str) -> Floats:
     (:func:`woodpecker.mechanics.impacts.impact`).
     """
     numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
-    fill(parameters_of(toy, parameter), numbers, rates)
+    fill(parameters_of(toy, parameter).tolist(), numbers, rates)
     if parameter in EPSILONS:
         rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
     return rates
@@ -154,7 +154,8 @@ def _bouncing(toy: Toy) -> Floats:
 @lru_cache(maxsize=64)
 def _plastic(toy: Toy) -> Floats:
     numbers = blank(toy)
-    fill(parameters_of(toy), numbers, np.zeros(CHANGE))
+    # as numbers of Python: numpy rounds a quotient of its complex numbers twice
+    fill(parameters_of(toy).tolist(), numbers, np.zeros(CHANGE))
     return numbers
 
 
@@ -177,7 +178,7 @@ def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
     )
 
 
-def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
+def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) -> None:
     """Write the table of the modes and all else that depends on the parameters, and derivatives.
 
     Parameters
