@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from woodpecker.mechanics import equations as mechanics
 from woodpecker.base.compiled import jit
+from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.impacts import INDETERMINATE, SOLVED, carry_out_along, decide, make_pair
 from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
