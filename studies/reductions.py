@@ -60,6 +60,7 @@ from woodpecker.mechanics.modes import (
     SUMMED,
     A,
     B,
+    fill_pair,
     mode_states,
     model,
 )
@@ -384,7 +385,10 @@ def contacts(impacts: Impacts, other: PlainPython, plan: Plan) -> Results:
 def direct(impacts: Impacts) -> Floats:
     """Impulses (N, T) of each contact in turn by trying index combinations."""
     out = np.zeros((len(impacts.size), 4))
-    _direct(model(Toy()), *impacts, out)
+    table = model(Toy())
+    fill_pair(table, 1)
+    fill_pair(table, 2)
+    _direct(table, *impacts, out)
     return out
 
 

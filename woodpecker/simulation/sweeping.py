@@ -73,7 +73,10 @@ def sweep(
                 slope = along = math.nan
                 break
             _find_times(phases, counts[1], room.z[6], times)
-            taken = follow(model, change, path[: counts[1]], times, start, notes, route)
+            taken = follow(
+                borrowed(model), borrowed(change), borrowed(path)[: counts[1]], borrowed(times),
+                start, borrowed(notes), route,
+            )  # fmt: skip
             rate = route[0].tangents[0, 2] if taken == RETURNED else math.nan
             along = rate * along + route[0].tangents[1, 2]
             slope *= rate
