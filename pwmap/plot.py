@@ -24,6 +24,7 @@ STABLE, UNSTABLE, JUMP = "#08306b", "#d95f0e", "#238b45"
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
     PointKind.PD: ("D", "#6a51a3"),
+    PointKind.BP: ("P", "#6a51a3"),
     PointKind.BC: ("o", "#cb181d"),
     PointKind.FF: ("*", "#cb181d"),
     PointKind.FALL: ("v", "#525252"),

@@ -41,6 +41,9 @@ STUDIES = (
     "fig12_local_model",
     "order_three",
     "paper_numbers",
+    "map_grazing",
+    "map_bouncing",
+    "map_boost",
 )
 RESULTS = ROOT / "studies" / "results"
 console = Console(stderr=True)

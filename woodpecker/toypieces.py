@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.engine.pieces import Image
 from woodpecker.mechanics.modes import CONTACT, LIMIT
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.engine.pieces import Image
 from woodpecker.simulation.kernel import NO_PATH
 from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.toymaps import Table

@@ -122,10 +122,11 @@ def test_stable_means_a_multiplier_inside_the_unit_circle() -> None:
 
 
 def test_every_kind_of_point_has_a_meaning() -> None:
-    assert [kind.value for kind in PointKind] == ["LP", "PD", "BC", "FF", "WC", "FALL", "EP"]
+    codes = ["LP", "PD", "BP", "BC", "FF", "WC", "FALL", "EP"]
+    assert [kind.value for kind in PointKind] == codes
     assert PointKind.LP.meaning == "fold: multiplier +1"
     assert PointKind.PD.meaning == "flip: multiplier -1"
-    assert len({kind.meaning for kind in PointKind}) == 7
+    assert len({kind.meaning for kind in PointKind}) == 8
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.pieces import Image, PiecewiseMap
@@ -75,7 +76,9 @@ class Border:
         return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
 
 
-STEEP = 1e6  # a slope beside a border above which it is that of a square root: the derivative of one,
+STEEP = (
+    1e6  # a slope beside a border above which it is that of a square root: the derivative of one,
+)
 # rounded at the border, is about 1e8
 
 
@@ -85,7 +88,11 @@ def reach(image: Image, side: float) -> tuple[float, int]:
     with np.errstate(divide="ignore", invalid="ignore"):
         away = np.where(rate < 0.0, -image.margins / rate, OUT_OF_REACH)
     k = int(np.argmin(away)) if len(away) else -1
-    return (math.inf, -1) if k < 0 or away[k] >= OUT_OF_REACH else (float(away[k]), int(image.causes[k]))
+    return (
+        (math.inf, -1)
+        if k < 0 or away[k] >= OUT_OF_REACH
+        else (float(away[k]), int(image.causes[k]))
+    )
 
 
 def depth(image: Image, ignored: int = -1) -> float:
@@ -138,10 +145,16 @@ THIN = 1e-3  # a piece beside a border that is thinner than this part of a dista
 def _limit(image: Image, away: float) -> Image:
     """An image next to a border that its piece does not reach, taken to the border.
 
-    Where the piece ends in a square root its value is a + b sqrt(away), so b sqrt(away) is twice the slope
-    times the distance.
+    Where the piece ends in a square root its value is a + b sqrt(away), and b sqrt(away) is twice
+    the slope times the distance.
     """
-    return image._replace(value=image.value - 2.0 * image.slope * away, slope=math.copysign(math.inf, image.slope * away))
+    return image._replace(
+        value=image.value - 2.0 * image.slope * away,
+        slope=math.copysign(math.inf, image.slope * away),
+    )
+
+
+IN_X = np.array([1.0, 0.0])  # the direction of x, in (x, p)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,100 +198,146 @@ def reach_of(
         if side * (to - limit) >= 0.0:
             to = limit
         there = here.piece.at(to, p)
+        code = -1
         if there.reason or (len(there.margins) and float(there.margins.min()) < 0.0):
             root = _first_root(here, xs[-1], there, to, p, settings)
-            if root is not None:
-                xs.append(root[0]), images.append(root[1])
-                return Reach(tuple(xs), tuple(images), root[2])
-            step = 0.25 * abs(to - xs[-1])
-            if step < least:
-                return Reach(tuple(xs), tuple(images), -1)
+            if root is None:
+                step = 0.25 * abs(to - xs[-1])
+                if step < least:
+                    break
+                continue
+            to, there, code = root
+        ahead = abs(to - xs[-1])
+        dip = lowest_dip(here, there, to - xs[-1], IN_X, IN_X)
+        if dip is not None and dip * ahead > least:
+            step = 0.5 * dip * ahead  # twice that is tried
             continue
-        dip = lowest_dip(here, there, to - xs[-1], np.array([1.0, 0.0]), np.array([1.0, 0.0]))
-        if dip is not None and dip * step > least:
-            step = dip * abs(to - xs[-1]) / 2.0
-            continue
-        xs.append(to), images.append(there)
+        xs.append(to)
+        images.append(there)
+        if code >= 0:
+            return Reach(tuple(xs), tuple(images), code)
     return Reach(tuple(xs), tuple(images), -1)
 
 
 def _first_root(
     here: Image, x: float, there: Image, to: float, p: float, settings: Settings
 ) -> tuple[float, Image, int] | None:
-    """Where between two points the first margin vanishes; None if that is not clear yet."""
+    """Where between two points the first margin vanishes; None if that is not clear yet.
+
+    Where the piece has no value from some point on, the interval is halved until it has one.
+    """
     tolerance = settings.nearest * settings.x_scale
-    if there.reason:
-        codes = [reach(here, math.copysign(1.0, to - x))[1]]
-    else:
-        codes = there.causes[there.margins < 0.0].tolist()
+    code = -1
+    while there.reason:
+        if abs(to - x) <= tolerance:
+            return x, here, reach(here, math.copysign(1.0, to - x))[1]
+        middle = 0.5 * (x + to)
+        image = here.piece.at(middle, p)
+        if image.reason or (len(image.margins) and image.margins.min() < 0.0):
+            to, there = middle, image
+        else:
+            x, here = middle, image
     for _ in range(MEETING_MOST):
-        roots = []
-        for code in codes:
-            before, after = here.margin(code), there.margin(code)
-            if not before > 0.0 or after > 0.0:
-                return None
-            found = bracketed(
-                here, x, to, p, lambda image, _, c=code: (image.margin(c), image.gradient(c)[0])
-            )
-            if found is None:
-                return None
-            roots.append((*found, code))
-        best = min(roots, key=lambda root: abs(root[0] - x))
-        to, there = best[:2]
         away = there.margins < -tolerance * np.abs(there.gradients[:, 0])
-        codes = [code for code in there.causes[away].tolist() if code != best[2]]
-        if not codes:
-            return best
+        fallen = [int(c) for c in there.causes[away] if c != code]
+        if not fallen:
+            return None if code < 0 else (to, there, code)
+        ends = {x: here, to: there}
+        roots = [(root, c) for c in fallen if (root := _margin_root(ends, x, to, p, c, tolerance))]
+        if len(roots) < len(fallen):
+            return None
+        (to, there), code = min(roots, key=lambda found: abs(found[0][0] - x))
     return None
 
 
 MEETING_MOST = 8  # borders that may lie between two points, one before the other
 
 
-def bracketed(
-    here: Image, x: float, to: float, p: float,
-    function: Callable[[Image, float], tuple[float, float]],
+def _margin_root(
+    ends: dict[float, Image], x: float, to: float, p: float, code: int, tolerance: float
 ) -> tuple[float, Image] | None:
-    """Where a function of a piece vanishes between two points: Newton's method kept inside.
+    return bracketed(
+        ends, x, to, p, lambda image, _: (image.margin(code), float(image.gradient(code)[0])),
+        tolerance,
+    )  # fmt: skip
+
+
+def bracketed(
+    ends: Mapping[float, Image],
+    x: float,
+    to: float,
+    p: float,
+    function: Callable[[Image, float], tuple[float, float]],
+    tolerance: float = 0.0,
+) -> tuple[float, Image] | None:
+    """Where a function of a piece vanishes between two points; None if it does not.
+
+    Newton's method as long as it stays inside, for a few steps; then Brent's.
 
     Parameters
     ----------
-    here, x
-        The image of the first point, where the function has the other sign than at ``to``. The
-        piece need not have a value from some point on.
+    ends
+        Images of the two points.
+    x, to
+        The points; Newton's method starts from the first.
     function
-        Value and slope of the function from an image and its point.
-
-    Returns
-    -------
-    The point and its image, which has a value; None if the function has none at the first point.
+        The function and its slope, of an image and its point; the function changes its sign
+        between the two points.
+    tolerance
+        How closely, if not to the last bit.
     """
-    value, slope = function(here, x)
-    if not math.isfinite(value):
-        return None
-    sign, low, high, best = math.copysign(1.0, value), x, to, (x, here)
-    at = x
-    for _ in range(HALVINGS):
-        trial = at - value / slope if slope != 0.0 else math.nan
+    images = dict(ends)
+    finest = max(tolerance, math.ulp(x))
+
+    def value(at: float) -> float:
+        return function(image_near(images, at, p), at)[0]
+
+    first, at = value(x), x
+    low, high = x, to
+    for _ in range(NEWTON):
+        f, slope = function(images[at], at)
+        trial = at - f / slope if slope != 0.0 else math.nan
+        if abs(trial - at) <= finest:
+            return at, images[at]
         if not min(low, high) < trial < max(low, high):
-            trial = 0.5 * (low + high)
-        if trial in (low, high) or abs(trial - at) <= math.ulp(at):
             break
-        at, image = trial, best[1].piece.at(trial, p)
-        value, slope = function(image, at)
-        if image.reason or not math.isfinite(value):
-            high, (at, image) = at, best
-            value, slope = function(image, at)
-            slope = 0.0
-            continue
-        best = at, image
-        if value == 0.0:
-            break
-        low, high = (at, high) if value * sign > 0.0 else (low, at)
-    return best
+        at = trial
+        f = value(at)
+        if not math.isfinite(f):
+            return None
+        low, high = (at, high) if f * first > 0.0 else (low, at)
+    if not value(low) * value(high) <= 0.0:
+        return None
+    try:
+        root = float(brentq(value, low, high, xtol=finest))
+    except ValueError:  # the piece has no value on the way
+        return None
+    return root, image_near(images, root, p)
 
 
-HALVINGS = 100  # more than enough for all doubles between two points
+def image_near(known: dict[float, Image], x: float, p: float) -> Image:
+    """The image of a point under a piece, from the nearest known one; it becomes known.
+
+    Where a piece finds no value from so far, it is led there in smaller steps.
+    """
+    for _ in range(HALVINGS):
+        if x in known:
+            return known[x]
+        start = min((at for at in known if not known[at].reason), key=lambda at: abs(at - x))
+        at = x
+        for _ in range(HALVINGS):
+            image = known[start].piece.at(at, p)
+            if not image.reason:
+                break
+            at = 0.5 * (start + at)
+        known[at] = image
+        if image.reason:
+            break
+    return known.setdefault(x, image)
+
+
+HALVINGS = 8  # of a way on which a piece is lost: after that it is said to have no value
+NEWTON = 6  # steps after which Newton's method is given up: five are enough where it converges
 
 
 def lowest_dip(
@@ -289,20 +348,18 @@ def lowest_dip(
     Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
     between; a minimum that takes away most of it is worth a look.
     """
-    if here.causes.shape == there.causes.shape and (here.causes == there.causes).all():
-        one, other = slice(None), slice(None)
-    else:
+    a, b = here.margins, there.margins
+    da, db = step * (here.gradients @ along), step * (there.gradients @ along_there)
+    if not np.array_equal(here.causes, there.causes):
         _, one, other = np.intersect1d(here.causes, there.causes, return_indices=True)
-    a, b = here.margins[one], there.margins[other]
-    da = step * (here.gradients[one] @ along)
-    db = step * (there.gradients[other] @ along_there)
+        a, b, da, db = a[one], b[other], da[one], db[other]
     may = (da < 0.0) & (db > 0.0)
     if not may.any():
         return None
     a, b, da, db = a[may], b[may], da[may], db[may]
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     root = np.sqrt(np.maximum(0.0, c2 * c2 - 3.0 * c3 * da))
-    s = -da / (c2 + root)
+    s = np.clip(-da / np.maximum(c2 + root, -da), 0.0, 1.0)  # where the cubic's slope vanishes
     least = a + s * (da + s * (c2 + s * c3))
     k = int(np.argmin(least / np.minimum(a, b)))
     return float(s[k]) if least[k] < WORTH * min(a[k], b[k]) else None

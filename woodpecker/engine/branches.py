@@ -8,6 +8,7 @@ branches of jumps begin, and the other way round, so nothing is searched for the
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -70,7 +71,7 @@ class Word:
         The words of its pieces.
     keys
         The keys of the pieces of a cycle; of a jump those of the points before the border, and a
-        set of those on its two sides.
+        set of those on its two sides with the margins that vanish, for a piece has two ends.
     """
 
     first: int
@@ -88,17 +89,21 @@ class Collision:
         The cycle, of minimal period, under the piece inside.
     margin
         Which of its points lies on the border, and which margin of its piece vanishes there.
-    kind, note
-        The code of the special point, and whether branches fold or persist.
+    kinds
+        For each point of the orbit the code of the special point, and whether branches fold or
+        persist: the jump of P_n at one point can lie on the other side than that at the next.
     cause
         A sentence on what happens there.
     """
 
     orbit: Orbit
     margin: Margin
-    kind: PointKind
-    note: str
+    kinds: tuple[tuple[PointKind, str], ...]
     cause: str
+
+    def kind_at(self, x: float) -> tuple[PointKind, str]:
+        """Code and note at the point nearest to a place."""
+        return self.kinds[int(np.argmin(np.abs(self.orbit.x - x)))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -124,6 +129,13 @@ class End:
     cause: str = ""
     precision: float = 0.0
     collision: Collision | None = None
+
+    def at(self, x: float) -> End:
+        """The same as one of the points of its orbit sees it."""
+        if self.collision is None:
+            return self
+        kind, note = self.collision.kind_at(x)
+        return replace(self, kind=kind, note=note)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -231,11 +243,10 @@ class Cycles:
                     samples.append(there)
                     continue
             if stretch.stop is not Stop.BORDER:
-                end = self._end(stretch)
                 passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
                 passes &= not self._halves(stretch)
-                following = (samples[-1],) if passes else ()
-                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+                here, on = self._end(stretch), (samples[-1],) if passes else ()
+                return Leg(tuple(samples), tuple(marks), here, on, stretch.stop)
             mark, end, there = self._meet(stretch)
             if end is not None and end.note == NOTHING_BEYOND:
                 there = self._passed_over(stretch)
@@ -297,8 +308,11 @@ class Cycles:
         return None
 
     def _halves(self, stretch: Stretch) -> bool:
-        """Whether the cycle at the end goes round one of smaller period, and those before do not."""
-        first, last = (minimal_period(s.orbit, self.settings) for s in (stretch.samples[0], stretch.samples[-1]))
+        """Whether the cycle at the end, and none before it, goes round one of smaller period."""
+        first, last = (
+            minimal_period(s.orbit, self.settings)
+            for s in (stretch.samples[0], stretch.samples[-1])
+        )
         return last < first
 
     def _end(self, stretch: Stretch) -> End:
@@ -322,6 +336,23 @@ def cycle_from(met: Collision, settings: Settings) -> Sample | None:
     gradient = met.orbit.images[i].gradient(met.margin.code)
     rise = float(gradient @ (direction * scale)[[i, -1]])
     return Sample(met.orbit, direction if rise > 0.0 else -direction, rise > 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Return:
+    """An orbit that leads to a border, and from there back to it.
+
+    Attributes
+    ----------
+    before
+        The points before the border; there may be none.
+    cycle, code
+        The cycle from the border on, and the margin that vanishes at its first point.
+    """
+
+    before: Orbit
+    cycle: Orbit
+    code: int
 
 
 # --- Jumps ----------------------------------------------------------------------------------------
@@ -363,10 +394,11 @@ class Jumps:
             x, images = np.tile(orbit.x, rounds)[:length], (orbit.images * rounds)[:length]
             head = Orbit(x, orbit.p, images)
             start = self._sample(head, Margin(length - 1, met.margin.code))
-            for sign in (1.0, -1.0):
-                there = self._beside(start, sign)
-                if there is not None:
-                    found.append((start if sign > 0.0 else turned(start), there))
+            sides = [(sign, self._beside(start, sign)) for sign in (1.0, -1.0)]
+            begin = [(sign, there) for sign, there in sides if there is not None]
+            if len(begin) == 1:  # one that goes on to both sides only passes
+                sign, there = begin[0]
+                found.append((start if sign > 0.0 else turned(start), there))
         return found
 
     def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
@@ -392,10 +424,11 @@ class Jumps:
                 following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
                 end = self._end(stretch)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
-            met = self._closed_early(stretch)
-            if met is not None:
+            early = self._closed_early(stretch)
+            if early is not None and self._passes(early, stretch.end):
+                met = self._collision(early)
                 return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
-            mark, there = self._beyond(stretch)
+            mark, there = self._beyond(stretch, early)
             if there is None:
                 end = end_at(PointKind.EP, stretch.end, "the jump ends", mark.cause)
                 return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
@@ -447,8 +480,8 @@ class Jumps:
         met = collision(self.map, stretch.meeting, margin, border, self.settings)
         return end_of(met, stretch.end)
 
-    def _closed_early(self, stretch: Stretch) -> Collision | None:
-        """The collision of a cycle of smaller period, if an orbit comes back to its own border."""
+    def _closed_early(self, stretch: Stretch) -> _Return | None:
+        """Where the orbit of a jump comes back to its own border; None if it does not."""
         last = stretch.samples[-1].jump
         assert last is not None
         meeting, margin = stretch.meeting or stretch.end, stretch.margins[0]
@@ -457,11 +490,22 @@ class Jumps:
         i, k = first.index, second.index
         if i == k or abs(meeting.x[k] - meeting.x[i]) > self.settings.same * self.settings.x_scale:
             return None
-        cycle, there = Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), Margin(0, first.code)
-        border = border_at(self.map, cycle, there, self.settings)
-        return collision(self.map, cycle, there, border, self.settings)
+        return _Return(
+            Orbit(meeting.x[:i], meeting.p, meeting.images[:i]),
+            Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), first.code,
+        )  # fmt: skip
 
-    def _beyond(self, stretch: Stretch) -> tuple[Mark, Sample | None]:
+    def _passes(self, early: _Return, head: Orbit) -> bool:
+        """Whether an orbit begins on the cycle that it comes round."""
+        away = float(np.abs(early.cycle.x - head.x[0]).min())
+        return away <= self.settings.same * self.settings.x_scale
+
+    def _collision(self, early: _Return) -> Collision:
+        margin = Margin(0, early.code)
+        border = border_at(self.map, early.cycle, margin, self.settings)
+        return collision(self.map, early.cycle, margin, border, self.settings)
+
+    def _beyond(self, stretch: Stretch, early: _Return | None) -> tuple[Mark, Sample | None]:
         """Where a jump branch goes on when one of its orbits meets another border."""
         end, margin = stretch.samples[-1], stretch.margins[0]
         meeting = stretch.meeting or stretch.end
@@ -470,6 +514,8 @@ class Jumps:
         kind = border.kind(self.settings)
         mark = Mark(sample=0, cause=border.cause, kind=kind)
         there = None
+        if early is not None:
+            return mark, self._round_cycle(end, early)
         if stretch.stop is Stop.TAIL:
             there = self._beside(end)
         elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
@@ -510,6 +556,24 @@ class Jumps:
             away *= GROW
         return None
 
+    def _round_cycle(self, end: Sample, early: _Return) -> Sample | None:
+        """Where jumps meet whose orbits lead to a cycle on a border: the one that goes on.
+
+        They differ in how often the orbit goes round before it meets the border.
+        """
+        before, cycle = early.before, early.cycle
+        for length in range(len(before) + 1, self.order + 1, len(cycle)):
+            rounds = -(-(length - len(before)) // len(cycle))
+            x = np.append(before.x, np.tile(cycle.x, rounds))[:length]
+            images = (*before.images, *cycle.images * rounds)[:length]
+            start = self._sample(Orbit(x, cycle.p, images), Margin(length - 1, early.code))
+            for sign in (1.0, -1.0):
+                there = self._beside(start, sign)
+                back = length == len(end.orbit) and sign * start.tangent @ end.tangent < 0.0
+                if there is not None and not back:
+                    return there
+        return None
+
     def _round_corner(self, end: Sample, meeting: Orbit, margin: Margin) -> Sample | None:
         """Where two jumps meet: the other one that crosses the diagonal there.
 
@@ -548,25 +612,29 @@ def collision(
     With F the distance of the inner limit from the diagonal at the border and D that of the outer
     one, the jump of P_n crosses the diagonal where they differ in sign, and the fixed point lives
     where F has one sign. If that is on one side of the parameter, branches fold. A branch of
-    jumps of P_2n then starts at the preimage of the border just if the multiplier exceeds 1.
+    jumps of P_2n then starts at the preimage of the border just if the multiplier exceeds 1. The
+    other points of the cycle see the same F, but a D of their own.
     """
     n = minimal_period(orbit, settings)
     first = int(np.argmin(orbit.x[:n]))
     small = Orbit(orbit.x[:n], orbit.p, orbit.images[:n]).rotated(first)
     index = (margin.index - first) % n
     met = Collision(
-        orbit=small, margin=Margin(index, margin.code), kind=PointKind.BC, note="",
+        orbit=small, margin=Margin(index, margin.code), kinds=((PointKind.BC, ""),) * n,
         cause=border.cause,
     )  # fmt: skip
     inside = cycle_from(met, settings)
-    starts = Jumps(map_, n, settings).starts(met, index)
-    if inside is None or not starts:
+    if inside is None:
         return met
-    sides = {bool(sample.tangent[-1] > 0.0) for sample in (inside, starts[0][1])}
-    if len(sides) == 2:
-        return replace(met, note="persistence")
-    steep = abs(small.multiplier) > 1.0
-    return replace(met, note="fold", kind=PointKind.FF if steep else PointKind.BC)
+    jumps, steep = Jumps(map_, n, settings), abs(small.multiplier) > 1.0
+    kinds = []
+    for shift in range(n):
+        starts = jumps.starts(met, shift)
+        sides = {bool(sample.tangent[-1] > 0.0) for sample in (inside, *(s[1] for s in starts[:1]))}
+        fold = PointKind.FF if steep else PointKind.BC
+        found = (fold, "fold") if len(sides) == 1 else (PointKind.BC, "persistence")
+        kinds.append(found if starts else (PointKind.BC, ""))
+    return replace(met, kinds=tuple(kinds))
 
 
 def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> End:
@@ -576,9 +644,8 @@ def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> En
 
 def end_of(met: Collision, orbit: Orbit) -> End:
     """A collision with a jump, as an orbit meets it."""
-    return End(
-        kind=met.kind, p=orbit.p, x=orbit.x, note=met.note, cause=met.cause, collision=met
-    )
+    kind, note = met.kind_at(float(orbit.x[0]))
+    return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=met.cause, collision=met)
 
 
 def restart(
@@ -620,6 +687,9 @@ def _restarted(
     margin = Margin(index, border.outer_code, value)
     solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
     found = solution.orbit
+    held = solve(found, (closing, Coordinate(-1, found.p)), settings)  # beside a square root a
+    if held.converged:  # margin cannot be held to the last bit, the parameter can
+        found = held.orbit
     direction = tangent(found, closing, settings)
     if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
         return None
@@ -673,7 +743,7 @@ def curves_from(end: End, legs: list[Leg], kind: BranchKind, order: int) -> list
 def _rest(legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
     return [
         _curve(leg.samples, leg.marks, (before.end, leg.end), kind, order)
-        for before, leg in zip(legs[:-1], legs[1:], strict=True)
+        for before, leg in pairwise(legs)
     ]
 
 
@@ -683,9 +753,7 @@ def _reversed(leg: Leg) -> Leg:
     return replace(leg, samples=leg.samples[::-1], marks=marks)
 
 
-def _joined(
-    one: Leg, other: Leg, ends: tuple[End, End], kind: BranchKind, order: int
-) -> Curve:
+def _joined(one: Leg, other: Leg, ends: tuple[End, End], kind: BranchKind, order: int) -> Curve:
     n = len(one.samples) - 1
     marks = (*one.marks, *(replace(mark, sample=mark.sample + n) for mark in other.marks))
     return _curve((*one.samples, *other.samples[1:]), marks, ends, kind, order)
@@ -714,4 +782,7 @@ def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
     """The pieces of an orbit, see :class:`Word`."""
     if jump is None:
         return orbit.keys
-    return *orbit.keys[:-1], frozenset((jump.inner.keys[0], jump.outer.keys[0]))
+    sides = {(jump.inner.keys[0], jump.closing.code)}
+    if jump.outer_code >= 0:
+        sides.add((jump.outer.keys[0], jump.outer_code))
+    return *orbit.keys[:-1], frozenset(sides)

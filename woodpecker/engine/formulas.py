@@ -1,64 +1,115 @@
-"""Piecewise-smooth maps that are given by formulas: by hand, from sympy, or from pwmap."""
+"""Piecewise-smooth maps that are written by hand: functions of (x, p), with margins in words."""
 
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 
-from woodpecker.base.arrays import Floats
-from woodpecker.engine.pieces import Image
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import number, real_array
+from woodpecker.engine.pieces import Image, Piece
 
 Formula = Callable[[float, float], float]
+Bools = npt.NDArray[np.bool_]
 
 DIFFERENCE = 2.0**-17  # relative step of a central difference: near the cube root of the rounding
 NOWHERE = "no piece of the map holds this point"
+NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
 
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
-    """A smooth function of (x, p) with its derivatives; central differences if none are given.
+    """A smooth function of (x, p) with its derivatives; differences of values if none are given.
+
+    Differences are good to about ten digits where the function is smooth on the scale of 1; next
+    to a square root they are not, so give the derivatives of such a function.
 
     Parameters
     ----------
     value
-        The function.
+        The function. Where it has no real value it may raise ValueError, ZeroDivisionError or
+        OverflowError, as functions of :mod:`math` do, or return nan or a complex number.
     dx, dp
         Its derivatives.
+
+    Raises
+    ------
+    TypeError
+        If one of them cannot be called; when it is called, if it returns no number.
     """
 
     value: Formula
     dx: Formula | None = None
     dp: Formula | None = None
 
+    def __post_init__(self) -> None:
+        for name in ("value", "dx", "dp"):
+            given = getattr(self, name)
+            if not (callable(given) or (given is None and name != "value")):
+                raise TypeError(f"{name} must be a function of x and p, got {given!r}")
+
     def at(self, x: float, p: float) -> tuple[float, float, float]:
-        """Value and derivatives in x and p; nan where the function has no real value."""
-        value = _real(self.value, x, p)
-        if self.dx is None:
-            h = DIFFERENCE * max(1.0, abs(x))
-            dx = (_real(self.value, x + h, p) - _real(self.value, x - h, p)) / (2.0 * h)
-        else:
-            dx = _real(self.dx, x, p)
-        if self.dp is None:
-            h = DIFFERENCE * max(1.0, abs(p))
-            dp = (_real(self.value, x, p + h) - _real(self.value, x, p - h)) / (2.0 * h)
-        else:
-            dp = _real(self.dp, x, p)
+        """Value and derivatives in x and p; nan where there is no real value."""
+        if self.dx is not None and self.dp is not None:
+            try:
+                return float(self.value(x, p)), float(self.dx(x, p)), float(self.dp(x, p))
+            except (*NOT_REAL, TypeError):
+                pass  # one of them may have a value all the same
+        value = real(self.value, x, p)
+        dx = self._by_x(x, p, value) if self.dx is None else real(self.dx, x, p)
+        dp = self._by_p(x, p, value) if self.dp is None else real(self.dp, x, p)
         return value, dx, dp
 
+    def _by_x(self, x: float, p: float, value: float) -> float:
+        return difference(lambda s: real(self.value, s, p), x, value)
 
-def _real(formula: Formula, x: float, p: float) -> float:
+    def _by_p(self, x: float, p: float, value: float) -> float:
+        return difference(lambda s: real(self.value, x, s), p, value)
+
+
+def real(formula: Formula, x: float, p: float) -> float:
+    """The value of a formula; nan if it is not real.
+
+    Raises
+    ------
+    TypeError
+        If the formula returns no number.
+    """
     try:
-        return float(formula(x, p))
-    except (ValueError, ZeroDivisionError, OverflowError):  # math's words for no real value
+        value = formula(x, p)
+    except NOT_REAL:
         return math.nan
+    if isinstance(value, float):
+        return value
+    if isinstance(value, complex):  # such as a root of a negative number
+        return math.nan
+    if not isinstance(value, numbers.Real) or isinstance(value, bool):
+        raise TypeError(f"a formula must return one real number, got {value!r} at x={x}, p={p}")
+    return float(value)
 
 
-@dataclass(frozen=True, slots=True)
+def difference(function: Callable[[float], float], at: float, value: float) -> float:
+    """The derivative of a function by differences: central, or to one side at its domain's end.
+
+    ``value`` is that of the function at this place.
+    """
+    h = DIFFERENCE * max(1.0, abs(at))
+    above, below = function(at + h), function(at - h)
+    if not (math.isnan(above) or math.isnan(below)):
+        return (above - below) / ((at + h) - (at - h))
+    h = h if math.isnan(below) else -h
+    return (4.0 * function(at + h) - 3.0 * value - function(at + 2.0 * h)) / (2.0 * h)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class FormulaPiece:
-    """A smooth piece of a map.
+    """A smooth piece of a map, written by hand.
 
     Parameters
     ----------
@@ -68,12 +119,31 @@ class FormulaPiece:
         Its values.
     margins
         Functions that are positive inside, by the sentence that says what happens where they
-        vanish.
+        vanish; none if the piece holds every point.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the name is empty or no text, or a function is no :class:`Smooth`.
     """
 
     word: str
     map: Smooth
     margins: Mapping[str, Smooth] = field(default_factory=dict)
+    _causes: Ints = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.word, str):
+            raise TypeError(f"the name of a piece must be text, got {self.word!r}")
+        if not self.word:
+            raise ValueError("the name of a piece must not be empty")
+        named = {f"the map of {self.word}": self.map}
+        named |= {f"the margin {cause!r} of {self.word}": h for cause, h in self.margins.items()}
+        for name, given in named.items():
+            if not isinstance(given, Smooth):
+                raise TypeError(f"{name} must be Smooth(f), f a function of x and p, got {given!r}")
+        object.__setattr__(self, "margins", dict(self.margins))
+        object.__setattr__(self, "_causes", codes(len(self.margins)))
 
     @property
     def key(self) -> str:
@@ -83,24 +153,62 @@ class FormulaPiece:
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside."""
         value, slope, d_parameter = self.map.at(x, p)
-        rows = np.array([margin.at(x, p) for margin in self.margins.values()]).reshape(-1, 3)
-        reason = "" if math.isfinite(value) else f"{self.word} has no value there"
+        flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
+        rows = np.array(flat).reshape(-1, 3)
         return Image(
-            value, slope, d_parameter, rows[:, 0], rows[:, 1:], np.arange(len(rows)), self, reason
-        )
+            value, slope, d_parameter, rows[:, 0], rows[:, 1:], self._causes, self,
+            "" if math.isfinite(value) else no_value(self.word, x, p),
+        )  # fmt: skip
 
     def holds(self, x: float, p: float) -> bool:
         """Whether no margin is negative."""
-        return all(_real(margin.value, x, p) >= 0.0 for margin in self.margins.values())
+        return all(real(margin.value, x, p) >= 0.0 for margin in self.margins.values())
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, of any shape, also outside."""
+        flat = [real(self.map.value, each, p) for each in x.ravel().tolist()]
+        return np.array(flat, dtype=float).reshape(x.shape)
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds."""
+        flat = [self.holds(each, p) for each in x.ravel().tolist()]
+        return np.array(flat, dtype=bool).reshape(x.shape)
 
     def cause(self, code: int) -> str:
         """What happens where a margin vanishes."""
         return list(self.margins)[code]
 
 
-@dataclass(frozen=True, slots=True)
+def codes(n: int) -> Ints:
+    """The codes (n,) of the margins of a formula's piece, which nobody can change."""
+    found = np.arange(n)
+    found.setflags(write=False)
+    return found
+
+
+def no_value(word: str, x: float, p: float) -> str:
+    """Why a piece has no image."""
+    return f"{word} has no value at x = {x}, p = {p}"
+
+
+class BoundedPiece(Piece, Protocol):
+    """A piece that knows which points it holds."""
+
+    def holds(self, x: float, p: float) -> bool:
+        """Whether the map takes this piece at a point, unless an earlier one holds it too."""
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, also outside."""
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class FormulaMap:
     """A piecewise-smooth map of given pieces; where several hold a point, the first counts.
+
+    It pickles if its functions do: those written by hand must be defined at the top of a module.
 
     Parameters
     ----------
@@ -113,7 +221,7 @@ class FormulaMap:
         If there is no piece, or two of one name.
     """
 
-    pieces: Sequence[FormulaPiece]
+    pieces: Sequence[BoundedPiece]
 
     def __post_init__(self) -> None:
         words = [piece.word for piece in self.pieces]
@@ -131,6 +239,34 @@ class FormulaMap:
                 return piece.at(x, p)
         nothing: Floats = np.empty(0)
         return Image(
-            math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2),
-            nothing.astype(np.int64), self.pieces[0], NOWHERE,
+            math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes(0),
+            self.pieces[0], NOWHERE,
         )  # fmt: skip
+
+    def piece(self, word: str) -> BoundedPiece:
+        """The piece of a name; KeyError if there is none."""
+        for piece in self.pieces:
+            if piece.word == word:
+                return piece
+        raise KeyError(f"no piece {word!r} in this map")
+
+    def values(self, x: npt.ArrayLike, p: float) -> Floats:
+        """The images of many points, of any shape; nan where there is none.
+
+        Pieces made from sympy are evaluated by numpy, whose functions may differ in the last bit
+        from those of :mod:`math` that :meth:`at` uses.
+
+        Raises
+        ------
+        ValueError
+            If the points or the parameter are no real numbers.
+        """
+        points, p = real_array("x", x), number("p", p)
+        images = np.full(points.shape, math.nan)
+        left = np.ones(points.shape, dtype=bool)
+        for piece in self.pieces:
+            held = left.copy()
+            held[left] = piece.holding(points[left], p)
+            images[held] = piece.values(points[held], p)
+            left &= ~held
+        return images

@@ -96,8 +96,9 @@ class _Branches:
         if not self.y[i] <= y <= self.y[i + 1]:
             i = i if y < self.y[i] else i + 1
             return float(self.x[i]), self.images[i]
+        x, to = float(self.x[i]), float(self.x[i + 1])
         return bracketed(
-            self.images[i], float(self.x[i]), float(self.x[i + 1]), p,
+            {x: self.images[i], to: self.images[i + 1]}, x, to, p,
             lambda image, _: (image.value - y, image.slope),
         )  # fmt: skip
 
@@ -151,7 +152,8 @@ class Itineraries:
     def heads(self, borders: Sequence[Border], order: int) -> Iterator[tuple[Orbit, Border]]:
         """Orbits that lead to borders within ``order`` points, about, the border their last."""
         for border in borders:
-            targets, points = np.array([border.x]), [((), ())]
+            targets = np.array([border.x])
+            points: list[tuple[tuple[float, ...], tuple[int, ...]]] = [((), ())]
             for before in range(order):
                 for xs, branches in points:
                     images = [
@@ -232,9 +234,7 @@ class Itineraries:
             off = width * np.where(nearer, gaps[0], gaps[1]) / np.abs(gaps[1] - gaps[0])
         near = (np.abs(off) <= LOOSE * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
         y = np.where(nearer, found.at_low, found.at_high)
-        yield from zip(
-            found.branches[near], self._back(found.branches[near], y[near]), strict=True
-        )
+        yield from zip(found.branches[near], self._back(found.branches[near], y[near]), strict=True)
 
     def _first(self) -> _Cylinders:
         ends = np.column_stack([self.branches.first, self.branches.last])

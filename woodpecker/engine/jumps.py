@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
-from woodpecker.engine.borders import Border, beyond
-from woodpecker.engine.orbits import Closed, Margin, Orbit, solve
+from woodpecker.engine.borders import beyond
+from woodpecker.engine.orbits import Margin, Orbit
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settings import Settings
 

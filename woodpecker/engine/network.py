@@ -86,14 +86,19 @@ class Network:
         for column in range(columns):
             x = np.array([points[column] for points in curve.points])
             ends = tuple(
-                self._node(end, float(x[k]), curve.order)
+                self._node(end.at(float(x[k])), float(x[k]), curve.order)
                 for end, k in zip(curve.ends, (0, -1), strict=True)
             )
             name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
                 Branch(
-                    id=name, kind=curve.kind, order=curve.order, word=curve.words[0].text,
-                    parameter=curve.parameter, x=x, multiplier=curve.multiplier,
+                    id=name,
+                    kind=curve.kind,
+                    order=curve.order,
+                    word=curve.words[0].text,
+                    parameter=curve.parameter,
+                    x=x,
+                    multiplier=curve.multiplier,
                     ends=(ends[0].id, ends[1].id),
                 )
             )
@@ -179,9 +184,11 @@ class Known:
         return any(self._reaches(row, orbit, closing, keys) for row in self._chords[near])
 
     def _bulge(self, dp: Floats, dx: Floats) -> Floats:
-        """How far a branch may stray from the chord of two samples: by its largest turn, and more."""
+        """How far a branch may stray from the chord of two samples, by its largest turn."""
         length = np.hypot(dp / self.settings.p_scale, dx / self.settings.x_scale)
-        found: Floats = (self.settings.max_turn * length + self.settings.same) * self.settings.x_scale
+        found: Floats = (
+            self.settings.max_turn * length + self.settings.same
+        ) * self.settings.x_scale
         return found
 
     def _reaches(
@@ -234,7 +241,8 @@ CLOSER = 0.5  # part of its distance that a Newton step leaves at most, if it le
 def agree(one: tuple[object, ...], other: tuple[object, ...]) -> bool:
     """Whether two orbits take the same pieces; at a border one side is enough.
 
-    What is on the other side of a jump may be a piece so thin that rounding decides whether it is seen.
+    What is on the other side of a jump may be a piece so thin that rounding decides whether it is
+    seen.
     """
     return len(one) == len(other) and all(
         not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b

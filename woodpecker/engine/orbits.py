@@ -76,9 +76,7 @@ class Orbit:
 
     def rotated(self, first: int) -> Orbit:
         """The same cycle from another of its points."""
-        return Orbit(
-            np.roll(self.x, -first), self.p, (*self.images[first:], *self.images[:first])
-        )
+        return Orbit(np.roll(self.x, -first), self.p, (*self.images[first:], *self.images[:first]))
 
 
 def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
@@ -94,8 +92,9 @@ def minimal_period(orbit: Orbit, settings: Settings) -> int:
     return next(d for d in divisors if np.abs(np.roll(orbit.x, -d) - orbit.x).max() <= same)
 
 
-ROUGHLY = 1e-5  # distance within which points of a cycle are one: a doubled cycle leaves its flip like a
-# square root, so that its points are this close where the parameter is located to rounding
+# Distance within which points of a cycle are one: a doubled cycle leaves its flip like a square
+# root, so that its points are this close where the parameter is located to rounding.
+ROUGHLY = 1e-5
 
 
 class Condition(Protocol):
@@ -228,14 +227,11 @@ class Solution:
     steps: int
 
 
-ENOUGH = 2.0**-54  # a step after which the next would be as short as this is the last: steps
-# shrink quadratically
-
-
 def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> Solution:
     """Newton's method for an orbit with the pieces of ``start`` that obeys two conditions.
 
-    A step that leads where a piece has no value is halved.
+    A step that leads where a piece has no value is halved. The last step is so short that the next,
+    if it shrinks no faster than the last one, would be rounding.
     """
     orbit, scale = start, scales(len(start), settings)
     before, halvings = 0.0, 0
@@ -253,10 +249,13 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
         if not trial.defined:
             return Solution(orbit, False, k)
         orbit = trial
-        if length <= settings.converged or length**3 <= ENOUGH * before**2:
+        if length <= settings.converged or length**2 <= settings.converged * before:
             return Solution(orbit, True, k + 1)
         before = length
-    return Solution(orbit, False, settings.newton)
+    return Solution(orbit, before <= NOISE * settings.converged, settings.newton)
+
+
+NOISE = 64.0  # steps that go on shrinking, slowly, below so many of the shortest are rounding
 
 
 def moved(orbit: Orbit, by: Floats) -> Orbit:
@@ -264,9 +263,7 @@ def moved(orbit: Orbit, by: Floats) -> Orbit:
     return orbit_of(orbit.pieces, orbit.x + by[:-1], orbit.p + float(by[-1]))
 
 
-def newton_step(
-    orbit: Orbit, conditions: Sequence[Condition], settings: Settings
-) -> Floats:
+def newton_step(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> Floats:
     """Newton's step (n + 1,); nan if the equations are singular or not finite."""
     if len(orbit) == 1:
         return _step_of_two(orbit, conditions)
@@ -290,7 +287,8 @@ def _step_of_two(orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
     determinant = a * d - b * c
     if determinant == 0.0:
         return np.full(2, np.nan)
-    return np.array([first * d - b * second, a * second - first * c]) / determinant
+    x, p = first * d - b * second, a * second - first * c
+    return np.array([x / determinant, p / determinant])
 
 
 def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
@@ -306,7 +304,7 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
     rows = matrix / largest[:, None]
     if len(rows) == 1:
         (a, b), length = rows[0], np.hypot(*rows[0])
-        return np.array([b / length, -a / length]) if length else np.full(2, np.nan)
+        return np.array([-b / length, a / length]) if length else np.full(2, np.nan)
     direction: Floats = np.linalg.svd(rows)[2][-1]
     turned = np.linalg.det(np.vstack([rows, direction])) < 0.0
     return -direction if turned else direction

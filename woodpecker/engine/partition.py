@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from woodpecker.engine.borders import Border, Reach, beyond, depth, nearest_code, reach_of
+from woodpecker.engine.borders import THIN, Border, beyond, depth, reach_of
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settings import Settings
 
@@ -92,12 +93,19 @@ def partition(
         Scales, and the cut-offs ``finest`` and ``coarse``.
     """
     walk = _Walk(map_, p, settings)
-    todo = [window]
+    todo = [_Gap(*window, True)]
     while todo:
-        low, high = todo.pop()
-        todo += reversed(walk.cross(low, high))
+        todo += reversed(walk.cross(todo.pop()))
     stretches = sorted(walk.stretches, key=lambda stretch: stretch.low)
     return Partition(p, window, tuple(stretches), tuple(sorted(walk.gaps)))
+
+
+class _Gap(NamedTuple):
+    """An interval to be crossed, and whether a piece beside it leads into the window."""
+
+    low: float
+    high: float
+    matters: bool
 
 
 class _Walk:
@@ -107,51 +115,67 @@ class _Walk:
         self.map, self.p, self.settings = map_, p, settings
         self.stretches: list[Stretch] = []
         self.gaps: list[tuple[float, float]] = []
-        self._finest = settings.finest * settings.x_scale
-        self._least = settings.nearest * settings.x_scale
+        self._thin = THIN * settings.beside * settings.x_scale
 
-    def cross(self, low: float, high: float) -> list[tuple[float, float]]:
+    def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""
-        at = low
-        found = self.map.at(low, self.p)
-        code = -1
+        at, high, matters = gap
+        found, code = self.map.at(at, self.p), -1
         while True:
-            if found.reason or depth(found) < -self._least:
-                return self._passed(at, high)
+            if not self._holds(found):
+                return self._passed(_Gap(at, high, matters))
             way = reach_of(found, at, self.p, 1, high, self.settings)
             self.stretches.append(Stretch(way.x, way.images, (code, way.code)))
             if way.end >= high:
                 return []
-            if way.code < 0 or way.end - at < self._finest:
-                return self._passed(way.end, high)
+            matters = self._matters(way.images[-1])
+            if way.code < 0 or way.end - at < self._cut_off(matters):
+                return self._passed(_Gap(way.end, high, matters))
             at = way.end
             found, code = beyond(self.map, at, self.p, 1, self.settings)
 
-    def _passed(self, low: float, high: float) -> list[tuple[float, float]]:
-        """Pass something by starting anew from the middle, back and ahead."""
-        if high - low <= self._finest:
+    def _holds(self, image: Image) -> bool:
+        """Whether the map has a value that a piece explains."""
+        return not image.reason and depth(image) >= -self._thin
+
+    def _matters(self, image: Image) -> bool:
+        """Whether a piece leads into the window here."""
+        low, high = self.settings.window
+        return low <= image.value <= high
+
+    def _cut_off(self, matters: bool) -> float:
+        """Length of pieces that are not looked for one by one."""
+        part = self.settings.finest if matters else self.settings.coarse
+        return part * self.settings.x_scale
+
+    def _passed(self, gap: _Gap) -> list[_Gap]:
+        """Pass something by starting anew at a distance, back and ahead."""
+        low, high, matters = gap
+        cut_off = step = self._cut_off(matters)
+        if high - low <= cut_off:
             self.gaps.append((low, high))
             return []
-        step = self._finest
         while True:
-            middle = low + step if low + 2.0 * step < high else 0.5 * (low + high)
+            last = low + 2.0 * step >= high
+            middle = 0.5 * (low + high) if last else low + step
             found = self.map.at(middle, self.p)
-            if not found.reason and depth(found) >= -self._least:
+            if self._holds(found):
                 back = reach_of(found, middle, self.p, -1, low, self.settings)
-                if middle - back.end >= 0.25 * step or low + 2.0 * step >= high:
+                if last or middle - back.end >= 0.25 * step:
                     break
-            if low + 2.0 * step >= high:
-                half = 0.5 * (low + high)
-                return [(low, half), (half, high)]
+            elif last:
+                return [_Gap(low, middle, matters), _Gap(middle, high, matters)]
             step *= 2.0
         ahead = reach_of(found, middle, self.p, 1, high, self.settings)
         x = (*back.x[::-1], *ahead.x[1:])
         images = (*back.images[::-1], *ahead.images[1:])
         self.stretches.append(Stretch(x, images, (back.code, ahead.code)))
-        left = [(low, back.end)] if back.end - low > self._finest else []
-        if back.end > low and not left:
-            self.gaps.append((low, back.end))
-        return [*left, *self._after(ahead, high)]
-
-    def _after(self, ahead: Reach, high: float) -> list[tuple[float, float]]:
-        return [] if ahead.end >= high else [(ahead.end, high)]
+        inner = _Gap(low, back.end, matters or self._matters(back.images[-1]))
+        left = []
+        if inner.high - inner.low > self._cut_off(inner.matters):
+            left.append(inner)
+        elif inner.high > inner.low:
+            self.gaps.append((inner.low, inner.high))
+        if ahead.end < high:
+            left.append(_Gap(ahead.end, high, self._matters(ahead.images[-1])))
+        return left

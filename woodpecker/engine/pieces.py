@@ -30,7 +30,8 @@ class Image(NamedTuple):
     gradients
         (m, 2), their derivatives in x and p.
     causes
-        (m,) ascending codes that tell the margins apart; those of one piece at two points need not be the same.
+        (m,) ascending codes that tell the margins apart; a piece need not have the same ones at two
+        points.
     piece
         The piece, ready to be continued from this point.
     reason

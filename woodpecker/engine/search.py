@@ -20,6 +20,7 @@ from woodpecker.engine.network import Known, Network
 from woodpecker.engine.orbits import Closed
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.slices import Slice
+from woodpecker.engine.tasks import Tasks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +79,7 @@ class Explorer:
             for order in self.orders
         }
 
-    def follow(self, task: str, *arguments: object) -> None:
+    def follow(self, task: Callable[..., Any], *arguments: object) -> None:
         """Carry out a task that yields branches, and go on from where they end."""
         self._keep(self.scheduler.submit(task, *arguments))
         self.go_on()
@@ -87,14 +88,14 @@ class Explorer:
         """Follow what starts at the collisions that were met."""
         while self.network.waiting:
             met = self.network.waiting.popleft()
-            for start in self._done(self.scheduler.submit("starts", met, self.orders)):
+            for start in self._done(self.scheduler.submit(Tasks.starts, met, self.orders)):
                 known = self._known[start.kind, start.order]
                 last = start.samples[-1]
                 low, high = self.network.settings.span
                 if not low <= last.orbit.p <= high:
                     continue
                 if not known.explains(last.orbit, start.closing, keys_of(last.orbit, last.jump)):
-                    self._keep(self.scheduler.submit("ahead", start))
+                    self._keep(self.scheduler.submit(Tasks.ahead, start))
 
     def see(self, found: Slice) -> bool:
         """Follow what a slice shows and no branch explains; whether there was something."""
@@ -102,10 +103,10 @@ class Explorer:
         cycles, jumps = (self._known[kind, found.order] for kind in BranchKind)
         for orbit in found.cycles:
             if not cycles.explains(orbit, Closed(), orbit.keys):
-                self.follow("cycle", orbit)
+                self.follow(Tasks.cycle, orbit)
         for jump in found.jumps:
             if not jumps.explains(jump.head, jump.closing, keys_of(jump.head, jump)):
-                self.follow("jump", jump)
+                self.follow(Tasks.jump, jump)
         return len(self.network.curves) > before
 
     def _done(self, pending: Pending) -> Any:
@@ -138,7 +139,7 @@ def complete(explorer: Explorer, settings: Settings, search: Search) -> list[Sli
         p = low + (high - low) * place
         explorer.slices = k + 1
         new = False
-        for found in explorer.scheduler.submit("slice", p, explorer.orders).result().value:
+        for found in explorer.scheduler.submit(Tasks.slice, p, explorer.orders).result().value:
             taken.append(found)
             new |= explorer.see(found)
         k += 1
@@ -154,8 +155,8 @@ def complete(explorer: Explorer, settings: Settings, search: Search) -> list[Sli
 def first_places(search: Search) -> list[float]:
     """Where slices are taken first, as parts of the span: near both ends, then evenly.
 
-    Multiples of the golden ratio fill (0, 1) evenly, and fall on no value that a map may have in its
-    formulas.
+    Multiples of the golden ratio fill (0, 1) evenly, and fall on no value that a map may have in
+    its formulas.
     """
     near = 0.5 * search.finest
     return [near, 1.0 - near, *((k * GOLDEN) % 1.0 for k in range(1, search.slices + 1))]

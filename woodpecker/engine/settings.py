@@ -40,10 +40,11 @@ class Settings:
         Steps that become no shorter are as good as converged below this length: rounding of an
         ill-conditioned orbit, five digits above the usual.
     beside
-        Distance from a border at which the piece beyond is asked for first; a hundredth of a step.
+        Distance from a border at which the piece beyond is asked for first: far above rounding, far
+        below a step.
     nearest
         Smallest such distance, tried if there are other pieces in between: far enough from the
-        border, a hundred times ``converged``, for rounding not to decide.
+        border, some hundred times ``converged``, for rounding not to decide.
     jump
         Limits of a map closer than this are one value: far above what is left of a rounded
         location at a steep slope, far below jumps that are worth drawing.
@@ -52,6 +53,8 @@ class Settings:
     finest
         Pieces shorter than this are not looked for one by one: a part of the window. Where they
         accumulate, their total length is reported.
+    coarse
+        The same for pieces that lead out of the window.
     same
         Orbits this close at one parameter are one: far above rounding, far below their distances.
 
@@ -75,7 +78,8 @@ class Settings:
     nearest: float = 1e-12
     jump: float = 1e-7
     kink: float = 1e-6
-    finest: float = 1e-7
+    finest: float = 1e-6
+    coarse: float = 1e-4
     same: float = 1e-9
 
     def __post_init__(self) -> None:
@@ -84,7 +88,7 @@ class Settings:
             object.__setattr__(self, name, ends)
         for name in (
             "step", "max_step", "min_step", "max_turn", "converged", "stalled", "beside",
-            "nearest", "jump", "kink", "finest", "same",
+            "nearest", "jump", "kink", "finest", "coarse", "same",
         ):  # fmt: skip
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         if not self.min_step <= self.step <= self.max_step:

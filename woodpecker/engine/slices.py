@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -130,7 +131,7 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
         for (a, one), (b, other) in _parts(stretch, pieces.p):
             if (one.value - a) * (other.value - b) > 0.0:
                 continue
-            root = bracketed(one, a, b, pieces.p, _gap)
+            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap)
             if root is None:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
@@ -147,7 +148,7 @@ class _Point(NamedTuple):
 def _parts(stretch: Stretch, p: float) -> Iterator[tuple[_Point, _Point]]:
     """Neighbouring samples, with one more where P(x) - x may turn round between them."""
     points = [_Point(x, image) for x, image in zip(stretch.x, stretch.images, strict=True)]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         gaps, slopes = (a.image.value - a.x, b.image.value - b.x), (
             a.image.slope - 1.0, b.image.slope - 1.0,
         )  # fmt: skip

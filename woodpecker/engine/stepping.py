@@ -1,7 +1,7 @@
 """Branches of orbits with fixed pieces: predictor, corrector, step control, and one locator.
 
-A *stretch* is a piece of a branch along which no piece changes. It ends where a condition holds:
-a margin vanishes, an orbit leaves the window, the branch turns round. Each such end is an orbit that
+A *stretch* is a part of a branch along which no piece changes. It ends where a condition holds: a
+margin vanishes, an orbit leaves the window, the branch turns round. Each such end is an orbit that
 obeys that condition, found by Newton's method, not the last of some halvings.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.borders import lowest_dip
+from woodpecker.engine.borders import THIN, depth, lowest_dip
 from woodpecker.engine.jumps import Jump, jump_of
 from woodpecker.engine.orbits import (
     Closed,
@@ -218,7 +218,7 @@ class Stepper:
         return Stretch(tuple(samples), Stop.MANY)
 
     def _leaves(self, start: Sample) -> Stop | None:
-        """Whether a sample lies at an end of the span or of the window, and the branch leaves it."""
+        """Whether a sample lies at an end of span or window, and the branch leaves it there."""
         orbit, along = start.orbit, start.tangent
         for stop, index, (low, high) in self._limits(orbit):
             value = orbit.point[index]
@@ -468,7 +468,7 @@ class Stepper:
 
     def _at_tail(self, a: Sample, b: Sample, step: float, inner: bool) -> _Event | None:
         """Where the orbit of a limit meets a border."""
-        assert a.jump is not None and b.jump is not None
+        assert a.jump is not None
         k, there = len(a.orbit), a.jump.cycle(inner)
         far = _along(there, b.orbit)
         found = None
@@ -494,12 +494,24 @@ class Stepper:
         solution = solve(guess, (closing, found), self.settings)
         return self._at_head(a, step, Stop.TAIL, solution, inner, (found,))
 
+    def _holds(self, orbit: Orbit, border: int, margin: Margin) -> bool:
+        """Whether the orbit of a limit lies inside of its pieces, but where it meets borders."""
+        least = THIN * self.settings.beside * self.settings.x_scale
+        for i, image in enumerate(orbit.images):
+            if i == border:  # two margins may vanish there: the nearest is that of the border
+                away = image.margins + least * np.abs(image.gradients[:, 0])
+                if (away < 0.0).any():
+                    return False
+            elif depth(image, margin.code if i == margin.index else -1) < -least:
+                return False
+        return True
+
     def _at_head(
         self, a: Sample, step: float, stop: Stop, solution: Solution, inner: bool,
         margins: tuple[Margin, ...],
     ) -> _Event | None:  # fmt: skip
-        """An event of a limit as one of the border orbit."""
-        if not solution.converged:
+        """An event of a limit as one of the border orbit; None if a piece has ended before."""
+        if not solution.converged or not self._holds(solution.orbit, len(a.orbit) - 1, margins[-1]):
             return None
         orbit, k = solution.orbit, len(a.orbit)
         head = orbit_of(a.orbit.pieces, orbit.x[:k], orbit.p)

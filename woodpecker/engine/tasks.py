@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,10 +55,10 @@ class Worker:
     map: PiecewiseMap
     settings: Settings
 
-    def __call__(self, task: str, *arguments: Any) -> Done:
+    def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
         """Carry out a task, a method of :class:`Tasks`."""
         counted = _Counted(self.map)
-        value = getattr(Tasks(counted, self.settings), task)(*arguments)
+        value = task(Tasks(counted, self.settings), *arguments)
         return Done(value, counted.calls)
 
 

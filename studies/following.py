@@ -1,0 +1,88 @@
+"""What the studies of maps of the literature share: cycles near a guess, and where branches end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from pwmap import Diagram, PointKind
+from woodpecker.base.arrays import Floats
+from woodpecker.base.executors import Serial
+from woodpecker.engine.branches import Curve, Cycles, End
+from woodpecker.engine.formulas import FormulaMap
+from woodpecker.engine.network import Network
+from woodpecker.engine.orbits import Closed, Coordinate, Orbit, orbit_of, solve
+from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.search import Explorer, Search, complete
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.tasks import Worker
+
+
+def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings) -> Orbit:
+    """The cycle that Newton's method finds from some points, with the pieces the map takes there.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    pieces = [map_.at(each, p).piece for each in x]
+    start = orbit_of(pieces, np.array(x, dtype=float), p)
+    solution = solve(start, (Closed(), Coordinate(-1, p)), settings)
+    if not solution.converged:
+        raise ValueError(f"no cycle of {len(x)} points near {x[0]} at {p}")
+    return solution.orbit
+
+
+def branch_near(
+    map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings
+) -> list[Curve]:
+    """The branch through that cycle, with those that continue it."""
+    return Cycles(map_, settings).through(cycle_near(map_, x, p, settings))
+
+
+def ends_of(curves: Iterable[Curve], kind: PointKind, note: str = "") -> list[End]:
+    """Special points of one kind, each once, in the order of the parameter."""
+    found: dict[float, End] = {}
+    for curve in curves:
+        for end in curve.ends:
+            if end.kind is kind and end.note == note:
+                found.setdefault(round(end.p, 12), end)
+    return [found[p] for p in sorted(found)]
+
+
+def stable_part(curves: Iterable[Curve]) -> float:
+    """Length of the parameter along branches on which their cycles attract, by samples."""
+    total = 0.0
+    for curve in curves:
+        stable = np.abs(curve.multiplier) < 1.0
+        total += float(np.abs(np.diff(curve.parameter))[stable[1:] & stable[:-1]].sum())
+    return total
+
+
+def searched(
+    map_: PiecewiseMap, settings: Settings, orders: Sequence[int], search: Search
+) -> Network:
+    """All branches of some iterates that a search finds."""
+    worker = Worker(map_, settings)
+    explorer = Explorer(Serial(worker), settings, orders)
+    complete(explorer, settings, search)
+    return explorer.network
+
+
+def signs(map_: FormulaMap, diagram: Diagram, order: int, p: float, x: Floats) -> tuple[int, int]:
+    """Fixed points of P_order of a continuous map at a parameter, counted in two ways.
+
+    Returns
+    -------
+    The changes of sign of P_order(x) - x on a grid, and the points of the diagram's branches of all
+    orders that divide this one.
+    """
+    images = x
+    for _ in range(order):
+        images = map_.values(images, p)
+    above = images > x
+    divisors = [n for n in range(1, order + 1) if order % n == 0]
+    hits = [hit for hit in diagram.at(p) if hit.branch.order in divisors]
+    return int((above[1:] != above[:-1]).sum()), len(hits)

@@ -1,0 +1,148 @@
+"""Three maps of the literature: what the engine computes is published, or follows from it."""
+
+from typing import Any
+
+import map_boost
+import map_bouncing
+import map_grazing
+import numpy as np
+import pytest
+
+from woodpecker.engine.derivatives import check_derivatives
+from woodpecker.engine.settings import Settings
+
+LOCATED = 1e-12  # of a special point, relative
+
+
+@pytest.fixture(scope="module")
+def grazing() -> dict[str, Any]:
+    return map_grazing.main(fast=True)
+
+
+@pytest.fixture(scope="module")
+def boost() -> dict[str, Any]:
+    return map_boost.main(fast=True)
+
+
+@pytest.fixture(scope="module")
+def bouncing() -> dict[str, Any]:
+    return map_bouncing.main(fast=True)
+
+
+# --- The square-root map --------------------------------------------------------------------------
+
+
+def test_flips_and_grazings_are_those_of_the_closed_form(grazing: dict[str, Any]) -> None:
+    assert grazing["windows"] == 12
+    assert grazing["largest_error"] < LOCATED
+    assert grazing["two_impacts_error"] < 1e-10  # from the doubled branch, whose fold is flat there
+
+
+def test_the_three_published_cases_of_period_adding(grazing: dict[str, Any]) -> None:
+    assert grazing["neighbours_overlap"] == {"overlap": True, "alternate": False, "none": False}
+    assert grazing["attract"] == {"overlap": True, "alternate": True, "none": False}
+
+
+def test_a_search_finds_just_the_points_of_the_closed_form(grazing: dict[str, Any]) -> None:
+    assert grazing["searched_missing"] == grazing["searched_others"] == 0
+
+
+def test_the_closed_form_of_the_square_root_map_itself() -> None:
+    """At its flip a maximal cycle has the multiplier -1; at its grazing its point is 0."""
+    for alpha in (0.2, 0.5, 0.8):
+        map_ = map_grazing.square_root_map(alpha)
+        for m in (2, 3, 4):
+            at, a = map_grazing.flip(alpha, m), alpha ** (m - 1)
+            x = [(0.5 * a) ** 2]
+            while len(x) <= m:
+                x.append(map_.piece("R" if len(x) == 1 else "L").at(x[-1], at).value)
+            assert x[m] == pytest.approx(x[0], abs=1e-15)
+            x = [map_grazing.grazing(alpha, m)]  # the image of 0 is rho
+            while len(x) < m:
+                x.append(map_.at(x[-1], x[0]).value)
+            assert x[-1] == pytest.approx(0.0, abs=1e-15)
+        check_derivatives(map_, [(-0.5, 0.3), (0.4, 0.3)])
+
+
+# --- The converter --------------------------------------------------------------------------------
+
+
+def test_the_converter_flips_at_its_critical_gain(boost: dict[str, Any]) -> None:
+    assert boost["kappa_c"] == pytest.approx(0.08, abs=5e-4)
+    assert boost["first_flip_error"] < LOCATED * 0.23  # of the span
+
+
+def test_special_points_of_the_converter_solve_their_equations(boost: dict[str, Any]) -> None:
+    assert boost["special_points"] == 3
+    assert boost["largest_difference"] < LOCATED
+    assert boost["miscounted"] == 0
+
+
+def test_a_duty_ratio_that_saturates_is_no_special_point(boost: dict[str, Any]) -> None:
+    assert boost["saturation_is_smooth"]
+    assert boost["border_collisions"] == 0
+    assert boost["saturation_outside"] < LOCATED
+    assert boost["saturation_within"] < 1e-5  # beside the border, a millionth of the window
+
+
+def test_the_many_digits_and_the_map_are_one() -> None:
+    map_ = map_boost.boost_map()
+    for kappa in (0.05, 0.2):
+        for v in (17.5, 22.0, 25.0, 26.0, 40.0):
+            assert map_.at(v, kappa).value == pytest.approx(
+                float(map_boost.step(v, kappa)), rel=1e-14
+            )
+    check_derivatives(map_, [(v, 0.2) for v in (18.0, 22.0, 25.0, 40.0)])
+
+
+# --- The ball -------------------------------------------------------------------------------------
+
+
+def test_the_ball_stops_to_wait_without_a_bifurcation(bouncing: dict[str, Any]) -> None:
+    assert bouncing["stops_waiting"] == pytest.approx(np.sqrt(1.0 + np.pi**2), abs=1e-15)
+    assert bouncing["stops_waiting_outside"] < LOCATED
+    assert bouncing["borders_are_smooth"]
+
+
+def test_the_ball_flips_where_that_of_no_restitution_does(bouncing: dict[str, Any]) -> None:
+    assert bouncing["flip"] == pytest.approx(np.sqrt(4.0 + np.pi**2), abs=1e-15)
+    assert bouncing["flip_error"] < LOCATED
+
+
+def test_the_pair_waits_from_its_closed_value_on(bouncing: dict[str, Any]) -> None:
+    assert bouncing["pair_waits_outside"] < LOCATED
+    assert bouncing["others"] == 0
+    assert bouncing["miscounted"] == 0
+    assert bouncing["attractors_and_missing"] == [9, 0]
+
+
+def test_flights_end_where_the_ball_meets_the_table() -> None:
+    """The height of the ball over the table, not divided by t^2, vanishes; nothing is before it."""
+    for g in (1.5, 3.0, 4.4):
+        for phi in np.linspace(map_bouncing.begin(g), np.pi - map_bouncing.begin(g) - 0.1, 9):
+            t, by_phi, by_g = map_bouncing.flight(float(phi), g)
+            times = np.linspace(0.02 * t, t, 50)
+            height = np.sin(phi) + np.cos(phi) * times - times**2 / (2.0 * g) - np.sin(phi + times)
+            assert abs(height[-1]) < 1e-14
+            assert height[:-1].min() > 0.0
+            h = 1e-5
+            beside = [map_bouncing.flight(float(phi) + s, g)[0] for s in (-h, h)]
+            assert by_phi == pytest.approx((beside[1] - beside[0]) / (2.0 * h), rel=1e-7, abs=1e-7)
+            beside = [map_bouncing.flight(float(phi), g + s)[0] for s in (-h, h)]
+            assert by_g == pytest.approx((beside[1] - beside[0]) / (2.0 * h), rel=1e-7, abs=1e-7)
+
+
+def test_series_and_closed_form_of_a_flight_agree() -> None:
+    for part in (map_bouncing.rise, map_bouncing.lag):
+        t = map_bouncing.SMALL
+        below, above = part(t * (1.0 - 1e-12)), part(t * (1.0 + 1e-12))
+        assert below == pytest.approx(above, abs=1e-11)
+
+
+def test_the_settings_of_the_studies_are_the_default_ones() -> None:
+    """Nothing is tuned but the span and the window."""
+    default = Settings()
+    for settings in (map_boost.SETTINGS, map_bouncing.SETTINGS):
+        for name in Settings.__dataclass_fields__:
+            if name not in ("span", "window"):
+                assert getattr(settings, name) == getattr(default, name)

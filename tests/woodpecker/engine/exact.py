@@ -1,0 +1,319 @@
+"""Random maps that pwmap solves exactly, and whether a computed diagram is the proved one.
+
+Slopes are numbers, offsets and breaks affine in p: so every branch is a straight line over p, and
+one value between its ends tells it from all others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import product
+from random import Random
+
+import numpy as np
+
+from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
+from pwmap import bifurcation_diagram as exact_diagram
+from woodpecker.base.arrays import Floats
+
+SPAN = (-1, 1)  # of p; breaks keep their order for twice that
+FARTHEST = 20.0  # no branch of a case lies farther away
+AGREES = 1e-9  # relative to 1 or a larger value: special points are located far better
+SLOPES = sorted({Fraction(n, d) for d in (3, 4, 5, 7) for n in range(1 - 3 * d, 3 * d)})
+
+
+@dataclass(frozen=True, slots=True)
+class Affine:
+    """constant + rate p."""
+
+    constant: Fraction
+    rate: Fraction
+
+    def __str__(self) -> str:
+        return f"({self.constant}) + ({self.rate})*p"
+
+
+# --- Random maps ----------------------------------------------------------------------------------
+
+
+def random_map(rng: Random) -> PiecewiseLinearMap:
+    """A map with one parameter p: two or three pieces; a third of them continuous.
+
+    No cycle of up to four points has a multiplier of 1 or -1, for those would not be isolated.
+    """
+    slopes = _slopes(rng, rng.choice([2, 2, 3]))
+    breaks = [Affine(_number(rng, 1), rng.choice([Fraction(0), _number(rng, 1)]))]
+    for _ in slopes[2:]:
+        gap = Fraction(rng.randint(50, 150), 100)
+        rate = Fraction(rng.choice([0, 0, 1, -1]), 8)
+        breaks.append(Affine(breaks[-1].constant + gap, breaks[-1].rate + rate))
+    offsets = [Affine(_number(rng, 2), rng.choice([Fraction(1), _number(rng, 2)]))]
+    continuous = rng.random() < 1.0 / 3.0
+    for at, left, right in zip(breaks, slopes[:-1], slopes[1:], strict=True):
+        offsets.append(
+            Affine(
+                offsets[-1].constant + (left - right) * at.constant,
+                offsets[-1].rate + (left - right) * at.rate,
+            )
+            if continuous
+            else Affine(_number(rng, 2), rng.choice([offsets[-1].rate, _number(rng, 2)]))
+        )
+    formulas = [f"({a})*x + {b}" for a, b in zip(slopes, offsets, strict=True)]
+    return PiecewiseLinearMap(
+        list(zip(formulas, _conditions(breaks, rng), strict=True)),
+        given=["p > -2", "p < 2"],
+    )
+
+
+def _number(rng: Random, size: int) -> Fraction:
+    """A rational that is rarely special."""
+    return Fraction(rng.randint(-100 * size, 100 * size), 100) + Fraction(rng.randint(1, 6), 700)
+
+
+def _slopes(rng: Random, n: int) -> list[Fraction]:
+    while True:
+        found = [rng.choice(SLOPES) for _ in range(n)]
+        multipliers = (math.prod(word) for k in range(1, 5) for word in product(found, repeat=k))
+        if all(found) and not any(abs(multiplier) == 1 for multiplier in multipliers):
+            return found
+
+
+def _conditions(breaks: Sequence[Affine], rng: Random) -> list[str]:
+    """Each break belongs to one of its sides."""
+    owners = [rng.choice("lr") for _ in breaks]
+    lows = [""] + [
+        f"x {'>=' if o == 'r' else '>'} {b}" for o, b in zip(owners, breaks, strict=True)
+    ]
+    highs = [f"x {'<=' if o == 'l' else '<'} {b}" for o, b in zip(owners, breaks, strict=True)]
+    return [
+        " & ".join(f"({part})" for part in pair if part)
+        for pair in zip(lows, [*highs, ""], strict=True)
+    ]
+
+
+def random_case(rng: Random, orders: Sequence[int]) -> tuple[PiecewiseLinearMap, Diagram]:
+    """A random map and its exact diagram over ``SPAN``.
+
+    Something happens inside the span, and no branch goes far away.
+    """
+    while True:
+        map_ = random_map(rng)
+        diagram = exact_diagram(map_, "p", SPAN, orders=orders)
+        far = max((np.abs(branch.x).max() for branch in diagram.branches), default=0.0)
+        if far <= FARTHEST and any(point.kind is not PointKind.EP for point in diagram.points):
+            return map_, diagram
+
+
+# --- Graphs ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edge:
+    """A branch between two nodes, as a line of one or more straight parts.
+
+    Attributes
+    ----------
+    name
+        Ids of the branches it is made of.
+    kind, order
+        Those of the branches.
+    ends
+        Ids of the special points.
+    p, x
+        Samples; for exact branches the ends of the straight parts.
+    stable
+        Whether its first and last part attract.
+    """
+
+    name: str
+    kind: BranchKind
+    order: int
+    ends: tuple[str, str]
+    p: Floats
+    x: Floats
+    stable: tuple[bool, bool]
+
+    def reversed(self) -> Edge:
+        """The same from the other end."""
+        return replace(
+            self, ends=self.ends[::-1], p=self.p[::-1], x=self.x[::-1], stable=self.stable[::-1]
+        )
+
+    def joined(self, other: Edge) -> Edge:
+        """Followed by one that starts where it ends."""
+        return replace(
+            self,
+            name=f"{self.name}+{other.name}",
+            ends=(self.ends[0], other.ends[1]),
+            p=np.append(self.p, other.p[1:]),
+            x=np.append(self.x, other.x[1:]),
+            stable=(self.stable[0], other.stable[1]),
+        )
+
+    def distance(self, p: float, x: float) -> float:
+        """Smallest distance in x from a point to the line between its samples; inf if none."""
+        away = math.inf
+        for a, b in zip(range(len(self.p) - 1), range(1, len(self.p)), strict=True):
+            low, high = sorted((self.p[a], self.p[b]))
+            if low <= p <= high:
+                part = (p - self.p[a]) / (self.p[b] - self.p[a]) if low < high else 0.0
+                away = min(away, abs(self.x[a] + part * (self.x[b] - self.x[a]) - x))
+        return away
+
+    @property
+    def way(self) -> float:
+        """How far the parameter goes along it, back and forth."""
+        return float(np.abs(np.diff(self.p)).sum())
+
+    def __str__(self) -> str:
+        ends = " to ".join(f"(p={p:.9g}, x={x:.9g})" for p, x in zip(
+            self.p[[0, -1]].tolist(), self.x[[0, -1]].tolist(), strict=True))  # fmt: skip
+        return f"{self.kind} branch {self.name} of P_{self.order} from {ends}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Graph:
+    """Nodes by their id, and edges."""
+
+    nodes: dict[str, SpecialPoint]
+    edges: list[Edge]
+
+
+def graph_of(diagram: Diagram) -> Graph:
+    """All points and branches of a diagram."""
+    edges = []
+    for branch in diagram.branches:
+        attracts = bool(branch.stable[len(branch) // 2])
+        edge = Edge(
+            branch.id, branch.kind, branch.order, branch.ends, branch.parameter, branch.x,
+            (attracts, attracts),
+        )  # fmt: skip
+        edges.append(edge)
+    return Graph({point.id: point for point in diagram.points}, edges)
+
+
+def essential(exact: Diagram) -> Graph:
+    """An exact diagram without the points at which nothing happens but a change of word.
+
+    That is a meeting of jumps only (WC), where two of one order are one branch; and a kink at which
+    just two fixed-point branches of one order meet (BC, persistence) that both attract, or neither.
+    """
+    graph = graph_of(exact)
+    for name, point in list(graph.nodes.items()):
+        meeting = [edge for edge in graph.edges for end in edge.ends if end == name]
+        for pair in _passing(point, meeting):
+            one, other = pair
+            one = one if one.ends[1] == name else one.reversed()
+            other = other if other.ends[0] == name else other.reversed()
+            rest = [edge for edge in graph.edges if edge not in pair]
+            graph = Graph(graph.nodes, [*rest, one.joined(other)])
+        if not any(name in edge.ends for edge in graph.edges):
+            del graph.nodes[name]
+    return graph
+
+
+def _passing(point: SpecialPoint, meeting: Sequence[Edge]) -> Iterator[tuple[Edge, Edge]]:
+    """Pairs of branches that are one but for their words."""
+    if point.kind is PointKind.WC:
+        for order in {edge.order for edge in meeting}:
+            pair = [edge for edge in meeting if edge.order == order]
+            if len(pair) == 2 and pair[0] is not pair[1]:
+                yield pair[0], pair[1]
+    elif point.kind is PointKind.BC and point.note == "persistence" and len(meeting) == 2:
+        one, other = meeting
+        fixed = one.kind is other.kind is BranchKind.FIXED_POINT and one.order == other.order
+        same = _stable_at(one, point.id) == _stable_at(other, point.id)
+        if fixed and same and one is not other:
+            yield one, other
+
+
+def _stable_at(edge: Edge, name: str) -> bool:
+    return edge.stable[0] if edge.ends[0] == name else edge.stable[1]
+
+
+# --- Comparison -----------------------------------------------------------------------------------
+
+
+def same_graph(numeric: Diagram, exact: Diagram, tolerance: float = AGREES) -> list[str]:
+    """What differs between a computed diagram and the essential part of the exact one.
+
+    Special points are matched by their places and must be of one kind; branches by the points they
+    end in, their kind, order and course. Nothing may be left over on either side.
+
+    Returns
+    -------
+    Sentences; none if the graphs are the same.
+    """
+    proved, computed = essential(exact), graph_of(numeric)
+    names, said = _matched_nodes(computed, proved, tolerance)
+    return said + list(_unmatched_edges(computed.edges, proved.edges, names, tolerance))
+
+
+def _matched_nodes(
+    computed: Graph, proved: Graph, tolerance: float
+) -> tuple[dict[str, str], list[str]]:
+    """The proved node of each computed one, by id, and what does not match."""
+    names: dict[str, str] = {}
+    said = []
+    free = dict(proved.nodes)
+    for name, node in computed.nodes.items():
+        near = min(free.values(), key=lambda other: _apart(node, other), default=None)
+        if near is None or not _apart(node, near) <= tolerance:
+            taken = [p for p in proved.nodes.values() if _apart(node, p) <= tolerance]
+            why = "drawn twice" if taken else _missed_by(node, near)
+            said.append(f"{_shown(node)} is computed only: {why}")
+            continue
+        del free[near.id]
+        names[name] = near.id
+        if node.kind is not near.kind:
+            said.append(f"{_shown(node)} is computed where {_shown(near)} is proved")
+    said += [f"{_shown(node)} is proved only" for node in free.values()]
+    return names, said
+
+
+def _missed_by(node: SpecialPoint, near: SpecialPoint | None) -> str:
+    if near is None:
+        return "no point is left"
+    return f"the nearest is {_shown(near)}, {_apart(node, near):.1e} away"
+
+
+def _apart(one: SpecialPoint, other: SpecialPoint) -> float:
+    """Distance of two points, relative to 1 or their own size."""
+    pairs = ((one.parameter, other.parameter), (one.x, other.x))
+    return max(abs(a - b) / max(1.0, abs(b)) for a, b in pairs)
+
+
+def _shown(node: SpecialPoint) -> str:
+    note = f" ({node.note})" if node.note else ""
+    return f"{node.kind} {node.id}{note} at p={node.parameter:.12g}, x={node.x:.12g}"
+
+
+def _unmatched_edges(
+    computed: Sequence[Edge], proved: Sequence[Edge], names: dict[str, str], tolerance: float
+) -> Iterator[str]:
+    free = list(proved)
+    for edge in computed:
+        ends = tuple(names.get(end, "") for end in edge.ends)
+        found = next((other for other in free if _same(edge, ends, other, tolerance)), None)
+        if found is not None:
+            free.remove(found)
+            continue
+        again = any(_same(edge, ends, other, tolerance) for other in proved)
+        yield f"{edge} is computed only{': drawn twice' if again else ''}"
+    yield from (f"{edge} is proved only" for edge in free)
+
+
+def _same(edge: Edge, ends: tuple[str, ...], other: Edge, tolerance: float) -> bool:
+    """Whether a computed edge, whose ends are nodes of the proved graph, is a proved one."""
+    if (edge.kind, edge.order) != (other.kind, other.order):
+        return False
+    if sorted(ends) != sorted(other.ends) or abs(edge.way - other.way) > tolerance * len(edge.p):
+        return False
+    middles = (0.5 * (values[1:] + values[:-1]) for values in (other.p, other.x))
+    return all(
+        edge.distance(p, x) <= tolerance * max(1.0, abs(x))
+        for p, x in zip(*(values.tolist() for values in middles), strict=True)
+    )
