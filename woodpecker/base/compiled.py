@@ -10,6 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+from woodpecker.base.linking import pipelines
+
 F = TypeVar("F", bound=Callable[..., Any])
 A = TypeVar("A")
 
@@ -25,6 +27,19 @@ COMPILED: bool = numba is not None and os.environ.get("NUMBA_DISABLE_JIT", "0") 
 _announced = not COMPILED
 
 
+def _options() -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numba's options for functions that Python calls, and for their parts."""
+    whole: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+    part = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    for_whole, for_part = pipelines()
+    if for_whole is not None:
+        whole["pipeline_class"], part["pipeline_class"] = for_whole, for_part
+    return whole, part
+
+
+_WHOLE, _PART = _options() if COMPILED else ({}, {})
+
+
 def jit(function: F) -> F:
     """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
 
@@ -35,9 +50,9 @@ def jit(function: F) -> F:
         return function
     compiled: F
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+        compiled = numba.njit(cache=True, **_WHOLE)(function)
     except RuntimeError:
-        compiled = numba.njit(error_model="numpy", nogil=True)(function)
+        compiled = numba.njit(**_WHOLE)(function)
         _say_that_nothing_is_cached()
     _stamp(compiled)
     return compiled
@@ -46,16 +61,14 @@ def jit(function: F) -> F:
 def part(function: F) -> F:
     """The function itself, which compiled functions may call: they compile it into themselves.
 
-    It has no door to Python and no file in the cache, and no version of its own for arguments that
-    are literal numbers: so it is compiled in two thirds of the time.
+    It has no door to Python, no file in the cache, no version of its own for arguments that are
+    literal numbers, and no machine code of its own: see :mod:`woodpecker.base.linking`.
     """
     if not COMPILED:
         return function
     from numba.extending import register_jitable
 
-    registered: F = register_jitable(
-        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True
-    )(function)
+    registered: F = register_jitable(**_PART)(function)
     return registered
 
 
