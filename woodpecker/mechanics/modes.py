@@ -154,7 +154,6 @@ def _bouncing(toy: Toy) -> Floats:
 @lru_cache(maxsize=64)
 def _plastic(toy: Toy) -> Floats:
     numbers = blank(toy)
-    # as numbers of Python: numpy rounds a quotient of its complex numbers twice
     fill(parameters_of(toy).tolist(), numbers, np.zeros(CHANGE))
     return numbers
 
@@ -299,7 +298,7 @@ def _mode(
     if not sticks:  # nothing holds the toy: with a relaxed spring it falls freely,
         for i in range(n):
             system[i, n] = 0.0  # and the contacts carry nothing
-        system[0, n] = constant[0] / mass[0][0]
+        system[0, n] = _quotient(constant[0], mass[0][0])
     elif beak != STICK:
         system[0, n] = system[0, n + 1] = 0.0  # a jammed sleeve does not fall
     alpha, kappa = system[2, n] - system[1, n], system[2, n + 1] - system[1, n + 1]
@@ -310,7 +309,7 @@ def _mode(
         row[SECULAR + j] = a
         if kappa.real != 0.0:  # no torque has a mean, so angles drift linearly at most; what sticks
             # lets y swing only
-            row[SECULAR + j] = a - b * (alpha / kappa) if j == 0 and not sticks else 0.0
+            row[SECULAR + j] = a - b * _quotient(alpha, kappa) if j == 0 and not sticks else 0.0
     at = 3
     for i in range(3):
         if state[i] != OPEN:
@@ -318,6 +317,14 @@ def _mode(
                 row[LAMBDA + 4 * i + k] = system[at, n + k]
                 row[LAMBDA + 4 * i + 2 + k] = system[at + 1, n + k]
             at += 2
+
+
+@part
+def _quotient(a: complex, b: complex) -> complex:
+    """a / b where the real part of b is the larger one, rounded once: numpy rounds it twice."""
+    ratio = b.imag / b.real
+    size = b.real + b.imag * ratio
+    return complex((a.real + a.imag * ratio) / size, (a.imag - a.real * ratio) / size)
 
 
 @part
@@ -338,7 +345,7 @@ def _solve(system: Complexes, n: int, right: int) -> None:
             system[i, j] *= scale[j]
             largest = max(largest, abs(system[i, j].real))
         for j in range(n + right):
-            system[i, j] /= largest
+            system[i, j] = _quotient(system[i, j], complex(largest, 0.0))
     for i in range(n):
         pivot = i
         for k in range(i + 1, n):
@@ -349,14 +356,14 @@ def _solve(system: Complexes, n: int, right: int) -> None:
                 system[i, j], system[pivot, j] = system[pivot, j], system[i, j]
         for k in range(i + 1, n):
             if system[k, i] != 0.0:
-                factor = system[k, i] / system[i, i]
+                factor = _quotient(system[k, i], system[i, i])
                 for j in range(i + 1, n + right):
                     system[k, j] -= factor * system[i, j]
     for j in range(n, n + right):
         for i in range(n - 1, -1, -1):
             for k in range(i + 1, n):
                 system[i, j] -= system[i, k] * system[k, j]
-            system[i, j] /= system[i, i]
+            system[i, j] = _quotient(system[i, j], system[i, i])
     for j in range(n, n + right):
         for i in range(n):
             system[i, j] *= scale[i]
