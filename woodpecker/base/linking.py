@@ -97,8 +97,12 @@ def _pipelines() -> tuple[Any, Any]:
             return [passes]
 
     class PartCompiler(Lean):
-        def __init__(self, *args: Any, **options: Any) -> None:
-            super().__init__(*args, **options)
+        def __init__(
+            self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any,
+            *others: Any,
+        ) -> None:  # fmt: skip
+            flags.nrt = False  # no count of the users of arrays: a part makes none and keeps none
+            super().__init__(typing, target, library, args, result, flags, *others)
             self.state.library = Part(self.state.targetctx.codegen(), "part")
             self.state.targetctx.get_executable = uncalled
 

@@ -49,14 +49,16 @@ def case_table(delassus: Floats, friction: Floats) -> Floats:
         contact, row after row; nan if the combination is rank-deficient.
     """
     table = np.empty((36, 24))
-    fill_cases(delassus, friction, table)
+    fill_cases(delassus, friction, table, np.empty((4, 10)))
     return table
 
 
 @part
-def fill_cases(delassus: Floats, friction: Floats, table: Floats) -> None:
-    """Write the coefficients of :func:`case_table` into the first 24 columns of a table."""
-    system = np.empty((4, 10))  # Lambda on one side, (free, floor) on the other
+def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats) -> None:
+    """Write the coefficients of :func:`case_table` into the first 24 columns of a table.
+
+    ``system`` is room (4, 10) for the equations: Lambda on one side, (free, floor) on the other.
+    """
     for index in range(36):
         system[:, :] = 0.0
         for k in range(2):

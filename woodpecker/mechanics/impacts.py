@@ -131,6 +131,8 @@ PAIR_ROOM = np.dtype(
         np.record,
         [
             ("delassus", "f8", (4, 4)),
+            ("friction", "f8", (2, 2)),
+            ("system", "f8", (4, 10)),
             ("mu", "f8", (2,)),
             ("eps", "f8", (2,)),
             ("feeds", "i8", (2,)),
@@ -567,7 +569,7 @@ def one_change(
 @part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
     """Write what an impact at two contacts starts from into its room."""
-    fill_pair(model, contacts[1])
+    fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for a in range(4):
         for b in range(4):
             row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2

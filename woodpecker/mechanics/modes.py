@@ -198,6 +198,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
     constant, elastic, offsets = _constant(toy), _elastic(toy), _offsets(toy)
     mu, lever = (toy.mu_1, toy.mu_2, toy.mu_3), (toy.h_s, toy.h_m, toy.h_m)
     system, row = np.empty((7, 13), dtype=np.complex128), np.empty(GUARDS, dtype=np.complex128)
+    scale = np.empty(7)
     for index in range(MODES):
         beak, sleeve = index // 7, index % 7
         together = beak == OPEN or sleeve == 0 or (sleeve - 1) % 3 + 1 == beak
@@ -205,7 +206,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
             for k in range(GUARDS):
                 numbers[index, k] = math.nan
             continue
-        _mode(system, row, beak, sleeve, mass, constant, elastic, normal, tangent, mu)
+        _mode(system, scale, row, beak, sleeve, mass, constant, elastic, normal, tangent, mu)
         for k in range(GUARDS):
             numbers[index, k], rates[index, k] = row[k].real, row[k].imag / STEP
     for i in range(3):
@@ -218,7 +219,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
             _put(numbers, rates, CONTACT + i, TANGENT + j, tangent[i][j])
             system[i, j] = mass[i][j]
             system[i, 3 + 2 * j], system[i, 4 + 2 * j] = normal[j][i], tangent[j][i]
-    _solve(system, 3, 6)
+    _solve(system, 3, 6, scale)
     for a in range(6):
         response = (RESPONSE_N, RESPONSE_T)[a % 2]
         for j in range(3):
@@ -236,11 +237,15 @@ to compile it."""
 
 
 @part
-def fill_pair(numbers: Floats, k: int) -> None:
-    """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
+def fill_pair(
+    numbers: Floats, k: int, delassus: Floats, friction: Floats, system: Floats
+) -> None:
+    """Write the index combinations of an impact at the beak and contact k (0-based), if due.
+
+    ``delassus`` (4, 4), ``friction`` (2, 2) and ``system`` (4, 10) are room.
+    """
     if numbers[FORCE, DUE + k - 1] == 0.0:
         return
-    delassus, friction = np.empty((4, 4)), np.empty((2, 2))
     for a in range(4):
         for b in range(4):
             row, column = a if a < 2 else 2 * k + a - 2, b if b < 2 else 2 * k + b - 2
@@ -248,10 +253,11 @@ def fill_pair(numbers: Floats, k: int) -> None:
     first = PAIR + 36 * (k - 1)
     friction[0, 0], friction[1, 1] = numbers[CONTACT, MU], numbers[CONTACT + k, MU]
     friction[0, 1] = friction[1, 0] = 0.0
-    fill_cases(delassus, friction, numbers[first : first + 36])
+    fill_cases(delassus, friction, numbers[first : first + 36], system)
     friction[0, 1] = numbers[FORCE, SUMMED] * friction[0, 0]
     friction[1, 0] = numbers[FORCE, SUMMED] * friction[1, 1]
-    fill_cases(delassus, friction, numbers[first + EXPANSION : first + EXPANSION + 36])
+    first += EXPANSION
+    fill_cases(delassus, friction, numbers[first : first + 36], system)
     numbers[FORCE, DUE + k - 1] = 0.0
 
 
@@ -262,8 +268,8 @@ def _put(numbers: Floats, rates: Floats, row: int, column: int, value: complex) 
 
 @part
 def _mode(
-    system: Complexes, row: Complexes, beak: int, sleeve: int, mass: Any, constant: Any,
-    elastic: Any, normal: Any, tangent: Any, mu: Any,
+    system: Complexes, scale: Floats, row: Complexes, beak: int, sleeve: int, mass: Any,
+    constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
 ) -> None:  # fmt: skip
     """One row of the table: M qdd - W lambda = h with the constraints of the closed contacts."""
     state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
@@ -289,7 +295,7 @@ def _mode(
             system[at + 1, at + 1] = 1.0
             system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
         at += 2
-    _solve(system, n, 2)
+    _solve(system, n, 2, scale)
     if beak != OPEN:
         system[2, n] = system[2, n + 1] = 0.0  # a closed contact holds its angle exactly
     if sleeve != 0:
@@ -328,12 +334,11 @@ def _quotient(a: complex, b: complex) -> complex:
 
 
 @part
-def _solve(system: Complexes, n: int, right: int) -> None:
+def _solve(system: Complexes, n: int, right: int, scale: Floats) -> None:
     """Solve for the columns right of the first n, in place; scaled, so that no unit is preferred.
 
     Scales and pivots are chosen by real parts: they do not change the solution.
     """
-    scale = np.empty(n)
     for j in range(n):
         scale[j] = 0.0
         for i in range(n):
