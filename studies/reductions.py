@@ -64,9 +64,9 @@ from woodpecker.mechanics.modes import (
     mode_states,
     model,
 )
-from woodpecker.simulation import kernel
+from woodpecker.simulation import calls, kernel
+from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.guards import bracketed, value
-from woodpecker.simulation.sweeping import sweep
 
 EVENTS = 60  # room for one return
 SHORTEST = 5e-3  # s; a job repeats its work until it lasts about this long
@@ -193,12 +193,12 @@ def beside_edges(toy: Toy, begin: Floats) -> Floats:
 
 
 def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
-    """Phases and events of one return, as :func:`woodpecker.simulation.kernel.run` leaves them."""
+    """Phases and events of one return, as :func:`woodpecker.simulation.calls.run` leaves them."""
     phases = np.zeros((EVENTS, kernel.PHASE_COLUMNS))
     happened = np.zeros((EVENTS, kernel.EVENT_COLUMNS))
     z, counts = np.zeros(7), np.zeros(3, np.int64)
     z[1], z[2] = -table[CONTACT + 1, 0], phi_s
-    kernel.run(
+    calls.run(
         table, z, np.array([0, 1, 0]), True, math.inf, np.zeros(EVENTS, np.int16), phases,
         kernel.NO_PATH, happened, counts,
     )  # fmt: skip
@@ -482,7 +482,7 @@ def land(table: Floats, z: Floats) -> Floats:
     codes = np.zeros(EVENTS, np.int16)
     away = 0
     while not away:
-        kernel.run(
+        calls.run(
             table, state, states, True, math.inf, codes, np.zeros((0, kernel.PHASE_COLUMNS)),
             kernel.NO_PATH, np.zeros((0, kernel.EVENT_COLUMNS)), counts,
         )  # fmt: skip

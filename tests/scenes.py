@@ -16,7 +16,7 @@ import numpy.typing as npt
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.mechanics.modes import model
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation import kernel
+from woodpecker.simulation import calls, kernel
 from woodpecker.simulation.words import word
 
 ROOT = Path(__file__).parents[1]
@@ -43,7 +43,7 @@ def in_another_process(code: str, *, timeout: float, **environment: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What :func:`woodpecker.simulation.kernel.run` leaves behind."""
+    """What :func:`woodpecker.simulation.calls.run` leaves behind."""
 
     code: int
     z: Floats
@@ -69,7 +69,7 @@ def run(
     counts: Ints = np.zeros(3, dtype=np.int64)
     phases = np.zeros((limit + 1, kernel.PHASE_COLUMNS))
     events = np.zeros((limit, kernel.EVENT_COLUMNS))
-    code = kernel.run(
+    code = calls.run(
         model(toy), state, modes, to_section, t_end,
         codes, phases, kernel.NO_PATH, events, counts,
     )  # fmt: skip

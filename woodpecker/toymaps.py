@@ -29,9 +29,9 @@ from woodpecker.mechanics.toy import Toy, known_parameter, limits
 from woodpecker.piecewise.maps import Evaluation
 from woodpecker.piecewise.partition import Samples, WordBook
 from woodpecker.simulation import kernel
+from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.returns import EVENT_LIMIT
 from woodpecker.simulation.status import status
-from woodpecker.simulation.sweeping import sweep
 from woodpecker.simulation.words import word
 
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
@@ -45,7 +45,7 @@ class Table:
     Attributes
     ----------
     numbers, change
-        As :func:`woodpecker.simulation.sweeping.sweep` takes them, for the value of the last
+        As :func:`woodpecker.simulation.calls.sweep` takes them, for the value of the last
         :meth:`at`.
     seed
         (1, 3), derivatives of the restitution coefficients.
@@ -86,7 +86,7 @@ class _Evaluation:
         self._code, self._length = np.empty(1, dtype=np.int64), np.empty(1, dtype=np.int64)
         self._word = np.empty((1, EVENT_LIMIT), dtype=np.int16)
         self._texts: dict[bytes, str] = {}
-        announce(sweep)
+        announce(compute)
 
     def __call__(self, phi_s: float, p: float) -> Evaluation:
         table = self.table
@@ -186,7 +186,7 @@ class ToySamples:
         table.at(p)
         out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
         codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        announce(sweep)
+        announce(compute)
         sweep(table.numbers, table.change, x, 1, table.seed, out, codes, lengths, texts)
         defined = codes == kernel.RETURNED
         out[~defined] = np.nan

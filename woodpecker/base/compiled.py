@@ -13,7 +13,6 @@ from typing import Any, TypeVar
 from woodpecker.base.linking import pipelines
 
 F = TypeVar("F", bound=Callable[..., Any])
-A = TypeVar("A")
 
 numba: Any
 try:
@@ -97,37 +96,6 @@ def _say_that_nothing_is_cached() -> None:
         "the package's folder nor the user's cache folder can be written: set NUMBA_CACHE_DIR to "
         "one that can"
     )
-
-
-def _same(array: A) -> A:
-    return array
-
-
-def _uncounted() -> Any:
-    """A compiled function that returns its array without the owner that numba counts users of."""
-    from numba.core import cgutils
-    from numba.extending import intrinsic
-
-    null: Any = cgutils.get_null_value
-
-    @intrinsic
-    def lend(_: Any, array: Any) -> Any:
-        def view(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            made = context.make_array(signature.args[0])(context, builder, value=args[0])
-            made.meminfo = null(made.meminfo.type)
-            return made._getvalue()
-
-        return array(array), view
-
-    return lend
-
-
-borrowed: Callable[[A], A] = _uncounted() if COMPILED else _same
-"""The same array, without a count of its users: whoever borrows it must not outlive its owner.
-
-Compiled code counts at every call, in a way that is safe between threads and takes longer than the
-arithmetic here.
-"""
 
 
 def announce(function: Any) -> None:

@@ -237,9 +237,7 @@ to compile it."""
 
 
 @part
-def fill_pair(
-    numbers: Floats, k: int, delassus: Floats, friction: Floats, system: Floats
-) -> None:
+def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, system: Floats) -> None:
     """Write the index combinations of an impact at the beak and contact k (0-based), if due.
 
     ``delassus`` (4, 4), ``friction`` (2, 2) and ``system`` (4, 10) are room.
@@ -327,7 +325,7 @@ def _mode(
 
 @part
 def _quotient(a: complex, b: complex) -> complex:
-    """a / b where the real part of b is the larger one, rounded once: numpy rounds it twice."""
+    """A / b where the real part of b is the larger one, rounded once: numpy rounds it twice."""
     ratio = b.imag / b.real
     size = b.real + b.imag * ratio
     return complex((a.real + a.imag * ratio) / size, (a.imag - a.real * ratio) / size)

@@ -10,10 +10,9 @@ admissible is said by :mod:`woodpecker.simulation.margins`.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.compiled import borrowed, jit, part
+from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.impacts import UNSOLVED, carry_out_along, hold, prepare, rates
 from woodpecker.mechanics.modes import (
@@ -77,17 +76,18 @@ NO_ROOT = -1  # a guard of the path has no root here
 BOUNCES_MOST = 1000  # of bounces that accumulate; a ratio of 0.97 needs so many
 
 
-@jit
-def follow(
+@part
+def follow_path(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
-    owner: Any,
+    route: Route,
 ) -> int:  # fmt: skip
     """Follow the toy from the section at phi_S along a path until it returns.
 
     Parameters
     ----------
     model, change
-        As :func:`woodpecker.simulation.kernel.run` takes them.
+        The table of :func:`woodpecker.mechanics.modes.model`, and its derivatives along the
+        parameter, or FIXED.
     path
         (n, STEP_COLUMNS), what the kernel found for a neighbour. Of bounces that accumulate it
         holds one: it is repeated until they are so small that the rest is summed.
@@ -96,16 +96,14 @@ def follow(
     notes
         (NOTES, room) output: margins, their derivatives in phi_S and along the parameter, and their
         causes in ascending order; room for MOST of each phase. Of length 0 in room if not wanted.
-    owner
-        (1,) a ROUTE: ``seeds`` tell how restitution changes along the parameter; output: state
+    route
+        ``seeds`` tell how restitution changes along the parameter; output: state
         ``z`` on the section and its derivatives ``tangents``, and the number of margins.
 
     Returns
     -------
     RETURNED, or NO_ROOT.
     """
-    model, change, path = borrowed(model), borrowed(change), borrowed(path)
-    times, notes, route = borrowed(times), borrowed(notes), owner[0]
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
     k, repeated = 0, 0

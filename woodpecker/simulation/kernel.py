@@ -15,7 +15,7 @@ from typing import cast
 import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.base.compiled import borrowed, jit, part
+from woodpecker.base.compiled import jit, part
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.impacts import (
     AMBIGUOUS,
@@ -95,6 +95,7 @@ ROOM = np.dtype(
         [
             ("z", "f8", (7,)),  # the state
             ("states", "i8", (3,)),  # of the contacts
+            ("counts", "i8", (3,)),  # of symbols, phases and events
             ("slips", "i8", (3,)),  # signs of the tangential velocities
             ("stopped", "i8", (3,)),  # nonzero where the last impact stopped the slip, in any phase
             ("gaps", "f8", (3,)),  # of the contacts, over their lever arms
@@ -584,52 +585,16 @@ def _append_transitions(before: Ints, after: Ints, fired: int, word: Codes, coun
             _append(word, counts, 8 * code + (1 << i))
 
 
-@jit
-def run(
-    model: Floats, z: Floats, states: Ints, to_section: bool, t_end: float, word: Codes,
-    phases: Floats, path: Ints, events: Floats, counts: Ints,
-) -> int:  # fmt: skip
-    """Follow the toy from event to event until it returns to the section or a limit is met.
-
-    Parameters
-    ----------
-    z
-        State (7,); in place.
-    states
-        (3,) contact states before the start; contacts with zero gap are decided afresh. In place.
-    to_section, t_end
-        Stop at the next minimum of phi_S on the jammed sleeve; stop at this time.
-    word
-        Buffer of event codes; its length is the event limit.
-    phases, path, events
-        Buffers for the trajectory, (n, 8), (n, 8) and (n, 16); of length 0 if it is not wanted. The
-        path says what was decided before each phase, see STEP_COLUMNS.
-    counts
-        (3,) output: symbols, phases, events. Symbols already in the word are kept.
-    """
-    owner = np.zeros(1, dtype=ROOM)
-    room = owner[0]
-    for k in range(7):
-        room.z[k] = z[k]
-    for i in range(3):
-        room.states[i] = states[i]
-    reason = search(
-        borrowed(model), to_section, t_end, borrowed(word), borrowed(phases), borrowed(path),
-        borrowed(events), borrowed(counts), room,
-    )  # fmt: skip
-    for k in range(7):
-        z[k] = owner[0].z[k]
-    for i in range(3):
-        states[i] = owner[0].states[i]
-    return reason
-
-
 @part
 def search(
     model: Floats, to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints,
-    events: Floats, counts: Ints, room: Room,
+    events: Floats, room: Room,
 ) -> int:  # fmt: skip
-    """The same with state and contact states in a room, and with borrowed arrays."""
+    """From event to event, see :func:`woodpecker.simulation.calls.run`.
+
+    State, contact states and counts are those of the room.
+    """
+    counts = room.counts
     z, gaps, states = room.z, room.gaps, room.states
     measure(model, z, gaps)
     none = typed(-1)

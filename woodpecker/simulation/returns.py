@@ -17,8 +17,8 @@ from woodpecker.base.compiled import COMPILED, announce
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import kernel
+from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.status import Status, status
-from woodpecker.simulation.sweeping import sweep
 from woodpecker.simulation.words import EventKind, word
 
 EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
@@ -164,7 +164,7 @@ def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Co
     out = np.empty((n, len(_COLUMNS)))
     codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     words = np.empty((n, EVENT_LIMIT * order), dtype=np.int16)
-    announce(sweep)
+    announce(compute)
     sweep(model(toy), FIXED, starts, order, _SEED, out, codes, lengths, words)
     return out, codes, lengths, words
 

@@ -25,6 +25,7 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import kernel
+from woodpecker.simulation.calls import compute, run
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, decode, symbol, word
 
@@ -169,9 +170,9 @@ def simulate(
     codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
     phases = np.zeros((max_events + 1, kernel.PHASE_COLUMNS))
     rows = np.zeros((max_events, kernel.EVENT_COLUMNS))
-    announce(kernel.run)
+    announce(compute)
     reason = status(
-        kernel.run(
+        run(
             numbers,
             z,
             states,

@@ -32,10 +32,10 @@ from woodpecker.mechanics.modes import (
     model,
 )
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation import kernel
-from woodpecker.simulation.following import follow
+from woodpecker.simulation import calls, kernel
+from woodpecker.simulation.calls import follow, make_work
 from woodpecker.simulation.kernel import measure, mode_of, settle
-from woodpecker.simulation.margins import NOTES, ROUTE
+from woodpecker.simulation.margins import NOTES
 from woodpecker.simulation.returns import first_return, return_map
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.trajectory import State, simulate
@@ -458,7 +458,7 @@ def phases_and_path(phi_s: float, eps_n1: float) -> tuple[FloatArray, Ints]:
     z, states, counts = np.zeros(7), np.array([OPEN, STICK, OPEN]), np.zeros(3, dtype=np.int64)
     z[1:3] = -TOY.phi_m_max, phi_s
     phases, path = np.zeros((50, kernel.PHASE_COLUMNS)), np.zeros((50, kernel.STEP_COLUMNS), int)
-    code = kernel.run(
+    code = calls.run(
         model(TOY.replace(eps_n1=eps_n1)), z, states, True, math.inf, np.zeros(50, np.int16),
         phases, path, np.zeros((0, kernel.EVENT_COLUMNS)), counts,
     )  # fmt: skip
@@ -478,7 +478,8 @@ def test_variational_flow(phi_s: float, eps_n1: float) -> None:
     """
     h = 1e-6
     phases, path = phases_and_path(phi_s, eps_n1)
-    times, route = np.diff(phases[:, 6]), np.zeros(1, dtype=ROUTE)
+    times, work = np.diff(phases[:, 6]), make_work()
+    route = work["route"]
     route["seeds"][0, 1] = 1.0, 0.0, 0.0
     columns = [0, 2, 6]  # y, phi_S, t: an impact does not change them
     differences = [
@@ -488,7 +489,7 @@ def test_variational_flow(phi_s: float, eps_n1: float) -> None:
     for k in range(1, len(path)):
         code = follow(
             model(TOY.replace(eps_n1=eps_n1)), FIXED, path[:k], times[:k].copy(), phi_s,
-            np.zeros((NOTES, 0)), route,
+            np.zeros((NOTES, 0)), work,
         )  # fmt: skip
         assert code == kernel.RETURNED
         for tangent, difference in zip(route["tangents"][0], differences, strict=True):
