@@ -49,7 +49,7 @@ NO_NOTES: Floats = np.zeros((NOTES, 0))
 
 @jit
 def compute(
-    task: int, model: Floats, change: Floats, many: bool, number: float, starts: Floats,
+    task: int, model: Floats, change: Floats, to_section: bool, number: float, starts: Floats,
     words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
     work: Work,
 ) -> int:  # fmt: skip
@@ -59,7 +59,7 @@ def compute(
     ----------
     task
         SEARCH, :func:`run`; FOLLOW, :func:`follow`; SWEEP, :func:`sweep`.
-    many, number
+    to_section, number
         SEARCH: whether to stop on the section, and when; FOLLOW: -, phi_S; SWEEP: -, the order.
     starts
         SWEEP: (n, START_COLUMNS) start, five results, status and length of the word.
@@ -70,9 +70,21 @@ def compute(
     work
         (1,) a WORK.
     """
-    room, route = work[0].room, work[0].route
+    return _carry_out(
+        task, model, change, to_section, number, starts, words, phases, path, times, events, notes,
+        work[0].room, work[0].route,
+    )  # fmt: skip
+
+
+@part
+def _carry_out(
+    task: int, model: Floats, change: Floats, to_section: bool, number: float, starts: Floats,
+    words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
+    room: np.record, route: np.record,
+) -> int:  # fmt: skip
+    """The same as a part: what only parts call is compiled once."""
     if task == SEARCH:
-        return search(model, many, number, words[0], phases, path, events, room)
+        return search(model, to_section, number, words[0], phases, path, events, room)
     if task == FOLLOW:
         return follow_path(model, change, path, times, number, notes, route)
     for n in range(len(starts)):
