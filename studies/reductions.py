@@ -64,8 +64,11 @@ from woodpecker.mechanics.modes import (
     mode_states,
     model,
 )
-from woodpecker.simulation import calls, kernel
+from woodpecker.simulation import calls
 from woodpecker.simulation.calls import sweep
+from woodpecker.simulation.codes import EVENT_COLUMNS, IMPACT, NO_PATH, PHASE_COLUMNS
+from woodpecker.simulation.events import next_event, starting_jet, time_to_minimum
+from woodpecker.simulation.flow import flow, measure
 from woodpecker.simulation.guards import bracketed, value
 
 EVENTS = 60  # room for one return
@@ -165,10 +168,8 @@ def recorded(toy: Toy, begin: Floats) -> tuple[list[Phase], Impacts]:
         for row in rows:
             mode = int(row[7])
             states = np.array(mode_states(mode))
-            kernel.measure(table, row[:7], gaps)
-            time, guard = kernel.next_event(
-                table, mode, row[:7], gaps, states, True, math.inf, before, -1
-            )
+            measure(table, row[:7], gaps)
+            time, guard = next_event(table, mode, row[:7], gaps, states, True, math.inf, before, -1)
             phases.append(Phase(row[:7].copy(), mode, before, time, guard))
             before = guard
         for event in happened:
@@ -194,13 +195,13 @@ def beside_edges(toy: Toy, begin: Floats) -> Floats:
 
 def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
     """Phases and events of one return, as :func:`woodpecker.simulation.calls.run` leaves them."""
-    phases = np.zeros((EVENTS, kernel.PHASE_COLUMNS))
-    happened = np.zeros((EVENTS, kernel.EVENT_COLUMNS))
+    phases = np.zeros((EVENTS, PHASE_COLUMNS))
+    happened = np.zeros((EVENTS, EVENT_COLUMNS))
     z, counts = np.zeros(7), np.zeros(3, np.int64)
     z[1], z[2] = -table[CONTACT + 1, 0], phi_s
     calls.run(
         table, z, np.array([0, 1, 0]), True, math.inf, np.zeros(EVENTS, np.int16), phases,
-        kernel.NO_PATH, happened, counts,
+        NO_PATH, happened, counts,
     )  # fmt: skip
     return phases[: counts[1]], happened[: counts[2]]
 
@@ -208,7 +209,7 @@ def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
 def _phases_of_impact(table: Floats, event: Floats) -> list[tuple[Ints, Floats, Floats]]:
     """Contacts, free velocities and floors of the compression, and of the expansion if any."""
     code = int(event[1])
-    if code == 0 or code % 64 // 8 != kernel.IMPACT:
+    if code == 0 or code % 64 // 8 != IMPACT:
         return []
     hit = np.array([i for i in range(3) if code % 8 >> i & 1])
     z = np.concatenate([np.zeros(3), event[2:5], [0.0]])
@@ -324,7 +325,7 @@ def gathered(toy: Toy, phases: Sequence[Phase]) -> Smooth:
 @jit
 def _flows(table: Floats, z: Floats, modes: Ints, times: Floats, out: Floats) -> None:
     for k in range(len(modes)):
-        kernel.flow(table, modes[k], z[k], times[k], out[k])
+        flow(table, modes[k], z[k], times[k], out[k])
 
 
 @jit
@@ -483,8 +484,8 @@ def land(table: Floats, z: Floats) -> Floats:
     away = 0
     while not away:
         calls.run(
-            table, state, states, True, math.inf, codes, np.zeros((0, kernel.PHASE_COLUMNS)),
-            kernel.NO_PATH, np.zeros((0, kernel.EVENT_COLUMNS)), counts,
+            table, state, states, True, math.inf, codes, np.zeros((0, PHASE_COLUMNS)),
+            NO_PATH, np.zeros((0, EVENT_COLUMNS)), counts,
         )  # fmt: skip
         away = int(np.bitwise_or.reduce(codes[: counts[0]] % 8)) & 0b101
     return state[1:6]
@@ -598,10 +599,8 @@ def shortest_dip(table: Floats, phases: Sequence[Phase]) -> float:
         if phase.guard == SECTION:
             continue
         states = np.array(mode_states(phase.mode))
-        kernel.measure(table, phase.z, gaps)
-        jet = kernel.starting_jet(
-            table, phase.mode, phase.guard, phase.z, gaps, states, phase.before
-        )
+        measure(table, phase.z, gaps)
+        jet = starting_jet(table, phase.mode, phase.guard, phase.z, gaps, states, phase.before)
         kappa, omega = table[phase.mode, KAPPA], table[phase.mode, OMEGA]
         ahead = phase.time + np.geomspace(1e-9, 0.01, 1000)
         up = [t for t in ahead if value(*jet, kappa, omega, t)[0] > 0.0]
@@ -626,8 +625,8 @@ def _isolate(
     states, gaps = np.zeros(3, dtype=np.int64), np.zeros(3)
     for k in range(len(modes)):
         _states(modes[k], states)
-        kernel.measure(table, z[k], gaps)
-        times[k], which[k] = kernel.next_event(
+        measure(table, z[k], gaps)
+        times[k], which[k] = next_event(
             table, modes[k], z[k], gaps, states, True, math.inf, before[k], -1
         )
 
@@ -641,15 +640,15 @@ def _sample(
     for k in range(len(modes)):
         mode = modes[k]
         _states(mode, states)
-        kernel.measure(table, z[k], gaps)
+        measure(table, z[k], gaps)
         kappa, omega = table[mode, KAPPA], table[mode, OMEGA]
         end, fired, n = LOOK_AHEAD, -1, 0
         while n < 5 and table[mode, GUARDS + n] >= 0:
             guard = int(table[mode, GUARDS + n])
             if guard == SECTION:
-                end, fired = kernel.time_to_minimum(table, mode, z[k]), guard
+                end, fired = time_to_minimum(table, mode, z[k]), guard
                 break  # the last one
-            jets[n, 0], jets[n, 1], jets[n, 2], jets[n, 3] = kernel.starting_jet(
+            jets[n, 0], jets[n, 1], jets[n, 2], jets[n, 3] = starting_jet(
                 table, mode, guard, z[k], gaps, states, before[k]
             )
             n += 1

@@ -16,7 +16,8 @@ import numpy.typing as npt
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.mechanics.modes import model
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation import calls, kernel
+from woodpecker.simulation import calls
+from woodpecker.simulation.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation.words import word
 
 ROOT = Path(__file__).parents[1]
@@ -67,11 +68,11 @@ def run(
     modes: Ints = np.array(states, dtype=np.int64)
     codes: Codes = np.zeros(limit, dtype=np.int16)
     counts: Ints = np.zeros(3, dtype=np.int64)
-    phases = np.zeros((limit + 1, kernel.PHASE_COLUMNS))
-    events = np.zeros((limit, kernel.EVENT_COLUMNS))
+    phases = np.zeros((limit + 1, PHASE_COLUMNS))
+    events = np.zeros((limit, EVENT_COLUMNS))
     code = calls.run(
         model(toy), state, modes, to_section, t_end,
-        codes, phases, kernel.NO_PATH, events, counts,
+        codes, phases, NO_PATH, events, counts,
     )  # fmt: skip
     return Run(
         code=code,

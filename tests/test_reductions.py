@@ -10,7 +10,7 @@ from laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
 
 from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED
-from woodpecker.simulation.kernel import SECTION
+from woodpecker.mechanics.modes import SECTION
 
 STARTS = np.array([cases.CYCLE.phi_s, cases.DOUBLE.phi_s, cases.TWO_SWINGS.phi_s])
 

@@ -28,8 +28,8 @@ from woodpecker.mechanics.modes import (
 from woodpecker.mechanics.toy import Toy, known_parameter, limits
 from woodpecker.piecewise.maps import Evaluation
 from woodpecker.piecewise.partition import Samples, WordBook
-from woodpecker.simulation import kernel
 from woodpecker.simulation.calls import compute, sweep
+from woodpecker.simulation.codes import RETURNED
 from woodpecker.simulation.returns import EVENT_LIMIT
 from woodpecker.simulation.status import status
 from woodpecker.simulation.words import word
@@ -101,7 +101,7 @@ class _Evaluation:
             table.numbers, table.change, self._start, 1, table.seed, self._out, self._code,
             self._length, self._word,
         )  # fmt: skip
-        if self._code[0] != kernel.RETURNED:
+        if self._code[0] != RETURNED:
             return _undefined(status(int(self._code[0])).value)
         symbols = self._word[0, : self._length[0]]
         text = self._texts.get(key := symbols.tobytes())
@@ -188,7 +188,7 @@ class ToySamples:
         codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
         announce(compute)
         sweep(table.numbers, table.change, x, 1, table.seed, out, codes, lengths, texts)
-        defined = codes == kernel.RETURNED
+        defined = codes == RETURNED
         out[~defined] = np.nan
         index = np.array(
             [self._number(int(codes[i]), texts[i, : lengths[i]]) for i in range(n)], dtype=np.int64
@@ -197,7 +197,7 @@ class ToySamples:
 
     def _number(self, code: int, symbols: Codes) -> int:
         """Index of the word of a return, or of the reason why there is none."""
-        if code == kernel.RETURNED:
+        if code == RETURNED:
             return self._book.index(symbols.tobytes(), partial(word, symbols.tolist()))
         reason = status(code).value
         return self._book.index(reason, reason.__str__)

@@ -14,19 +14,11 @@ import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import jit, part
-from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT
+from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, OPEN, STICK
+from woodpecker.simulation.codes import EVENT_COLUMNS, PHASE_COLUMNS, RETURNED, ROOM, STEP_COLUMNS
 from woodpecker.simulation.following import follow_path
-from woodpecker.simulation.kernel import (
-    EVENT_COLUMNS,
-    OPEN,
-    PHASE_COLUMNS,
-    RETURNED,
-    ROOM,
-    STEP_COLUMNS,
-    STICK,
-    search,
-)
 from woodpecker.simulation.margins import NOTES, ROUTE
+from woodpecker.simulation.run import search
 
 SEARCH, FOLLOW, SWEEP = range(3)  # tasks
 SEPARATOR = 0  # between the returns of a word

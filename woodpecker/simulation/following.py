@@ -33,8 +33,8 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.guards import TWO_PI, first_root, stumpff_rates
-from woodpecker.simulation.kernel import (
+from woodpecker.simulation.chatter import sum_bounces
+from woodpecker.simulation.codes import (
     CHATTER,
     CLOSED,
     FIRST,
@@ -45,16 +45,10 @@ from woodpecker.simulation.kernel import (
     RETURNED,
     SECOND,
     STRUCK,
-    copy,
-    displace,
-    measure,
-    put_on_section,
-    shut,
-    spring,
-    sum_bounces,
-    touch,
     typed,
 )
+from woodpecker.simulation.flow import copy, displace, measure, put_on_section, shut, spring, touch
+from woodpecker.simulation.guards import TWO_PI, first_root, stumpff_rates
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
@@ -189,7 +183,7 @@ def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bo
 
 @part
 def unpack(mode: int, states: Ints) -> None:
-    """Contact states (3,) of a mode; undoes :func:`woodpecker.simulation.kernel.mode_of`."""
+    """Contact states (3,) of a mode; undoes :func:`woodpecker.simulation.events.mode_of`."""
     sleeve = mode % 7
     states[0] = mode // 7
     states[1] = sleeve if sleeve <= 3 else 0

@@ -58,8 +58,10 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
+from woodpecker.simulation.codes import HELD, STRUCK, typed
+from woodpecker.simulation.events import force_guard, jet
+from woodpecker.simulation.flow import spring
 from woodpecker.simulation.guards import TWO_PI, time_of_lowest
-from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring, typed
 from woodpecker.simulation.roots import Ratios, deflated, deflated_change, ratios
 
 # Kinds of margins, in the order in which a phase meets them.
@@ -250,7 +252,7 @@ def _jet_rates(
 
 @part
 def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> tuple[float, float]:
-    """Change of p, r of :func:`woodpecker.simulation.kernel.force_guard` with the table."""
+    """Change of p, r of :func:`woodpecker.simulation.events.force_guard` with the table."""
     kind, i = (guard // 3) * 3, guard % 3
     column = LAMBDA + 4 * i
     p, r = change[mode, column], change[mode, column + 1]

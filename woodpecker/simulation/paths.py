@@ -12,7 +12,8 @@ import numpy as np
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
-from woodpecker.simulation import calls, following, kernel, margins
+from woodpecker.simulation import calls, following, margins
+from woodpecker.simulation.codes import CLOSED, GUARD, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
@@ -29,7 +30,7 @@ class Path:
     word
         Its sequence of events.
     steps
-        (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.kernel.NO_PATH`.
+        (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.codes.NO_PATH`.
         Of equal bounces that accumulate it has the first only.
     times
         (n,) durations of the phases [s] where it was found.
@@ -186,8 +187,8 @@ class Follower:
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
         self._words: Codes = np.zeros((1, EVENT_LIMIT), dtype=np.int16)
-        self._phases = np.zeros((EVENT_LIMIT + 1, kernel.PHASE_COLUMNS))
-        self._steps = np.zeros((EVENT_LIMIT + 1, kernel.STEP_COLUMNS), dtype=np.int64)
+        self._phases = np.zeros((EVENT_LIMIT + 1, PHASE_COLUMNS))
+        self._steps = np.zeros((EVENT_LIMIT + 1, STEP_COLUMNS), dtype=np.int64)
         self._work = calls.make_work()
         room, route = self._work["room"], self._work["route"]
         self._z, self._states, self._counts = room["z"][0], room["states"][0], room["counts"][0]
@@ -231,7 +232,7 @@ class Follower:
         code = calls.follow(
             self.numbers, self.change, path.steps, times, phi_s, self._notes, self._work
         )
-        if code != kernel.RETURNED:
+        if code != RETURNED:
             return None
         notes = self._notes[:, : self._count.item()].copy()
         z = self._end.tolist()
@@ -250,7 +251,7 @@ def _shortened(path: Path) -> Path:
     """
     steps = path.steps
     kept = np.ones(len(steps), dtype=bool)
-    for last in (np.flatnonzero(steps[:, kernel.CLOSED]) - 1).tolist():
+    for last in (np.flatnonzero(steps[:, CLOSED]) - 1).tolist():
         if following.bounce_repeats(steps, last):
             k = last
             while np.array_equal(steps[k - 1], steps[k]):
@@ -263,4 +264,4 @@ def cause_of(path: Path, code: int) -> Cause:
     """What a margin of a path watches."""
     phase, rest = divmod(code, 1000)
     kind, item = divmod(rest, 100)
-    return Cause(Watch(kind), phase, item, int(path.steps[phase, kernel.GUARD]))
+    return Cause(Watch(kind), phase, item, int(path.steps[phase, GUARD]))
