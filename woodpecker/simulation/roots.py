@@ -96,16 +96,18 @@ def root_near(
         if omega * abs(t) > (FARTHEST if kappa > 0.0 else CLOCK / EPSILON):
             return math.nan  # beyond what doubles tell apart; deflated guards vanish at infinity
         c = ratios(kappa, omega, t)
-        g, slope, bend = deflated(order, f0, f1, f2, f3, kappa, t, c)
+        g, slope, _ = deflated(order, f0, f1, f2, f3, kappa, t, c)
         if slope == 0.0 or not math.isfinite(g):
             return math.nan
         step = -g / slope
         stalled = previous != 0.0 and abs(step) >= 0.5 * abs(previous)
         if stalled and abs(g) <= ROUNDING * _size(order, f0, f1, f2, f3, t, c):
             return t
+        # After two of Newton's steps the next would be about step (step / previous)^2.
+        shrink = min(1.0, abs(step / previous)) if previous != 0.0 else 1.0
         t += step
-        if step * step * abs(bend) <= 0.25 * EPSILON * abs(t * slope):
-            return t  # the next step would be about step^2 bend / (2 slope)
+        if abs(step) * shrink * shrink <= 0.25 * EPSILON * abs(t):
+            return t
         previous = step
     return math.nan
 
