@@ -28,7 +28,7 @@ from woodpecker import Toy, continuation, first_return, return_map, shoot
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics.modes import FIXED, model
-from woodpecker.simulation import kernel
+from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.returns import EVENT_LIMIT
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
@@ -132,7 +132,7 @@ def equal_starts(toy: Toy, n: int) -> Callable[[], Floats]:
     status, lengths = np.empty(n, np.int64), np.empty(n, np.int64)
 
     def work() -> Floats:
-        kernel.sweep(numbers, FIXED, begin, 1, seed, out, status, lengths, words)
+        sweep(numbers, FIXED, begin, 1, seed, out, status, lengths, words)
         return out[:, 0]
 
     return work

@@ -29,7 +29,6 @@ from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
     CONTACT,
-    FIXED,
     GAP,
     GUARDS,
     KAPPA,
@@ -44,7 +43,10 @@ from woodpecker.mechanics.modes import (
     mode_index,
     model,
 )
-from woodpecker.simulation import kernel
+from woodpecker.simulation.arriving import arrive
+from woodpecker.simulation.codes import make_room
+from woodpecker.simulation.events import force_guard
+from woodpecker.simulation.flow import measure
 from woodpecker.simulation.words import word
 
 PHI_S = -0.52947197  # the nominal cycle at eps_N1 = 0.5, to eight digits
@@ -72,8 +74,8 @@ def first_return_ode(
     """Start at rest on the section and follow the toy for one return with ``solve_ivp``.
 
     At an event the project's contact problem is solved
-    (:func:`woodpecker.simulation.kernel.arrive`) and the integration starts anew in the next mode.
-    The guard that has just fired is zero there, some of its derivatives may be too, and
+    (:func:`woodpecker.simulation.arriving.arrive`) and the integration starts anew in the next
+    mode. The guard that has just fired is zero there, some of its derivatives may be too, and
     ``solve_ivp`` compares only the signs at both ends of a step: it would fire again at once, or
     not, as rounding has it. So every phase begins with one Taylor step of third order over 1e-6 s,
     after which all guards are positive; the step is halved while one is not. Two events closer than
@@ -99,19 +101,14 @@ def first_return_ode(
     if not (math.isfinite(phi_s) and phi_s < toy.phi_s_max):
         raise ValueError(f"phi_s must be finite and below {toy.phi_s_max:.6g}, got {phi_s}")
     numbers = model(toy)
-    z, event = np.zeros(7), np.zeros(kernel.EVENT_COLUMNS)
-    tangents, seed = np.zeros((0, 7)), np.zeros((0, 3))
-    states, slips = np.array([Contact.OPEN, Contact.STICK, Contact.OPEN]), np.zeros(3, np.int64)
-    codes, counts = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64)
-    room, gaps = kernel.make_room(), np.zeros(3)
+    codes, counts, room = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64), make_room()
+    z, states = room.z, room.states
     z[1], z[2] = -toy.phi_m_max, phi_s
+    states[:] = Contact.OPEN, Contact.STICK, Contact.OPEN
     fired, evaluations, modes = -1, 0, dict[int, _Mode]()
     while fired != SECTION:
-        kernel.measure(numbers, z, gaps)
-        status = kernel.arrive(
-            numbers, FIXED, z, gaps, tangents, seed, fired, states, slips, codes, counts, event,
-            room,
-        )  # fmt: skip
+        measure(numbers, z, room.gaps)
+        status = arrive(numbers, fired, codes, counts, room)
         if status != SOLVED or counts[0] > len(codes):
             raise LostError(f"the contact problem at t = {z[6]} s has no single solution")
         mode = mode_index(*states)
@@ -195,7 +192,7 @@ def _guard(numbers: Floats, mode: int, states: Ints, name: int) -> Guard:
             return w_y * x.item(3) + w_m * x.item(4) + w_s * x.item(5)
 
     else:
-        p, r = (float(value) for value in kernel.force_guard(numbers, mode, name))
+        p, r = (float(value) for value in force_guard(numbers, mode, name))
 
         def function(_t: float, x: Floats) -> float:
             return p + r * (x.item(2) - x.item(1))

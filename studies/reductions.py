@@ -30,7 +30,6 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-import numpy.typing as npt
 from cases import CYCLE, FIXED_POINT, GUESS, WINDOW, distance, numbers
 from clocks import Job, Seconds, Timing, clocked, race
 from matplotlib.axes import Axes
@@ -61,10 +60,15 @@ from woodpecker.mechanics.modes import (
     SUMMED,
     A,
     B,
+    fill_pair,
     mode_states,
     model,
 )
-from woodpecker.simulation import kernel
+from woodpecker.simulation import calls
+from woodpecker.simulation.calls import sweep
+from woodpecker.simulation.codes import EVENT_COLUMNS, IMPACT, NO_PATH, PHASE_COLUMNS
+from woodpecker.simulation.events import next_event, starting_jet, time_to_minimum
+from woodpecker.simulation.flow import flow, measure
 from woodpecker.simulation.guards import bracketed, value
 
 EVENTS = 60  # room for one return
@@ -164,10 +168,8 @@ def recorded(toy: Toy, begin: Floats) -> tuple[list[Phase], Impacts]:
         for row in rows:
             mode = int(row[7])
             states = np.array(mode_states(mode))
-            kernel.measure(table, row[:7], gaps)
-            time, guard = kernel.next_event(
-                table, mode, row[:7], gaps, states, True, math.inf, before, -1
-            )
+            measure(table, row[:7], gaps)
+            time, guard = next_event(table, mode, row[:7], gaps, states, True, math.inf, before, -1)
             phases.append(Phase(row[:7].copy(), mode, before, time, guard))
             before = guard
         for event in happened:
@@ -192,14 +194,14 @@ def beside_edges(toy: Toy, begin: Floats) -> Floats:
 
 
 def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
-    """Phases and events of one return, as :func:`woodpecker.simulation.kernel.run` leaves them."""
-    phases = np.zeros((EVENTS, kernel.PHASE_COLUMNS))
-    happened = np.zeros((EVENTS, kernel.EVENT_COLUMNS))
+    """Phases and events of one return, as :func:`woodpecker.simulation.calls.run` leaves them."""
+    phases = np.zeros((EVENTS, PHASE_COLUMNS))
+    happened = np.zeros((EVENTS, EVENT_COLUMNS))
     z, counts = np.zeros(7), np.zeros(3, np.int64)
     z[1], z[2] = -table[CONTACT + 1, 0], phi_s
-    kernel.run(
-        table, FIXED, z, np.zeros((0, 7)), np.zeros((0, 3)), np.array([0, 1, 0]), True, math.inf,
-        np.zeros(EVENTS, np.int16), phases, kernel.NO_PATH, happened, counts,
+    calls.run(
+        table, z, np.array([0, 1, 0]), True, math.inf, np.zeros(EVENTS, np.int16), phases,
+        NO_PATH, happened, counts,
     )  # fmt: skip
     return phases[: counts[1]], happened[: counts[2]]
 
@@ -207,7 +209,7 @@ def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
 def _phases_of_impact(table: Floats, event: Floats) -> list[tuple[Ints, Floats, Floats]]:
     """Contacts, free velocities and floors of the compression, and of the expansion if any."""
     code = int(event[1])
-    if code == 0 or code % 64 // 8 != kernel.IMPACT:
+    if code == 0 or code % 64 // 8 != IMPACT:
         return []
     hit = np.array([i for i in range(3) if code % 8 >> i & 1])
     z = np.concatenate([np.zeros(3), event[2:5], [0.0]])
@@ -323,7 +325,7 @@ def gathered(toy: Toy, phases: Sequence[Phase]) -> Smooth:
 @jit
 def _flows(table: Floats, z: Floats, modes: Ints, times: Floats, out: Floats) -> None:
     for k in range(len(modes)):
-        kernel.flow(table, modes[k], z[k], times[k], out[k])
+        flow(table, modes[k], z[k], times[k], out[k])
 
 
 @jit
@@ -384,7 +386,10 @@ def contacts(impacts: Impacts, other: PlainPython, plan: Plan) -> Results:
 def direct(impacts: Impacts) -> Floats:
     """Impulses (N, T) of each contact in turn by trying index combinations."""
     out = np.zeros((len(impacts.size), 4))
-    _direct(model(Toy()), *impacts, out)
+    table = model(Toy())
+    for k in (1, 2):
+        fill_pair(table, k, np.empty((4, 4)), np.empty((2, 2)), np.empty((4, 10)))
+    _direct(table, *impacts, out)
     return out
 
 
@@ -465,42 +470,41 @@ def shooting(plan: Plan) -> Results:
     }
 
 
-def land(table: Floats, z: Floats, tangents: npt.ArrayLike = ()) -> tuple[Floats, Floats]:
+def land(table: Floats, z: Floats) -> Floats:
     """Next return of a state (phi_M, phi_S, dy, dphi_M, dphi_S) at or near the section.
 
     A minimum of phi_S before the beak or the upper sleeve contact has struck is the end of the
     disturbance of the start, not a return.
     """
     state, counts = np.concatenate([[0.0], z, [0.0]]), np.zeros(3, np.int64)
-    v = np.zeros((len(np.atleast_2d(tangents)) if len(tangents) else 0, 7))
-    if len(tangents):
-        v[:, 1:6] = tangents
     touching = z[0] <= -table[CONTACT + 1, 0] and z[3] == 0.0
     slips = rates(table, 1, state)[1] != 0.0
     states = np.array([0, (2 if slips else 1) if touching else 0, 0])
     codes = np.zeros(EVENTS, np.int16)
     away = 0
     while not away:
-        kernel.run(
-            table, FIXED, state, v, np.zeros((len(v), 3)), states, True, math.inf, codes,
-            np.zeros((0, kernel.PHASE_COLUMNS)), kernel.NO_PATH,
-            np.zeros((0, kernel.EVENT_COLUMNS)), counts,
+        calls.run(
+            table, state, states, True, math.inf, codes, np.zeros((0, PHASE_COLUMNS)),
+            NO_PATH, np.zeros((0, EVENT_COLUMNS)), counts,
         )  # fmt: skip
         away = int(np.bitwise_or.reduce(codes[: counts[0]] % 8)) & 0b101
-    return state[1:6], v[:, 1:6]
+    return state[1:6]
 
 
 def shoot_one(toy: Toy, guess: float, laps: int = 20) -> Found:
     """Newton's method in phi_S with the exact slope of the map."""
-    table, z = model(toy), np.array([-toy.phi_m_max, guess, 0.0, 0.0, 0.0])
+    table, phi_s = model(toy), np.array([guess])
+    out, words = np.empty((1, 5)), np.empty((1, EVENTS), np.int16)
+    status, lengths = np.empty(1, np.int64), np.empty(1, np.int64)
     spent = 0
     for _ in range(laps):
         spent += 1
-        image, tangent = land(table, z, [np.eye(5)[1]])
-        residual, slope = image[1] - z[1], tangent[0, 1]
+        sweep(table, FIXED, phi_s, 1, np.zeros((1, 3)), out, status, lengths, words)
+        residual, slope = out[0, 0] - phi_s[0], out[0, 3]
         if abs(residual) <= CONVERGED:
             break
-        z[1] += residual / (1.0 - slope)
+        phi_s += residual / (1.0 - slope)
+    z = np.array([-toy.phi_m_max, phi_s[0], 0.0, 0.0, 0.0])
     return Found(z, np.array([[slope]]), spent)
 
 
@@ -512,9 +516,9 @@ def shoot_five(toy: Toy, guess: float, laps: int = 20) -> Found:
     """
     table, z, spent = model(toy), np.array([-toy.phi_m_max, guess, 0.0, 0.0, 0.0]), 0
     for _ in range(laps):
-        image, _ = land(table, z)
+        image = land(table, z)
         jacobian = np.column_stack(
-            [(land(table, z + QUOTIENT * e)[0] - image) / QUOTIENT for e in np.eye(5)]
+            [(land(table, z + QUOTIENT * e) - image) / QUOTIENT for e in np.eye(5)]
         )
         spent += 6
         residual = image - z
@@ -595,10 +599,8 @@ def shortest_dip(table: Floats, phases: Sequence[Phase]) -> float:
         if phase.guard == SECTION:
             continue
         states = np.array(mode_states(phase.mode))
-        kernel.measure(table, phase.z, gaps)
-        jet = kernel.starting_jet(
-            table, phase.mode, phase.guard, phase.z, gaps, states, phase.before
-        )
+        measure(table, phase.z, gaps)
+        jet = starting_jet(table, phase.mode, phase.guard, phase.z, gaps, states, phase.before)
         kappa, omega = table[phase.mode, KAPPA], table[phase.mode, OMEGA]
         ahead = phase.time + np.geomspace(1e-9, 0.01, 1000)
         up = [t for t in ahead if value(*jet, kappa, omega, t)[0] > 0.0]
@@ -623,8 +625,8 @@ def _isolate(
     states, gaps = np.zeros(3, dtype=np.int64), np.zeros(3)
     for k in range(len(modes)):
         _states(modes[k], states)
-        kernel.measure(table, z[k], gaps)
-        times[k], which[k] = kernel.next_event(
+        measure(table, z[k], gaps)
+        times[k], which[k] = next_event(
             table, modes[k], z[k], gaps, states, True, math.inf, before[k], -1
         )
 
@@ -638,15 +640,15 @@ def _sample(
     for k in range(len(modes)):
         mode = modes[k]
         _states(mode, states)
-        kernel.measure(table, z[k], gaps)
+        measure(table, z[k], gaps)
         kappa, omega = table[mode, KAPPA], table[mode, OMEGA]
         end, fired, n = LOOK_AHEAD, -1, 0
         while n < 5 and table[mode, GUARDS + n] >= 0:
             guard = int(table[mode, GUARDS + n])
             if guard == SECTION:
-                end, fired = kernel.time_to_minimum(table, mode, z[k]), guard
+                end, fired = time_to_minimum(table, mode, z[k]), guard
                 break  # the last one
-            jets[n, 0], jets[n, 1], jets[n, 2], jets[n, 3] = kernel.starting_jet(
+            jets[n, 0], jets[n, 1], jets[n, 2], jets[n, 3] = starting_jet(
                 table, mode, guard, z[k], gaps, states, before[k]
             )
             n += 1

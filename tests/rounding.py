@@ -29,4 +29,8 @@ def apply() -> None:
         return
     if not os.environ.get("NUMBA_CACHE_DIR"):
         raise ValueError("ROUNDING=fused needs a NUMBA_CACHE_DIR of its own")
-    numba.njit = functools.partial(numba.njit, fastmath={"contract"})
+    import numba.extending
+
+    fused = {"fastmath": {"contract"}}
+    numba.njit = functools.partial(numba.njit, **fused)
+    numba.extending.register_jitable = functools.partial(numba.extending.register_jitable, **fused)

@@ -14,9 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.mechanics.modes import model
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation import kernel
+from woodpecker.simulation import calls
+from woodpecker.simulation.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation.words import word
 
 ROOT = Path(__file__).parents[1]
@@ -43,7 +44,7 @@ def in_another_process(code: str, *, timeout: float, **environment: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What :func:`woodpecker.simulation.kernel.run` leaves behind."""
+    """What :func:`woodpecker.simulation.calls.run` leaves behind."""
 
     code: int
     z: Floats
@@ -67,11 +68,11 @@ def run(
     modes: Ints = np.array(states, dtype=np.int64)
     codes: Codes = np.zeros(limit, dtype=np.int16)
     counts: Ints = np.zeros(3, dtype=np.int64)
-    phases = np.zeros((limit + 1, kernel.PHASE_COLUMNS))
-    events = np.zeros((limit, kernel.EVENT_COLUMNS))
-    code = kernel.run(
-        model(toy), FIXED, state, np.zeros((0, 7)), np.zeros((0, 3)), modes, to_section, t_end,
-        codes, phases, kernel.NO_PATH, events, counts,
+    phases = np.zeros((limit + 1, PHASE_COLUMNS))
+    events = np.zeros((limit, EVENT_COLUMNS))
+    code = calls.run(
+        model(toy), state, modes, to_section, t_end,
+        codes, phases, NO_PATH, events, counts,
     )  # fmt: skip
     return Run(
         code=code,

@@ -21,14 +21,15 @@ from woodpecker.mechanics.modes import (
     LIMIT,
     STEP,
     Numbers,
-    fill,
     model,
     parameters_of,
+    refill,
 )
 from woodpecker.mechanics.toy import Toy, known_parameter, limits
 from woodpecker.piecewise.maps import Evaluation
 from woodpecker.piecewise.partition import Samples, WordBook
-from woodpecker.simulation import kernel
+from woodpecker.simulation.calls import compute, sweep
+from woodpecker.simulation.codes import RETURNED
 from woodpecker.simulation.returns import EVENT_LIMIT
 from woodpecker.simulation.status import status
 from woodpecker.simulation.words import word
@@ -44,7 +45,7 @@ class Table:
     Attributes
     ----------
     numbers, change
-        As :func:`woodpecker.simulation.kernel.sweep` takes them, for the value of the last
+        As :func:`woodpecker.simulation.calls.sweep` takes them, for the value of the last
         :meth:`at`.
     seed
         (1, 3), derivatives of the restitution coefficients.
@@ -71,7 +72,7 @@ class Table:
             self.numbers[CONTACT + EPSILONS.index(self._parameter), EPS] = p
         elif self._parameter in Numbers._fields:
             self._complex[Numbers._fields.index(self._parameter)] = complex(p, STEP)
-            fill(self._complex, self.numbers, self.change)
+            refill(self._complex, self.numbers, self.change)
         self._value = p
 
 
@@ -85,7 +86,7 @@ class _Evaluation:
         self._code, self._length = np.empty(1, dtype=np.int64), np.empty(1, dtype=np.int64)
         self._word = np.empty((1, EVENT_LIMIT), dtype=np.int16)
         self._texts: dict[bytes, str] = {}
-        announce(kernel.sweep)
+        announce(compute)
 
     def __call__(self, phi_s: float, p: float) -> Evaluation:
         table = self.table
@@ -96,11 +97,11 @@ class _Evaluation:
         if not phi_s < table.numbers[CONTACT, LIMIT]:
             return _undefined("the beak touches the pole")
         self._start[0] = phi_s
-        kernel.sweep(
+        sweep(
             table.numbers, table.change, self._start, 1, table.seed, self._out, self._code,
             self._length, self._word,
         )  # fmt: skip
-        if self._code[0] != kernel.RETURNED:
+        if self._code[0] != RETURNED:
             return _undefined(status(int(self._code[0])).value)
         symbols = self._word[0, : self._length[0]]
         text = self._texts.get(key := symbols.tobytes())
@@ -185,9 +186,9 @@ class ToySamples:
         table.at(p)
         out, texts = np.empty((n, 5)), np.empty((n, EVENT_LIMIT), dtype=np.int16)
         codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-        announce(kernel.sweep)
-        kernel.sweep(table.numbers, table.change, x, 1, table.seed, out, codes, lengths, texts)
-        defined = codes == kernel.RETURNED
+        announce(compute)
+        sweep(table.numbers, table.change, x, 1, table.seed, out, codes, lengths, texts)
+        defined = codes == RETURNED
         out[~defined] = np.nan
         index = np.array(
             [self._number(int(codes[i]), texts[i, : lengths[i]]) for i in range(n)], dtype=np.int64
@@ -196,7 +197,7 @@ class ToySamples:
 
     def _number(self, code: int, symbols: Codes) -> int:
         """Index of the word of a return, or of the reason why there is none."""
-        if code == kernel.RETURNED:
+        if code == RETURNED:
             return self._book.index(symbols.tobytes(), partial(word, symbols.tolist()))
         reason = status(code).value
         return self._book.index(reason, reason.__str__)

@@ -16,7 +16,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.pieces import Image
 from woodpecker.mechanics.modes import CONTACT, LIMIT
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.simulation.kernel import NO_PATH
+from woodpecker.simulation.codes import NO_PATH
 from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.toymaps import Table
 

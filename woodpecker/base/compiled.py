@@ -10,8 +10,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+from woodpecker.base.linking import pipelines
+
 F = TypeVar("F", bound=Callable[..., Any])
-A = TypeVar("A")
 
 numba: Any
 try:
@@ -25,21 +26,49 @@ COMPILED: bool = numba is not None and os.environ.get("NUMBA_DISABLE_JIT", "0") 
 _announced = not COMPILED
 
 
+def _options() -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numba's options for functions that Python calls, and for their parts."""
+    whole: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+    part = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    for_whole, for_part = pipelines()
+    if for_whole is not None:
+        whole["pipeline_class"], part["pipeline_class"] = for_whole, for_part
+    return whole, part
+
+
+_WHOLE, _PART = _options() if COMPILED else ({}, {})
+
+
 def jit(function: F) -> F:
     """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
 
-    Where no folder for the cache can be written there is none, and a warning says so once.
+    For what Python calls while it computes; all else is a :func:`part` of such a function. Where no
+    folder for the cache can be written there is none, and a warning says so once.
     """
     if not COMPILED:
         return function
     compiled: F
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+        compiled = numba.njit(cache=True, **_WHOLE)(function)
     except RuntimeError:
-        compiled = numba.njit(error_model="numpy", nogil=True)(function)
+        compiled = numba.njit(**_WHOLE)(function)
         _say_that_nothing_is_cached()
     _stamp(compiled)
     return compiled
+
+
+def part(function: F) -> F:
+    """The function itself, which compiled functions may call: they compile it into themselves.
+
+    It has no door to Python, no file in the cache, no version of its own for arguments that are
+    literal numbers, and no machine code of its own: see :mod:`woodpecker.base.linking`.
+    """
+    if not COMPILED:
+        return function
+    from numba.extending import register_jitable
+
+    registered: F = register_jitable(**_PART)(function)
+    return registered
 
 
 def _stamp(dispatcher: Any) -> None:
@@ -67,37 +96,6 @@ def _say_that_nothing_is_cached() -> None:
         "the package's folder nor the user's cache folder can be written: set NUMBA_CACHE_DIR to "
         "one that can"
     )
-
-
-def _same(array: A) -> A:
-    return array
-
-
-def _uncounted() -> Any:
-    """A compiled function that returns its array without the owner that numba counts users of."""
-    from numba.core import cgutils
-    from numba.extending import intrinsic
-
-    null: Any = cgutils.get_null_value
-
-    @intrinsic
-    def lend(_: Any, array: Any) -> Any:
-        def view(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            made = context.make_array(signature.args[0])(context, builder, value=args[0])
-            made.meminfo = null(made.meminfo.type)
-            return made._getvalue()
-
-        return array(array), view
-
-    return lend
-
-
-borrowed: Callable[[A], A] = _uncounted() if COMPILED else _same
-"""The same array, without a count of its users: whoever borrows it must not outlive its owner.
-
-Compiled code counts at every call, in a way that is safe between threads and takes longer than the
-arithmetic here.
-"""
 
 
 def announce(function: Any) -> None:

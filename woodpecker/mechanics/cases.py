@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import part
 
 # Index combination of one contact: 3 * normal + tangential.
 REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
@@ -49,14 +49,16 @@ def case_table(delassus: Floats, friction: Floats) -> Floats:
         contact, row after row; nan if the combination is rank-deficient.
     """
     table = np.empty((36, 24))
-    fill_cases(delassus, friction, table)
+    fill_cases(delassus, friction, table, np.empty((4, 10)))
     return table
 
 
-@jit
-def fill_cases(delassus: Floats, friction: Floats, table: Floats) -> None:
-    """Write the coefficients of :func:`case_table` into the first 24 columns of a table."""
-    system = np.empty((4, 10))  # Lambda on one side, (free, floor) on the other
+@part
+def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats) -> None:
+    """Write the coefficients of :func:`case_table` into the first 24 columns of a table.
+
+    ``system`` is room (4, 10) for the equations: Lambda on one side, (free, floor) on the other.
+    """
     for index in range(36):
         system[:, :] = 0.0
         for k in range(2):
@@ -84,7 +86,7 @@ def fill_cases(delassus: Floats, friction: Floats, table: Floats) -> None:
                 table[index, 6 * i + j] = system[i, 4 + j] if regular else math.nan
 
 
-@jit
+@part
 def _eliminate(system: Floats) -> bool:
     """Turn the first 4 columns into the identity (scaled partial pivoting); False if singular."""
     for i in range(4):
@@ -115,7 +117,7 @@ def _eliminate(system: Floats) -> bool:
     return True
 
 
-@jit
+@part
 def impulse_of(table: Floats, row: int, free: Floats, floor: Floats, impulse: Floats) -> None:
     """Impulses (4,) of the index combination in a row of a table.
 

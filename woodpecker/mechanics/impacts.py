@@ -36,7 +36,7 @@ import math
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.mechanics.modes import (
     ANGLE,
@@ -70,7 +70,7 @@ SLACK = 1e-11  # used only where strict signs leave no combination: a solution o
 SAME = 1e-8  # velocities closer than this (relative) are one solution found twice
 
 
-@jit
+@part
 def one_contact_case(
     case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
     floor: float,
@@ -93,7 +93,7 @@ def one_contact_case(
     return impulse, friction * impulse
 
 
-@jit
+@part
 def one_contact(
     g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
 ) -> tuple[int, int, float, float]:
@@ -131,6 +131,8 @@ PAIR_ROOM = np.dtype(
         np.record,
         [
             ("delassus", "f8", (4, 4)),
+            ("friction", "f8", (2, 2)),
+            ("system", "f8", (4, 10)),
             ("mu", "f8", (2,)),
             ("eps", "f8", (2,)),
             ("feeds", "i8", (2,)),
@@ -141,7 +143,8 @@ PAIR_ROOM = np.dtype(
             ("first", "i8", (2, 2)),  # combinations of the compression
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
-            ("changes", "f8", (2, 4)),  # impulses along a tangent
+            ("total", "f8", (4,)),  # impulses along a tangent
+            ("more", "f8", (4,)),  # and those of one phase
             ("found", "i8", (36,)),  # combinations that hold
             ("violations", "f8", (36,)),
             ("impulses", "f8", (36, 4)),
@@ -160,12 +163,12 @@ Pair = np.record  # of PAIR_ROOM
 
 
 def make_pair() -> Pair:
-    """Room for impacts at two contacts, for those who call :func:`impact` from outside."""
+    """Room for impacts at two contacts, for those who call :func:`decide` from outside."""
     pair: Pair = np.zeros(1, dtype=PAIR_ROOM)[0]
     return pair
 
 
-@jit
+@part
 def two_contacts(
     table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, coupling: float,
     floor: Floats, feeds: Ints, cases: Ints, impulse: Floats, pair: Pair,
@@ -237,7 +240,7 @@ def two_contacts(
     return status
 
 
-@jit
+@part
 def _violation(
     case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
     p: Floats, v: Floats,
@@ -270,20 +273,20 @@ def _violation(
     return float(max(0.0, normal, tangential))
 
 
-@jit
+@part
 def _size(i: int, delassus: Floats, free: Floats, p: Floats) -> float:
     """Size of the terms that a velocity is the sum of, and that rounding of impulses enters."""
     row = abs(delassus[i, 0]) + abs(delassus[i, 1]) + abs(delassus[i, 2]) + abs(delassus[i, 3])
     return float(abs(free[i]) + row * _largest(p))
 
 
-@jit
+@part
 def _largest(p: Floats) -> float:
     """Largest modulus of an impulse."""
     return float(max(abs(p[0]), abs(p[1]), abs(p[2]), abs(p[3])))
 
 
-@jit
+@part
 def _ends(points: Floats, count: int) -> tuple[int, int]:
     """The two ends among points that lie on one segment: extremes of its longest coordinate."""
     first = last = 0
@@ -300,7 +303,7 @@ def _ends(points: Floats, count: int) -> tuple[int, int]:
     return first, last
 
 
-@jit
+@part
 def velocity_of(
     index: int, delassus: Floats, free: Floats, impulse: Floats, velocity: Floats
 ) -> None:
@@ -318,7 +321,7 @@ def velocity_of(
             velocity[2 * k + 1] = 0.0
 
 
-@jit
+@part
 def _mark(first: int, second: int, expands: bool, floor: float) -> int:
     """What the compression and the expansion did at one contact, as a number below MARKS."""
     compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
@@ -329,29 +332,13 @@ def _mark(first: int, second: int, expands: bool, floor: float) -> int:
     return compression + 3 * expansion
 
 
-@jit
+@part
 def halts(mark: int) -> bool:
     """Whether a contact with this mark sticks at the end of the compression or of the expansion."""
     return mark % 3 == 1 or mark // 3 % 2 == 1
 
 
-@jit
-def impact(
-    model: Floats, change: Floats, contacts: Ints, z: Floats, tangents: Floats, seed: Floats,
-    choice: Ints, case: Ints, impulses: Floats, marks: Ints, pair: Pair,
-) -> int:  # fmt: skip
-    """Poisson impact with Coulomb friction: compression, then expansion.
-
-    The index combinations are decided first, and then carried out: see :func:`decide` and
-    :func:`carry_out` for the parameters.
-    """
-    status = decide(model, contacts, z, choice, marks, pair)
-    if status in (SOLVED, INDETERMINATE):
-        carry_out(model, change, contacts, choice, z, tangents, seed, case, impulses, pair)
-    return status
-
-
-@jit
+@part
 def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair) -> int:
     """Find the index combinations of an impact.
 
@@ -375,41 +362,59 @@ def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, 
     return _decide_double(model, contacts, z, choice, marks, pair)
 
 
-@jit
+@part
 def carry_out(
+    model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
+) -> None:
+    """Change the velocities as given index combinations say: a smooth map of the state.
+
+    Parameters
+    ----------
+    contacts, choice
+        As :func:`decide` takes and gives them.
+    z
+        State (7,); its velocities are updated in place.
+    case, impulses
+        Output: the last index combination of each contact (2,), impulses (2, 4) of both phases.
+    pair
+        Room for an impact at two contacts, as :func:`prepare` or :func:`decide` leaves it.
+    """
+    _find_impulses(model, contacts, choice, z, case, impulses, pair)
+    _kick_off(model, contacts, case, z, impulses, pair)
+
+
+@part
+def carry_out_along(
     model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
     seed: Floats, case: Ints, impulses: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    """Change the velocities as given index combinations say: a smooth map of the state.
+    """The same with derivatives.
 
-    Derivatives need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at
-    contacts that slide, the derivative of Lambda solves the same equations as Lambda with
+    They need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts
+    that slide, the derivative of Lambda solves the same equations as Lambda with
     d(free) + dG Lambda + G_T tau for free and tau = -+dF Lambda_N added to its tangential part.
 
     Parameters
     ----------
     change
         Derivative of the model along the last tangent, or of length 0 if it stays.
-    contacts, choice
-        As :func:`decide` takes and gives them.
-    z, tangents
-        State (7,) and derivatives of states (m, 7); their velocities are updated in place.
+    tangents
+        Derivatives of states (m, 7); their velocities are updated in place.
     seed
         (m, 3) derivative of eps_N along each tangent.
-    case, impulses
-        Output: the last index combination of each contact (2,), impulses (2, 4) of both phases.
-    pair
-        Room for an impact at two contacts, as :func:`prepare` or :func:`decide` leaves it.
     """
-    for k in range(4):
-        impulses[0, k] = impulses[1, k] = 0.0
-    last = choice[2] if choice[2] != UNSOLVED else choice[0]
-    case[0], case[1] = last % 6, last // 6
-    if len(contacts) == 1:
-        _carry_out_single(model, change, contacts[0], choice, z, tangents, seed, impulses)
-    else:
-        _carry_out_double(model, change, contacts, choice, z, tangents, seed, case, impulses, pair)
-    _clear(model, contacts, case, z)
+    _find_impulses(model, contacts, choice, z, case, impulses, pair)
+    for m in range(len(tangents)):
+        along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
+        if len(contacts) == 1:
+            _single_tangent(
+                model, change, along, contacts[0], choice, z, tangents[m], seed[m], impulses
+            )
+        else:
+            _pair_tangent(
+                model, change, along, contacts, choice, z, tangents[m], seed[m], impulses, pair
+            )
+    _kick_off(model, contacts, case, z, impulses, pair)
     for m in range(len(tangents)):
         bounce = 0.0
         for k in range(len(contacts)):
@@ -423,7 +428,41 @@ def carry_out(
             tangents[m, 3 + ANGLE[contacts[0]]] = bounce
 
 
-@jit
+@part
+def _find_impulses(
+    model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
+) -> None:
+    """Impulses of both phases, and the gap rates that they leave in ``pair.after``."""
+    for k in range(4):
+        impulses[0, k] = impulses[1, k] = 0.0
+    last = choice[2] if choice[2] != UNSOLVED else choice[0]
+    case[0], case[1] = last % 6, last // 6
+    if len(contacts) == 1:
+        _find_single_impulses(model, contacts[0], choice, z, impulses, pair)
+    else:
+        _find_pair_impulses(model, contacts, choice, case, impulses, pair)
+
+
+@part
+def _kick_off(
+    model: Floats, contacts: Ints, case: Ints, z: Floats, impulses: Floats, pair: Pair
+) -> None:
+    """Change the velocities by the impulses; those that are zero become exactly so.
+
+    Gap rates are set without the rounding of the kicks: a bounce can be slower than the rounding of
+    the velocity that it reverses.
+    """
+    for k in range(len(contacts)):
+        p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
+        p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
+        _kick(model, contacts[k], p_n, p_t, z)
+    for k in range(len(contacts)):
+        i = contacts[k]
+        z[3 + ANGLE[i]] = SIGN[i] * pair.after[2 * k] / model[FORCE, LEVER + i]
+    _clear(model, contacts, case, z)
+
+
+@part
 def rates(model: Floats, i: int, z: Floats) -> tuple[float, float]:
     """Gap rate and tangential velocity [m/s] of contact i (0-based)."""
     w = CONTACT + i
@@ -433,7 +472,7 @@ def rates(model: Floats, i: int, z: Floats) -> tuple[float, float]:
     )
 
 
-@jit
+@part
 def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
     """Change the velocities by the impulses (p_n, p_t) at contact i."""
     row = CONTACT + i
@@ -441,16 +480,7 @@ def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
         z[3 + j] += p_n * model[row, RESPONSE_N + j] + p_t * model[row, RESPONSE_T + j]
 
 
-@jit
-def _set_gap_rate(model: Floats, i: int, rate: float, z: Floats) -> None:
-    """Give contact i the gap rate [m/s] that its impact leaves, without the rounding of the kick.
-
-    A bounce can be slower than the rounding of the velocity that it reverses.
-    """
-    z[3 + ANGLE[i]] = SIGN[i] * rate / model[FORCE, LEVER + i]
-
-
-@jit
+@part
 def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) -> int:
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
@@ -472,47 +502,48 @@ def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) 
     return SOLVED
 
 
-@jit
-def _carry_out_single(
-    model: Floats, change: Floats, i: int, choice: Ints, z: Floats, tangents: Floats, seed: Floats,
-    impulses: Floats,
-) -> None:  # fmt: skip
-    first, second, expands = choice[0], choice[2], choice[2] != UNSOLVED
+@part
+def _find_single_impulses(
+    model: Floats, i: int, choice: Ints, z: Floats, impulses: Floats, pair: Pair
+) -> None:
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
-    mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
+    mu, first, e_n, e_t = model[CONTACT + i, MU], choice[0], 0.0, 0.0
     free_n, free_t = rates(model, i, z)
     c_n, c_t = one_contact_case(first, g_nn, g_nt, g_tt, free_n, free_t, mu, 0.0)
     v_n = 0.0 if first // 3 == REST else free_n
-    v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
-    floor, e_n, e_t = eps * c_n, 0.0, 0.0
-    if expands:
-        e_n, e_t = one_contact_case(second, g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
+    if choice[2] != UNSOLVED:
+        v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
+        floor = model[CONTACT + i, EPS] * c_n
+        e_n, e_t = one_contact_case(choice[2], g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
-    for m in range(len(tangents)):
-        along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
-        dv_n, dv_t = rates(model, i, tangents[m])
-        if along >= 0:
-            more_n, more_t = rates(change, i, z)
-            dv_n, dv_t = dv_n + more_n, dv_t + more_t
-        dc_n, dc_t, dv_n, dv_t = one_change(
-            model, change, along, i, first, c_n, c_t, dv_n, dv_t, 0.0
-        )
-        dfloor = eps * dc_n + seed[m, i] * c_n
-        de_n = de_t = 0.0
-        if expands or dfloor != 0.0:
-            case_e = second if expands else 3 * FREE + first % 3
-            de_n, de_t, _, _ = one_change(
-                model, change, along, i, case_e, e_n, e_t, dv_n, dv_t, dfloor
-            )
-        if along >= 0:
-            _kick(change, i, c_n + e_n, c_t + e_t, tangents[m])
-        _kick(model, i, dc_n + de_n, dc_t + de_t, tangents[m])
-    _kick(model, i, c_n + e_n, c_t + e_t, z)
-    _set_gap_rate(model, i, v_n + g_nn * e_n + g_nt * e_t, z)
+    pair.after[0] = v_n + g_nn * e_n + g_nt * e_t
 
 
-@jit
+@part
+def _single_tangent(
+    model: Floats, change: Floats, along: int, i: int, choice: Ints, z: Floats, tangent: Floats,
+    seed: Floats, impulses: Floats,
+) -> None:  # fmt: skip
+    """Change the velocities of a tangent by what an impact at one contact does to them."""
+    c_n, c_t, e_n, e_t = impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1]
+    first, expands = choice[0], choice[2] != UNSOLVED
+    dv_n, dv_t = rates(model, i, tangent)
+    if along >= 0:
+        more_n, more_t = rates(change, i, z)
+        dv_n, dv_t = dv_n + more_n, dv_t + more_t
+    dc_n, dc_t, dv_n, dv_t = one_change(model, change, along, i, first, c_n, c_t, dv_n, dv_t, 0.0)
+    dfloor = model[CONTACT + i, EPS] * dc_n + seed[i] * c_n
+    de_n = de_t = 0.0
+    if expands or dfloor != 0.0:
+        case = choice[2] if expands else 3 * FREE + first % 3
+        de_n, de_t, _, _ = one_change(model, change, along, i, case, e_n, e_t, dv_n, dv_t, dfloor)
+    if along >= 0:
+        _kick(change, i, c_n + e_n, c_t + e_t, tangent)
+    _kick(model, i, dc_n + de_n, dc_t + de_t, tangent)
+
+
+@part
 def one_change(
     model: Floats, change: Floats, along: int, i: int, case: int, p_n: float, p_t: float,
     free_n: float, free_t: float, floor: float,
@@ -535,10 +566,10 @@ def one_change(
     return d_n, d_t + tau, v_n, v_t
 
 
-@jit
+@part
 def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
     """Write what an impact at two contacts starts from into its room."""
-    fill_pair(model, contacts[1])
+    fill_pair(model, contacts[1], pair.delassus, pair.friction, pair.system)
     for a in range(4):
         for b in range(4):
             row, column = 2 * contacts[a // 2] + a % 2, 2 * contacts[b // 2] + b % 2
@@ -550,7 +581,7 @@ def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
         pair.floor[k] = 0.0
 
 
-@jit
+@part
 def _decide_double(
     model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair
 ) -> int:
@@ -590,78 +621,72 @@ def _decide_double(
     return outcome
 
 
-@jit
-def _carry_out_double(
-    model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
-    seed: Floats, case: Ints, impulses: Floats, pair: Pair,
-) -> None:  # fmt: skip
-    free, floor, middle, after, end = pair.free, pair.floor, pair.middle, pair.after, pair.end
+@part
+def _find_pair_impulses(
+    model: Floats, contacts: Ints, choice: Ints, case: Ints, impulses: Floats, pair: Pair
+) -> None:
+    free, floor, middle, impulse = pair.free, pair.floor, pair.middle, pair.end
     floor[0] = floor[1] = 0.0
-    table, expands = PAIR + 36 * (contacts[1] - 1), choice[2] != UNSOLVED
+    table = PAIR + 36 * (contacts[1] - 1)
     for side in range(2):
-        pair.first[side, 0], pair.first[side, 1] = choice[side] % 6, choice[side] // 6
-        impulse_of(model, table + choice[side], free, floor, end)
+        impulse_of(model, table + choice[side], free, floor, impulse)
         for k in range(4):
-            impulses[0, k] += 0.5 * end[k]
-    velocity_of(choice[0], pair.delassus, free, impulses[0], middle)
+            impulses[0, k] += 0.5 * impulse[k]
+    for k in range(4):
+        impulse[k] = impulses[0, k]
+    velocity_of(choice[0], pair.delassus, free, impulse, middle)
     for k in range(2):
-        floor[k] = pair.eps[k] * impulses[0, 2 * k]
-    if expands:
-        impulse_of(model, table + EXPANSION + choice[2], middle, floor, impulses[1])
-    velocity_of(case[0] + 6 * case[1], pair.delassus, middle, impulses[1], after)
-    for m in range(len(tangents)):
-        along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
-        _pair_tangent(
-            model, change, along, contacts, z, tangents[m], seed[m], case, impulses, expands, pair
-        )
-    for k in range(2):
-        p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
-        p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
-        _kick(model, contacts[k], p_n, p_t, z)
-    for k in range(2):
-        _set_gap_rate(model, contacts[k], after[2 * k], z)
+        floor[k] = pair.eps[k] * impulse[2 * k]
+    for k in range(4):
+        impulse[k] = 0.0
+    if choice[2] != UNSOLVED:
+        impulse_of(model, table + EXPANSION + choice[2], middle, floor, impulse)
+        for k in range(4):
+            impulses[1, k] = impulse[k]
+    velocity_of(case[0] + 6 * case[1], pair.delassus, middle, impulse, pair.after)
 
 
-@jit
+@part
 def _pair_tangent(
-    model: Floats, change: Floats, along: int, contacts: Ints, z: Floats, tangent: Floats,
-    seed: Floats, case: Ints, impulses: Floats, expands: bool, pair: Pair,
+    model: Floats, change: Floats, along: int, contacts: Ints, choice: Ints, z: Floats,
+    tangent: Floats, seed: Floats, impulses: Floats, pair: Pair,
 ) -> None:  # fmt: skip
     """Change the velocities of a tangent by what an impact at two contacts does to them.
 
     An indeterminate compression takes the mean of both ends of its segment.
     """
-    free, floor, middle, end = pair.free, pair.floor, pair.middle, pair.end
-    total, part = pair.changes[0], pair.changes[1]
+    free, floor, middle, impulse = pair.free, pair.floor, pair.middle, pair.end
+    total, more = pair.total, pair.more
     table = PAIR + 36 * (contacts[1] - 1)
     for k in range(4):
         total[k] = 0.0
     for side in range(1, -1, -1):  # the first end comes last: its velocities go on
-        index = pair.first[side, 0] + 6 * pair.first[side, 1]
         floor[0] = floor[1] = 0.0
         if along >= 0:
             for k in range(2):
                 free[2 * k], free[2 * k + 1] = rates(model, contacts[k], z)
-            impulse_of(model, table + index, free, floor, end)
+            impulse_of(model, table + choice[side], free, floor, impulse)
         for k in range(2):
             free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangent)
             if along >= 0:
                 more_n, more_t = rates(change, contacts[k], z)
                 free[2 * k], free[2 * k + 1] = free[2 * k] + more_n, free[2 * k + 1] + more_t
-        pair_change(model, change, along, contacts, table, index, 0.0, end, part, middle, pair)
+        pair_change(model, change, along, contacts, table, choice[side], 0.0, impulse, pair)
         for k in range(4):
-            total[k] += 0.5 * part[k]
-    if expands:
+            total[k] += 0.5 * more[k]
+    if choice[2] != UNSOLVED:
         for k in range(2):
             dfloor = seed[contacts[k]] * impulses[0, 2 * k]
             floor[k] = pair.eps[k] * total[2 * k] + dfloor
             free[2 * k], free[2 * k + 1] = middle[2 * k], middle[2 * k + 1]
+        for k in range(4):
+            impulse[k] = impulses[1, k]
         pair_change(
-            model, change, along, contacts, table + EXPANSION, case[0] + 6 * case[1],
-            model[FORCE, SUMMED], impulses[1], part, middle, pair,
+            model, change, along, contacts, table + EXPANSION, choice[2], model[FORCE, SUMMED],
+            impulse, pair,
         )  # fmt: skip
         for k in range(4):
-            total[k] += part[k]
+            total[k] += more[k]
     for k in range(2):
         if along >= 0:
             p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
@@ -670,16 +695,17 @@ def _pair_tangent(
         _kick(model, contacts[k], total[2 * k], total[2 * k + 1], tangent)
 
 
-@jit
+@part
 def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
-    coupling: float, impulse: Floats, out: Floats, velocity: Floats, pair: Pair,
+    coupling: float, impulse: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    """Derivatives of impulses and velocities (4,) of one phase, from those of free and floor.
+    """Derivatives of impulses and velocities of one phase, from those of free and floor.
 
-    ``pair.free`` and ``pair.floor`` hold the latter; ``impulse`` is that of the phase.
+    ``pair.free`` and ``pair.floor`` hold the latter, and ``impulse`` is that of the phase; output
+    are ``pair.more`` and ``pair.middle``.
     """
-    free, tau_0, tau_1 = pair.free, 0.0, 0.0
+    free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
     if along >= 0:
         for a in range(4):
             row = DELASSUS + 2 * contacts[a // 2] + a % 2
@@ -697,12 +723,12 @@ def pair_change(
                 free[a] += pair.delassus[a, 2 * k + 1] * tau
             tau_0, tau_1 = (tau_0, tau) if k else (tau, tau_1)
     impulse_of(model, table + index, free, pair.floor, out)
-    velocity_of(index, pair.delassus, free, out, velocity)
+    velocity_of(index, pair.delassus, free, out, pair.middle)
     out[1] += tau_0
     out[3] += tau_1
 
 
-@jit
+@part
 def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
     """Velocities that an index combination makes zero become exactly zero."""
     for k in range(len(contacts)):
@@ -713,7 +739,7 @@ def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
             hold(model, contacts[k], z)
 
 
-@jit
+@part
 def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
     """What a moving direction of sticking adds to the velocity of the sleeve that keeps it.
 
@@ -725,21 +751,21 @@ def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent
             return
 
 
-@jit
+@part
 def hold(model: Floats, i: int, z: Floats) -> None:
     """Make the tangential velocity of contact i exactly zero through the velocity of the sleeve."""
     row = CONTACT + i
     z[3] = -(model[row, TANGENT + 1] * z[4] + model[row, TANGENT + 2] * z[5])
 
 
-@jit
+@part
 def rest_is_possible(model: Floats, k: int, d: float) -> bool:
     """Whether contacts 1 and k + 1 can hold the toy at rest: some forces lie in both cones."""
     low, high = rest_range(model, k, d)
     return low <= high
 
 
-@jit
+@part
 def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
     """The interval of lambda_T1 with which contacts 1 and k + 1 hold the toy at rest.
 
@@ -764,7 +790,7 @@ def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
     return low, high
 
 
-@jit
+@part
 def _half_line(constant: float, rate: float, low: float, high: float) -> tuple[float, float]:
     """Intersect [low, high] with {s : constant + rate s >= 0}."""
     if rate > 0.0:

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Complexes, Floats
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import jit, part
 from woodpecker.mechanics.cases import fill_cases
 from woodpecker.mechanics.equations import (
     force_at_rest,
@@ -53,8 +53,12 @@ OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled co
 EPSILONS = ("eps_n1", "eps_n2", "eps_n3")
 STEP = 1e-150  # imaginary part of the parameter that moves
 
-_mass, _constant, _elastic = jit(mass_matrix), jit(force_at_rest), jit(force_per_stretch)
-_normal, _tangent, _offsets = jit(normal_directions), jit(tangential_directions), jit(gap_offsets)
+_mass, _constant, _elastic = part(mass_matrix), part(force_at_rest), part(force_per_stretch)
+_normal, _tangent, _offsets = (
+    part(normal_directions),
+    part(tangential_directions),
+    part(gap_offsets),
+)
 
 # The kernel reads one array, because compiled code passes one array cheaply. Rows and columns:
 MODES = 28
@@ -120,7 +124,10 @@ class Numbers(NamedTuple):
 
 
 def model(toy: Toy) -> Floats:
-    """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will."""
+    """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will.
+
+    Index combinations of pairs are due: the kernel writes them where it needs them first.
+    """
     return _bouncing(toy).copy()
 
 
@@ -131,7 +138,7 @@ def change(toy: Toy, parameter: str) -> Floats:
     (:func:`woodpecker.mechanics.impacts.impact`).
     """
     numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
-    fill(parameters_of(toy, parameter), numbers, rates)
+    fill(parameters_of(toy, parameter).tolist(), numbers, rates)
     if parameter in EPSILONS:
         rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
     return rates
@@ -147,9 +154,7 @@ def _bouncing(toy: Toy) -> Floats:
 @lru_cache(maxsize=64)
 def _plastic(toy: Toy) -> Floats:
     numbers = blank(toy)
-    fill(parameters_of(toy), numbers, np.zeros(CHANGE))
-    for k in (1, 2):
-        fill_pair(numbers, k)
+    fill(parameters_of(toy).tolist(), numbers, np.zeros(CHANGE))
     return numbers
 
 
@@ -172,8 +177,7 @@ def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
     )
 
 
-@jit
-def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
+def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) -> None:
     """Write the table of the modes and all else that depends on the parameters, and derivatives.
 
     Parameters
@@ -194,6 +198,7 @@ def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
     constant, elastic, offsets = _constant(toy), _elastic(toy), _offsets(toy)
     mu, lever = (toy.mu_1, toy.mu_2, toy.mu_3), (toy.h_s, toy.h_m, toy.h_m)
     system, row = np.empty((7, 13), dtype=np.complex128), np.empty(GUARDS, dtype=np.complex128)
+    scale = np.empty(7)
     for index in range(MODES):
         beak, sleeve = index // 7, index % 7
         together = beak == OPEN or sleeve == 0 or (sleeve - 1) % 3 + 1 == beak
@@ -201,7 +206,7 @@ def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
             for k in range(GUARDS):
                 numbers[index, k] = math.nan
             continue
-        _mode(system, row, beak, sleeve, mass, constant, elastic, normal, tangent, mu)
+        _mode(system, scale, row, beak, sleeve, mass, constant, elastic, normal, tangent, mu)
         for k in range(GUARDS):
             numbers[index, k], rates[index, k] = row[k].real, row[k].imag / STEP
     for i in range(3):
@@ -214,7 +219,7 @@ def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
             _put(numbers, rates, CONTACT + i, TANGENT + j, tangent[i][j])
             system[i, j] = mass[i][j]
             system[i, 3 + 2 * j], system[i, 4 + 2 * j] = normal[j][i], tangent[j][i]
-    _solve(system, 3, 6)
+    _solve(system, 3, 6, scale)
     for a in range(6):
         response = (RESPONSE_N, RESPONSE_T)[a % 2]
         for j in range(3):
@@ -226,12 +231,19 @@ def fill(parameters: Complexes, numbers: Floats, rates: Floats) -> None:
     numbers[FORCE, DUE] = numbers[FORCE, DUE + 1] = 1.0
 
 
-@jit
-def fill_pair(numbers: Floats, k: int) -> None:
-    """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
+refill = jit(fill)
+"""The same, compiled: for whoever does it again and again. Once takes some milliseconds, less than
+to compile it."""
+
+
+@part
+def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, system: Floats) -> None:
+    """Write the index combinations of an impact at the beak and contact k (0-based), if due.
+
+    ``delassus`` (4, 4), ``friction`` (2, 2) and ``system`` (4, 10) are room.
+    """
     if numbers[FORCE, DUE + k - 1] == 0.0:
         return
-    delassus, friction = np.empty((4, 4)), np.empty((2, 2))
     for a in range(4):
         for b in range(4):
             row, column = a if a < 2 else 2 * k + a - 2, b if b < 2 else 2 * k + b - 2
@@ -239,22 +251,23 @@ def fill_pair(numbers: Floats, k: int) -> None:
     first = PAIR + 36 * (k - 1)
     friction[0, 0], friction[1, 1] = numbers[CONTACT, MU], numbers[CONTACT + k, MU]
     friction[0, 1] = friction[1, 0] = 0.0
-    fill_cases(delassus, friction, numbers[first : first + 36])
+    fill_cases(delassus, friction, numbers[first : first + 36], system)
     friction[0, 1] = numbers[FORCE, SUMMED] * friction[0, 0]
     friction[1, 0] = numbers[FORCE, SUMMED] * friction[1, 1]
-    fill_cases(delassus, friction, numbers[first + EXPANSION : first + EXPANSION + 36])
+    first += EXPANSION
+    fill_cases(delassus, friction, numbers[first : first + 36], system)
     numbers[FORCE, DUE + k - 1] = 0.0
 
 
-@jit
+@part
 def _put(numbers: Floats, rates: Floats, row: int, column: int, value: complex) -> None:
     numbers[row, column], rates[row, column] = value.real, value.imag / STEP
 
 
-@jit
+@part
 def _mode(
-    system: Complexes, row: Complexes, beak: int, sleeve: int, mass: Any, constant: Any,
-    elastic: Any, normal: Any, tangent: Any, mu: Any,
+    system: Complexes, scale: Floats, row: Complexes, beak: int, sleeve: int, mass: Any,
+    constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
 ) -> None:  # fmt: skip
     """One row of the table: M qdd - W lambda = h with the constraints of the closed contacts."""
     state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
@@ -280,7 +293,7 @@ def _mode(
             system[at + 1, at + 1] = 1.0
             system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
         at += 2
-    _solve(system, n, 2)
+    _solve(system, n, 2, scale)
     if beak != OPEN:
         system[2, n] = system[2, n + 1] = 0.0  # a closed contact holds its angle exactly
     if sleeve != 0:
@@ -289,7 +302,7 @@ def _mode(
     if not sticks:  # nothing holds the toy: with a relaxed spring it falls freely,
         for i in range(n):
             system[i, n] = 0.0  # and the contacts carry nothing
-        system[0, n] = constant[0] / mass[0][0]
+        system[0, n] = _quotient(constant[0], mass[0][0])
     elif beak != STICK:
         system[0, n] = system[0, n + 1] = 0.0  # a jammed sleeve does not fall
     alpha, kappa = system[2, n] - system[1, n], system[2, n + 1] - system[1, n + 1]
@@ -300,7 +313,7 @@ def _mode(
         row[SECULAR + j] = a
         if kappa.real != 0.0:  # no torque has a mean, so angles drift linearly at most; what sticks
             # lets y swing only
-            row[SECULAR + j] = a - b * (alpha / kappa) if j == 0 and not sticks else 0.0
+            row[SECULAR + j] = a - b * _quotient(alpha, kappa) if j == 0 and not sticks else 0.0
     at = 3
     for i in range(3):
         if state[i] != OPEN:
@@ -310,13 +323,20 @@ def _mode(
             at += 2
 
 
-@jit
-def _solve(system: Complexes, n: int, right: int) -> None:
+@part
+def _quotient(a: complex, b: complex) -> complex:
+    """A / b where the real part of b is the larger one, rounded once: numpy rounds it twice."""
+    ratio = b.imag / b.real
+    size = b.real + b.imag * ratio
+    return complex((a.real + a.imag * ratio) / size, (a.imag - a.real * ratio) / size)
+
+
+@part
+def _solve(system: Complexes, n: int, right: int, scale: Floats) -> None:
     """Solve for the columns right of the first n, in place; scaled, so that no unit is preferred.
 
     Scales and pivots are chosen by real parts: they do not change the solution.
     """
-    scale = np.empty(n)
     for j in range(n):
         scale[j] = 0.0
         for i in range(n):
@@ -328,7 +348,7 @@ def _solve(system: Complexes, n: int, right: int) -> None:
             system[i, j] *= scale[j]
             largest = max(largest, abs(system[i, j].real))
         for j in range(n + right):
-            system[i, j] /= largest
+            system[i, j] = _quotient(system[i, j], complex(largest, 0.0))
     for i in range(n):
         pivot = i
         for k in range(i + 1, n):
@@ -339,14 +359,14 @@ def _solve(system: Complexes, n: int, right: int) -> None:
                 system[i, j], system[pivot, j] = system[pivot, j], system[i, j]
         for k in range(i + 1, n):
             if system[k, i] != 0.0:
-                factor = system[k, i] / system[i, i]
+                factor = _quotient(system[k, i], system[i, i])
                 for j in range(i + 1, n + right):
                     system[k, j] -= factor * system[i, j]
     for j in range(n, n + right):
         for i in range(n - 1, -1, -1):
             for k in range(i + 1, n):
                 system[i, j] -= system[i, k] * system[k, j]
-            system[i, j] /= system[i, i]
+            system[i, j] = _quotient(system[i, j], system[i, i])
     for j in range(n, n + right):
         for i in range(n):
             system[i, j] *= scale[i]

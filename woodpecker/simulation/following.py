@@ -10,13 +10,13 @@ admissible is said by :mod:`woodpecker.simulation.margins`.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.compiled import borrowed, jit
+from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import REST
-from woodpecker.mechanics.impacts import UNSOLVED, carry_out, hold, prepare
+from woodpecker.mechanics.impacts import UNSOLVED, carry_out_along, hold, prepare, rates
 from woodpecker.mechanics.modes import (
+    ALPHA,
     ANGLE,
     CONTACT,
     FORCE,
@@ -33,8 +33,8 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.guards import TWO_PI, first_root
-from woodpecker.simulation.kernel import (
+from woodpecker.simulation.chatter import sum_bounces
+from woodpecker.simulation.codes import (
     CHATTER,
     CLOSED,
     FIRST,
@@ -45,18 +45,10 @@ from woodpecker.simulation.kernel import (
     RETURNED,
     SECOND,
     STRUCK,
-    change_flow,
-    copy,
-    displace,
-    measure,
-    put_on_section,
-    shut,
-    still_contacts,
-    stop,
-    sum_bounces,
-    touch,
     typed,
 )
+from woodpecker.simulation.flow import copy, displace, measure, put_on_section, shut, spring, touch
+from woodpecker.simulation.guards import TWO_PI, first_root, stumpff_rates
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
@@ -78,17 +70,18 @@ NO_ROOT = -1  # a guard of the path has no root here
 BOUNCES_MOST = 1000  # of bounces that accumulate; a ratio of 0.97 needs so many
 
 
-@jit
-def follow(
+@part
+def follow_path(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
-    owner: Any,
+    route: Route,
 ) -> int:  # fmt: skip
     """Follow the toy from the section at phi_S along a path until it returns.
 
     Parameters
     ----------
     model, change
-        As :func:`woodpecker.simulation.kernel.run` takes them.
+        The table of :func:`woodpecker.mechanics.modes.model`, and its derivatives along the
+        parameter, or FIXED.
     path
         (n, STEP_COLUMNS), what the kernel found for a neighbour. Of bounces that accumulate it
         holds one: it is repeated until they are so small that the rest is summed.
@@ -97,16 +90,14 @@ def follow(
     notes
         (NOTES, room) output: margins, their derivatives in phi_S and along the parameter, and their
         causes in ascending order; room for MOST of each phase. Of length 0 in room if not wanted.
-    owner
-        (1,) a ROUTE: ``seeds`` tell how restitution changes along the parameter; output: state
+    route
+        ``seeds`` tell how restitution changes along the parameter; output: state
         ``z`` on the section and its derivatives ``tangents``, and the number of margins.
 
     Returns
     -------
     RETURNED, or NO_ROOT.
     """
-    model, change, path = borrowed(model), borrowed(change), borrowed(path)
-    times, notes, route = borrowed(times), borrowed(notes), owner[0]
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
     k, repeated = 0, 0
@@ -118,7 +109,7 @@ def follow(
             _event(model, change, step, k, notes, route)
         unpack(mode, states)
         if step[STRUCK] != 0:
-            still_contacts(states, route.tangents)
+            _still_contacts(states, route.tangents)
         if watched:
             start_margins(model, change, step, k, mode, notes, route)
         t = _duration(model, step, mode, guard, times[k], repeated > 0, route)
@@ -142,11 +133,16 @@ def follow(
             repeated += 1
         else:
             return NO_ROOT
-    put_on_section(model, change, z, route.tangents)
+    put_on_section(model, z)
+    for m in range(2):
+        for j in (1, 3, 4, 5):
+            route.tangents[m, j] = 0.0
+    if len(change) > 0:
+        route.tangents[1, 1] = -change[CONTACT + 1, LIMIT]
     return RETURNED
 
 
-@jit
+@part
 def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     """Put the toy on the section, jammed, at rest."""
     z, tangents = route.z, route.tangents
@@ -162,7 +158,7 @@ def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     route.bent[0] = typed(-1)
 
 
-@jit
+@part
 def bounce_repeats(path: Ints, k: int) -> bool:
     """Whether row k of a path is a bounce that repeats until the next row closes its contact."""
     if k == 0 or k + 1 >= len(path) or path[k + 1, CLOSED] not in (1, 2, 4):
@@ -175,7 +171,7 @@ def bounce_repeats(path: Ints, k: int) -> bool:
     return same
 
 
-@jit
+@part
 def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bool:
     """Whether the bounces of a phase of duration t are still too large to be summed."""
     if not bounce_repeats(path, k):
@@ -186,16 +182,16 @@ def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bo
     return bool(abs(t) * (model[mode, OMEGA] + turn) > CHATTER)
 
 
-@jit
+@part
 def unpack(mode: int, states: Ints) -> None:
-    """Contact states (3,) of a mode; undoes :func:`woodpecker.simulation.kernel.mode_of`."""
+    """Contact states (3,) of a mode; undoes :func:`woodpecker.simulation.events.mode_of`."""
     sleeve = mode % 7
     states[0] = mode // 7
     states[1] = sleeve if sleeve <= 3 else 0
     states[2] = sleeve - 3 if sleeve > 3 else 0
 
 
-@jit
+@part
 def _find_orders(step: Ints, route: Route) -> None:
     """How many derivatives of each gap an event makes zero; states are those of the phase before.
 
@@ -215,7 +211,7 @@ def _find_orders(step: Ints, route: Route) -> None:
             route.orders[i] = 3 if route.fired[0] == NORMAL + i else 2
 
 
-@jit
+@part
 def _duration(
     model: Floats, step: Ints, mode: int, guard: int, near: float, again: bool, route: Route
 ) -> float:
@@ -244,7 +240,7 @@ def _duration(
     return first_root(f0, f1, f2, f3, kappa, omega, math.inf) if leading > 0.0 else math.nan
 
 
-@jit
+@part
 def _find_delays(
     model: Floats, change: Floats, step: Ints, mode: int, guard: int, t: float, c: Ratios,
     route: Route,
@@ -271,7 +267,7 @@ def _find_delays(
         route.flight[0], route.flight[1], route.flight[2] = t, route.delays[0], route.delays[1]
 
 
-@jit
+@part
 def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: Route) -> None:
     """Move the state and its tangents to the event that ends a phase."""
     z, work, tangents = route.z, route.work, route.tangents
@@ -290,7 +286,7 @@ def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: 
             v[j] += v[3 + j] * t + acceleration * (s2 * d0 + s3 * d1)
             v[3 + j] += acceleration * (s1 * d0 + s2 * d1)
         if m == 1 and len(change) > 0:
-            change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
+            _change_flow(model, change, mode, z, t, s1, s2, s3, s4, v)
         for j in range(3):
             v[j] += delay * work[3 + j]
             v[3 + j] += delay * (model[mode, A + j] + model[mode, B + j] * end)
@@ -298,7 +294,7 @@ def _move(model: Floats, change: Floats, mode: int, t: float, c: Ratios, route: 
     copy(work, z)
 
 
-@jit
+@part
 def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
     """Carry out what begins a phase; ``states`` are those of the phase before."""
     struck, states = step[STRUCK], route.states
@@ -321,7 +317,7 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
         _close(model, change, step, k, notes, route)
 
 
-@jit
+@part
 def _strike(
     model: Floats, change: Floats, step: Ints, struck: int, k: int, notes: Floats, route: Route
 ) -> None:
@@ -339,13 +335,13 @@ def _strike(
         impact_margins(model, change, n, k, notes, route)
         if n == 2:
             prepare(model, contacts, route.z, pair)
-    carry_out(
+    carry_out_along(
         model, change, contacts, choice, route.z, route.tangents, route.seeds, route.case,
         route.impulses, pair,
     )  # fmt: skip
 
 
-@jit
+@part
 def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, route: Route) -> None:
     """The end of impacts that accumulate."""
     z, mark, closed, i = route.z, route.mark, step[CLOSED], route.touching[0]
@@ -357,8 +353,82 @@ def _close(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
             x = SIGN[i] * (route.tangents[0, j] - ratio * route.memory[0, j]) / mark[7]
             p = SIGN[i] * (route.tangents[1, j] - ratio * route.memory[1, j]) / mark[7]
             note(notes, route, 1000 * k + 100 * BOUNCES + i, 1.0 - ratio, -x, -p)
-        sum_bounces(z, route.gaps, route.tangents, route.memory, mark, ratio, i)
-    shut(model, change, closed, z, route.gaps, route.tangents)
+        _sum_tangents(i, ratio, route)
+        sum_bounces(z, route.gaps, mark, ratio)
+    shut(model, closed, z, route.gaps)
+    for i in range(3):
+        if closed >> i & 1:
+            _shut_tangents(change, i, route.tangents)
     for i in range(3):
         if step[HELD] >> i & 1:
-            stop(model, change, i, z, route.tangents)
+            _hold_tangents(model, change, i, route)
+
+
+@part
+def _sum_tangents(i: int, ratio: float, route: Route) -> None:
+    """Derivatives of the state in which bounces at contact i end, as `sum_bounces` has it."""
+    z, mark, tangents, memory = route.z, route.mark, route.tangents, route.memory
+    j, rest = 3 + ANGLE[i], ratio / (1.0 - ratio)
+    for m in range(2):
+        change_of_ratio = SIGN[i] * (tangents[m, j] - ratio * memory[m, j]) / mark[7]
+        change_of_rest = change_of_ratio / ((1.0 - ratio) * (1.0 - ratio))
+        for k in range(7):
+            tangents[m, k] += (tangents[m, k] - memory[m, k]) * rest
+            tangents[m, k] += (z[k] - mark[k]) * change_of_rest
+
+
+@part
+def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
+    """Contact i is closed and stays so."""
+    for m in range(2):
+        tangents[m, ANGLE[i]] = tangents[m, 3 + ANGLE[i]] = 0.0
+    if len(change) > 0:
+        tangents[1, ANGLE[i]] = -SIGN[i] * change[CONTACT + i, LIMIT]
+
+
+@part
+def _hold_tangents(model: Floats, change: Floats, i: int, route: Route) -> None:
+    """Make the slip of contact i exactly zero, and that of the tangents."""
+    hold(model, i, route.z)
+    for m in range(2):
+        hold(model, i, route.tangents[m])
+    if len(change) > 0:
+        route.tangents[1, 3] -= rates(change, i, route.z)[1]
+
+
+@part
+def _change_flow(
+    model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
+    s4: float, v: Floats,
+) -> None:  # fmt: skip
+    """Add to a tangent what the coefficients of the mode, which change, do in a time t.
+
+    qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
+    once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
+    """
+    kappa = model[mode, KAPPA]
+    d0, d1, d2 = spring(model, mode, z)
+    once = d0 * t + d1 * s2 + d2 * s3
+    twice = 0.5 * d0 * t * t + d1 * s3 + d2 * s4
+    dkappa = change[mode, KAPPA]
+    dd2 = change[mode, ALPHA] + dkappa * d0
+    k2, k3, k4 = stumpff_rates(kappa, t, s1, s2, s3, s4)
+    d_once = dd2 * s3 + dkappa * (d1 * k2 + d2 * k3)
+    d_twice = dd2 * s4 + dkappa * (d1 * k3 + d2 * k4)
+    for j in range(3):
+        a, b = change[mode, A + j], change[mode, B + j]
+        v[j] += 0.5 * a * t * t + b * twice + model[mode, B + j] * d_twice
+        v[3 + j] += a * t + b * once + model[mode, B + j] * d_once
+
+
+@part
+def _still_contacts(states: Ints, tangents: Floats) -> None:
+    """Where a larger eps_N would make a closed contact bounce, the derivative is unknown.
+
+    The bounces that it begins are not in this flow.
+    """
+    for i in range(3):
+        if states[i] != OPEN:
+            for m in range(len(tangents)):
+                if tangents[m, 3 + ANGLE[i]] != 0.0:
+                    tangents[m, 3 + ANGLE[i]] = math.nan

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import part
 
 TWO_PI = 2.0 * math.pi
 EPSILON = 2.220446049250313e-16  # spacing of doubles at 1
@@ -27,7 +27,7 @@ SERIES_5 = tuple(1.0 / math.factorial(2 * n + 5) for n in reversed(range(TERMS))
 SERIES_6 = tuple(1.0 / math.factorial(2 * n + 6) for n in reversed(range(TERMS)))
 
 
-@jit
+@part
 def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, float, float]:
     """c0, t c1, t^2 c2, t^3 c3, t^4 c4 at kappa t^2; omega = sqrt(|kappa|).
 
@@ -54,7 +54,7 @@ def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, 
     return c0, s1, s2, (s1 - t) / kappa, (s2 - 0.5 * t * t) / kappa
 
 
-@jit
+@part
 def stumpff_rates(
     kappa: float, t: float, s1: float, s2: float, s3: float, s4: float
 ) -> tuple[float, float, float]:
@@ -76,7 +76,7 @@ def stumpff_rates(
     return half * (t * s1 - 2.0 * s2), half * (t * s2 - 3.0 * s3), half * (t * s3 - 4.0 * s4)
 
 
-@jit
+@part
 def value(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> tuple[float, float]:
@@ -85,7 +85,7 @@ def value(
     return f0 + f1 * t + f2 * s2 + f3 * s3, f1 + f2 * s1 + f3 * s2
 
 
-@jit
+@part
 def bracketed(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, low: float, high: float
 ) -> float:
@@ -113,7 +113,7 @@ def bracketed(
     return t
 
 
-@jit
+@part
 def first_root(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
@@ -127,7 +127,7 @@ def first_root(
     return _first_root_monotone_pieces(f0, f1, f2, f3, kappa, omega, horizon)
 
 
-@jit
+@part
 def _first_root_trigonometric(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
@@ -171,7 +171,7 @@ def _first_root_trigonometric(
     return _root_or_later(f0, f1, f2, f3, kappa, omega, max(0.0, low - fall), low, horizon)
 
 
-@jit
+@part
 def _first_root_monotone_pieces(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
@@ -197,7 +197,7 @@ def _first_root_monotone_pieces(
     return math.inf
 
 
-@jit
+@part
 def _critical_points(
     f1: float, f2: float, f3: float, kappa: float, omega: float
 ) -> tuple[float, float]:
@@ -223,7 +223,7 @@ def _critical_points(
     return min(root_1, root_2), max(root_1, root_2)
 
 
-@jit
+@part
 def _root_or_later(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float,
     low: float, high: float, horizon: float,
@@ -240,7 +240,7 @@ def _root_or_later(
     return bracketed(f0, f1, f2, f3, kappa, omega, low, high)
 
 
-@jit
+@part
 def time_of_lowest(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
@@ -255,7 +255,7 @@ def time_of_lowest(
     return math.inf
 
 
-@jit
+@part
 def _time_of_lowest_trigonometric(
     f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST, impulse_of
 from woodpecker.mechanics.impacts import (
     PAIR_ROOM,
@@ -58,8 +58,10 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
+from woodpecker.simulation.codes import HELD, STRUCK, typed
+from woodpecker.simulation.events import force_guard, jet
+from woodpecker.simulation.flow import spring
 from woodpecker.simulation.guards import TWO_PI, time_of_lowest
-from woodpecker.simulation.kernel import HELD, STRUCK, force_guard, jet, spring, typed
 from woodpecker.simulation.roots import (
     NEAR,
     ROUNDING,
@@ -140,7 +142,7 @@ ROUTE = np.dtype(
 Route = np.record  # of ROUTE
 
 
-@jit
+@part
 def note(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float
 ) -> None:
@@ -165,7 +167,7 @@ def note(
     notes[CAUSE, k] = cause
 
 
-@jit
+@part
 def note_quotient(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float,
     scale: Floats,
@@ -177,7 +179,7 @@ def note_quotient(
         note(notes, route, cause, q, x, p)
 
 
-@jit
+@part
 def order_of(guard: int, step: Ints, route: Route) -> int:
     """How many leading derivatives of a guard are exactly zero where its phase begins.
 
@@ -195,7 +197,7 @@ def order_of(guard: int, step: Ints, route: Route) -> int:
     return 2 if fired == edge + i else 1
 
 
-@jit
+@part
 def exact_jet(
     model: Floats, mode: int, guard: int, order: int, route: Route
 ) -> tuple[float, float, float, float]:
@@ -209,7 +211,7 @@ def exact_jet(
     )
 
 
-@jit
+@part
 def _jet_rates(
     model: Floats, change: Floats, mode: int, guard: int, order: int, m: int, route: Route
 ) -> tuple[float, float, float, float]:
@@ -262,9 +264,9 @@ def _jet_rates(
     )
 
 
-@jit
+@part
 def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> tuple[float, float]:
-    """Change of p, r of :func:`woodpecker.simulation.kernel.force_guard` with the table."""
+    """Change of p, r of :func:`woodpecker.simulation.events.force_guard` with the table."""
     kind, i = (guard // 3) * 3, guard % 3
     column = LAMBDA + 4 * i
     p, r = change[mode, column], change[mode, column + 1]
@@ -278,7 +280,7 @@ def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> 
     )
 
 
-@jit
+@part
 def load_jets(
     model: Floats, change: Floats, mode: int, guard: int, order: int, route: Route
 ) -> None:
@@ -290,7 +292,7 @@ def load_jets(
         jets[1 + m, 0], jets[1 + m, 1], jets[1 + m, 2], jets[1 + m, 3] = f0, f1, f2, f3
 
 
-@jit
+@part
 def find_rates(
     model: Floats, change: Floats, mode: int, order: int, t: float, c: Ratios, route: Route
 ) -> None:
@@ -305,7 +307,7 @@ def find_rates(
         found[1, 1] += slope * change[mode, KAPPA]
 
 
-@jit
+@part
 def minimum(model: Floats, mode: int, z: Floats) -> float:
     """Time of a minimum of phi_S, swinging on the jammed sleeve: the first one at or after 0."""
     omega = model[mode, OMEGA]
@@ -314,7 +316,7 @@ def minimum(model: Floats, mode: int, z: Floats) -> float:
     return float((angle if angle > 0.0 else angle + TWO_PI) / omega)
 
 
-@jit
+@part
 def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, route: Route) -> float:
     """Derivative along a tangent of the time t of a minimum of phi_S.
 
@@ -332,7 +334,7 @@ def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, rou
     return float((angle - t * turn) / omega)
 
 
-@jit
+@part
 def start_margins(
     model: Floats, change: Floats, step: Ints, k: int, mode: int, notes: Floats, route: Route
 ) -> None:
@@ -358,7 +360,7 @@ def start_margins(
             _start(model, change, step, k, mode, second, notes, route)
 
 
-@jit
+@part
 def _start(
     model: Floats, change: Floats, step: Ints, k: int, mode: int, guard: int, notes: Floats,
     route: Route,
@@ -380,7 +382,7 @@ def _start(
         note(notes, route, code, margin, along_x, along_p)
 
 
-@jit
+@part
 def _only_at(i: int, before: int, mode: int) -> bool:
     """Whether two modes differ at contact i only, if at all."""
     if i == 0:
@@ -388,7 +390,7 @@ def _only_at(i: int, before: int, mode: int) -> bool:
     return before == mode or (before // 7 == mode // 7 and before % 7 == 0)
 
 
-@jit
+@part
 def phase_margins(
     model: Floats, change: Floats, step: Ints, mode: int, fired: int, t: float, k: int, c: Ratios,
     notes: Floats, route: Route,
@@ -446,7 +448,7 @@ def phase_margins(
             note(notes, route, 1000 * k + 100 * DIP + guard, g, x, p)
 
 
-@jit
+@part
 def _find_inflection(
     model: Floats, change: Floats, mode: int, guard: int, t: float, route: Route
 ) -> None:
@@ -480,7 +482,7 @@ def _find_inflection(
         route.bend[1 + m] = sign * (route.rates[m, 0] - slope * turn / third)
 
 
-@jit
+@part
 def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios) -> bool:
     """Whether f can have a minimum between 0 and t: most often the signs at both ends say no.
 
@@ -496,7 +498,7 @@ def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios)
     return not (bend >= 0.0 >= slope)  # f' rises, or falls and rises
 
 
-@jit
+@part
 def _swing_margins(
     model: Floats, change: Floats, mode: int, fired: int, t: float, k: int, notes: Floats,
     route: Route,
@@ -516,7 +518,7 @@ def _swing_margins(
     note(notes, route, code + 1, swing - t, -delays[0], longer - delays[1])
 
 
-@jit
+@part
 def impact_margins(
     model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route
 ) -> None:
@@ -558,7 +560,7 @@ def impact_margins(
             )  # fmt: skip
 
 
-@jit
+@part
 def _impact_begins(model: Floats, change: Floats, n: int, route: Route) -> None:
     """Velocities before the compression, and their derivatives; its floors are zero."""
     for j in range(n):
@@ -577,7 +579,7 @@ def _impact_begins(model: Floats, change: Floats, n: int, route: Route) -> None:
             route.approach[1], route.approach[2] = -route.d_free[0, a], -route.d_free[1, a]
 
 
-@jit
+@part
 def _store_impulse(model: Floats, n: int, route: Route) -> None:
     """What the compression leaves for the expansion: velocities, and floors of the impulses."""
     for a in range(2 * n):
@@ -592,7 +594,7 @@ def _store_impulse(model: Floats, n: int, route: Route) -> None:
             route.d_floor[m, j] = eps * route.d_p[m, 2 * j] + route.seeds[m, i] * route.p[2 * j]
 
 
-@jit
+@part
 def _impact_phase(
     model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
 ) -> None:
@@ -614,9 +616,10 @@ def _impact_phase(
                 pair.free[a] = route.d_free[m, a]
             pair.floor[0], pair.floor[1] = route.d_floor[m, 0], route.d_floor[m, 1]
             pair_change(
-                model, change, along, route.touching, table, combination, coupling, p, d_p, d_v,
-                pair,
-            )  # fmt: skip
+                model, change, along, route.touching[:n], table, combination, coupling, p, pair
+            )
+            for a in range(4):
+                d_p[a], d_v[a] = pair.more[a], pair.middle[a]
         else:
             d_p[0], d_p[1], d_v[0], d_v[1] = one_change(
                 model, change, along, route.touching[0], combination, p[0], p[1],
@@ -634,7 +637,7 @@ def _impact_phase(
             route.d_bound[1, j] += change[CONTACT + i, MU] * load
 
 
-@jit
+@part
 def _single_phase(
     model: Floats, i: int, case: int, free: Floats, floor: float, p: Floats, v: Floats
 ) -> None:
@@ -646,7 +649,7 @@ def _single_phase(
     v[1] = 0.0 if case % 3 == HOLD else free[1] + g_nt * p[0] + g_tt * p[1]
 
 
-@jit
+@part
 def _slacks(n: int, combination: int, code: int, notes: Floats, route: Route) -> None:
     """Slack at each contact in one phase of an impact.
 

@@ -12,7 +12,8 @@ import numpy as np
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
-from woodpecker.simulation import following, kernel, margins
+from woodpecker.simulation import calls, following, margins
+from woodpecker.simulation.codes import CLOSED, GUARD, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
@@ -29,7 +30,7 @@ class Path:
     word
         Its sequence of events.
     steps
-        (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.kernel.NO_PATH`.
+        (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.codes.NO_PATH`.
         Of equal bounces that accumulate it has the first only.
     times
         (n,) durations of the phases [s] where it was found.
@@ -181,40 +182,38 @@ class Follower:
     Parameters
     ----------
     numbers, change, seed
-        As :func:`woodpecker.simulation.kernel.sweep` takes them; ``seed`` is (1, 3).
+        As :func:`woodpecker.simulation.calls.sweep` takes them; ``seed`` is (1, 3).
     """
 
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
-        self._z, self._nothing, self._states = np.zeros(7), np.zeros((0, 7)), np.zeros(3, dtype=int)
-        self._no_seeds = np.zeros((0, 3))
-        self._codes: Codes = np.zeros(EVENT_LIMIT, dtype=np.int16)
-        self._phases = np.zeros((EVENT_LIMIT + 1, kernel.PHASE_COLUMNS))
-        self._steps = np.zeros((EVENT_LIMIT + 1, kernel.STEP_COLUMNS), dtype=np.int64)
-        self._counts = np.zeros(3, dtype=np.int64)
-        self._no_events = np.zeros((0, kernel.EVENT_COLUMNS))
-        self._route = np.zeros(1, dtype=margins.ROUTE)
-        self._route["seeds"][0, 1] = (1.0, 0.0, 0.0) if seed is None else seed[0]
-        self._end, self._tangents = self._route["z"][0], self._route["tangents"][0]
-        self._count = self._route["count"][0]
+        self._words: Codes = np.zeros((1, EVENT_LIMIT), dtype=np.int16)
+        self._phases = np.zeros((EVENT_LIMIT + 1, PHASE_COLUMNS))
+        self._steps = np.zeros((EVENT_LIMIT + 1, STEP_COLUMNS), dtype=np.int64)
+        self._work = calls.make_work()
+        room, route = self._work["room"], self._work["route"]
+        self._z, self._states, self._counts = room["z"][0], room["states"][0], room["counts"][0]
+        route["seeds"][0, 1] = (1.0, 0.0, 0.0) if seed is None else seed[0]
+        self._end, self._tangents = route["z"][0], route["tangents"][0]
+        self._count = route["count"][0]
         self._notes = np.zeros((margins.NOTES, 0))
         self._texts: dict[bytes, str] = {}
-        announce(kernel.run)
+        announce(calls.compute)
 
     def trace(self, phi_s: float) -> tuple[Status, Path]:
         """Let the toy go from the section at phi_S [rad]: what happens until it returns."""
-        z, counts, states = self._z, self._counts, self._states
-        z[:], counts[:], states[:] = 0.0, 0, (0, 1, 0)
+        z, counts = self._z, self._counts
+        z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
-        code = kernel.run(
-            self.numbers, FIXED, z, self._nothing, self._no_seeds, states, True, math.inf,
-            self._codes, self._phases, self._steps, self._no_events, counts,
+        code = calls.compute(
+            calls.SEARCH, self.numbers, self.change, True, math.inf, calls.NO_STARTS, self._words,
+            self._phases, self._steps, calls.NO_TIMES, calls.NO_EVENTS, calls.NO_NOTES, self._work,
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()
         times, starts = np.empty(phases), self._phases[:phases, 6]
         times[:-1] = starts[1:] - starts[:-1]
         times[-1] = z[6] - starts[-1]
-        codes = self._codes[:symbols]
+        codes = self._words[0, :symbols]
         text = self._texts.get(key := codes.tobytes())
         if text is None:
             text = self._texts[key] = word(codes.tolist())
@@ -231,10 +230,10 @@ class Follower:
         times = (path.times if times is None else times).copy()
         if self._notes.shape[1] < margins.MOST * len(times):
             self._notes = np.zeros((margins.NOTES, margins.MOST * len(times)))
-        code = following.follow(
-            self.numbers, self.change, path.steps, times, phi_s, self._notes, self._route
+        code = calls.follow(
+            self.numbers, self.change, path.steps, times, phi_s, self._notes, self._work
         )
-        if code != kernel.RETURNED:
+        if code != RETURNED:
             return None
         notes = self._notes[:, : self._count.item()].copy()
         z = self._end.tolist()
@@ -253,7 +252,7 @@ def _shortened(path: Path) -> Path:
     """
     steps = path.steps
     kept = np.ones(len(steps), dtype=bool)
-    for last in (np.flatnonzero(steps[:, kernel.CLOSED]) - 1).tolist():
+    for last in (np.flatnonzero(steps[:, CLOSED]) - 1).tolist():
         if following.bounce_repeats(steps, last):
             k = last
             while np.array_equal(steps[k - 1], steps[k]):
@@ -266,4 +265,4 @@ def cause_of(path: Path, code: int) -> Cause:
     """What a margin of a path watches."""
     phase, rest = divmod(code, 1000)
     kind, item = divmod(rest, 100)
-    return Cause(Watch(kind), phase, item, int(path.steps[phase, kernel.GUARD]))
+    return Cause(Watch(kind), phase, item, int(path.steps[phase, GUARD]))

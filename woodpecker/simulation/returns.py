@@ -16,7 +16,8 @@ from woodpecker.base.checks import number, real_array, whole
 from woodpecker.base.compiled import COMPILED, announce
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation import kernel
+from woodpecker.simulation.calls import compute, sweep
+from woodpecker.simulation.codes import FREE_FALL, POLE_END, RETURNED
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word
 
@@ -163,8 +164,8 @@ def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Co
     out = np.empty((n, len(_COLUMNS)))
     codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
     words = np.empty((n, EVENT_LIMIT * order), dtype=np.int16)
-    announce(kernel.sweep)
-    kernel.sweep(model(toy), FIXED, starts, order, _SEED, out, codes, lengths, words)
+    announce(compute)
+    sweep(model(toy), FIXED, starts, order, _SEED, out, codes, lengths, words)
     return out, codes, lengths, words
 
 
@@ -178,12 +179,12 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
         if key not in known:
             known[key] = word(row[:length].tolist())
         texts.append(known[key])
-    endless = codes == kernel.FREE_FALL
+    endless = codes == FREE_FALL
     if math.isfinite(toy.pole):
-        codes[endless] = kernel.POLE_END
-    lost = codes != kernel.RETURNED
+        codes[endless] = POLE_END
+    lost = codes != RETURNED
     out[np.ix_(lost, [0, 1, 3, 4])] = np.nan
-    out[(codes == kernel.POLE_END) | endless, 2] = toy.pole
+    out[(codes == POLE_END) | endless, 2] = toy.pole
     return ReturnMap(
         start=starts,
         **{name: np.ascontiguousarray(out[:, k]) for k, name in enumerate(_COLUMNS)},
@@ -193,6 +194,6 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
 
 
 def _reason(code: int, text: str) -> Status:
-    if code == kernel.RETURNED and EventKind.INDETERMINATE_IMPACT.value in text:
+    if code == RETURNED and EventKind.INDETERMINATE_IMPACT.value in text:
         return Status.RETURNED_INDETERMINATE
     return status(code)

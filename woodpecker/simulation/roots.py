@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from woodpecker.base.compiled import jit
+from woodpecker.base.compiled import part
 from woodpecker.simulation.guards import CLOCK, EPSILON, SERIES_4, SERIES_5, TERMS, stumpff
 
 NEWTON = 40  # steps from a neighbour's event time; three are usual
@@ -25,7 +25,7 @@ ROUNDING = 16.0 * EPSILON  # of a guard's value, relative to the sum of its term
 Ratios = tuple[float, float, float, float, float, float]
 
 
-@jit
+@part
 def ratios(kappa: float, omega: float, t: float) -> Ratios:
     """c_0, ..., c_5 at kappa t^2; omega = sqrt(|kappa|)."""
     x = kappa * t * t
@@ -41,7 +41,7 @@ def ratios(kappa: float, omega: float, t: float) -> Ratios:
     return c0, s1 / t, s2 / (t * t), c3, s4 / (t * t * t * t), (c3 - 1.0 / 6.0) / x
 
 
-@jit
+@part
 def deflated(
     order: int, f0: float, f1: float, f2: float, f3: float, kappa: float, t: float, c: Ratios
 ) -> tuple[float, float, float]:
@@ -73,7 +73,7 @@ def deflated(
     )
 
 
-@jit
+@part
 def deflated_change(order: int, f2: float, f3: float, t: float, c: Ratios) -> tuple[float, float]:
     """Derivatives of g and g' in kappa; see :func:`woodpecker.simulation.guards.stumpff_rates`."""
     k2, k3 = c[3] - 2.0 * c[4], c[4] - 3.0 * c[5]
@@ -84,7 +84,7 @@ def deflated_change(order: int, f2: float, f3: float, t: float, c: Ratios) -> tu
     return power * t * (f2 * k2 + f3 * t * k3), power * once
 
 
-@jit
+@part
 def root_near(
     order: int, f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
@@ -113,14 +113,14 @@ def root_near(
     return math.nan
 
 
-@jit
+@part
 def inflection(f2: float, f3: float, omega: float, t: float) -> float:
     """The zero nearest to t of f'' = f_2 cos(omega t) + f_3 sin(omega t) / omega."""
     angle = math.atan2(f2, f3 / omega)  # f'' is in proportion to sin(omega t + angle)
     return float((math.pi * math.floor((omega * t + angle) / math.pi + 0.5) - angle) / omega)
 
 
-@jit
+@part
 def root_at_inflection(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
@@ -157,7 +157,7 @@ def root_at_inflection(
     return float(at + s)
 
 
-@jit
+@part
 def _size(order: int, f0: float, f1: float, f2: float, f3: float, t: float, c: Ratios) -> float:
     """Sum of the moduli of the terms of g."""
     if order == 0:

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from enum import Enum
 
-from woodpecker.simulation import kernel
+from woodpecker.simulation.codes import (
+    AT_REST,
+    CONTACT_AMBIGUOUS,
+    CONTACT_NO_SOLUTION,
+    EVENT_LIMIT,
+    FREE_FALL,
+    POLE_END,
+    RETURNED,
+    TIME_REACHED,
+)
 
 
 class Status(Enum):
@@ -30,14 +39,14 @@ class Status(Enum):
 
 
 _BY_CODE = {
-    kernel.RETURNED: Status.RETURNED,
-    kernel.TIME_REACHED: Status.TIME_REACHED,
-    kernel.FREE_FALL: Status.FREE_FALL,
-    kernel.POLE_END: Status.POLE_END,
-    kernel.AT_REST: Status.AT_REST,
-    kernel.EVENT_LIMIT: Status.EVENT_LIMIT,
-    kernel.CONTACT_NO_SOLUTION: Status.CONTACT_NO_SOLUTION,
-    kernel.CONTACT_AMBIGUOUS: Status.CONTACT_AMBIGUOUS,
+    RETURNED: Status.RETURNED,
+    TIME_REACHED: Status.TIME_REACHED,
+    FREE_FALL: Status.FREE_FALL,
+    POLE_END: Status.POLE_END,
+    AT_REST: Status.AT_REST,
+    EVENT_LIMIT: Status.EVENT_LIMIT,
+    CONTACT_NO_SOLUTION: Status.CONTACT_NO_SOLUTION,
+    CONTACT_AMBIGUOUS: Status.CONTACT_AMBIGUOUS,
 }
 
 

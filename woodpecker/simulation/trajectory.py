@@ -17,7 +17,6 @@ from woodpecker.mechanics.equations import (
     tangential_directions,
 )
 from woodpecker.mechanics.modes import (
-    FIXED,
     LAMBDA,
     OMEGA,
     Contact,
@@ -25,7 +24,9 @@ from woodpecker.mechanics.modes import (
     model,
 )
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation import kernel
+from woodpecker.simulation.calls import compute, run
+from woodpecker.simulation.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
+from woodpecker.simulation.flow import flow, sample
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, decode, symbol, word
 
@@ -128,7 +129,7 @@ class Trajectory:
             outside = flat[~((flat >= 0.0) & (flat <= self.t_end))][0]
             raise ValueError(f"t must lie in [0, {self.t_end:.9g}], got {outside}")
         out = np.empty((flat.size, 7))
-        kernel.sample(model(self.toy), self.phases, flat, left, out)
+        sample(model(self.toy), self.phases, flat, left, out)
         shape = (*times.shape, 3)
         return out[:, :3].reshape(shape), out[:, 3:6].reshape(shape)
 
@@ -168,22 +169,19 @@ def simulate(
     numbers = model(toy)
     z, states = _initial(toy, state)
     codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
-    phases = np.zeros((max_events + 1, kernel.PHASE_COLUMNS))
-    rows = np.zeros((max_events, kernel.EVENT_COLUMNS))
-    none = np.zeros((0, 7)), np.zeros((0, 3))
-    announce(kernel.run)
+    phases = np.zeros((max_events + 1, PHASE_COLUMNS))
+    rows = np.zeros((max_events, EVENT_COLUMNS))
+    announce(compute)
     reason = status(
-        kernel.run(
+        run(
             numbers,
-            FIXED,
             z,
-            *none,
             states,
             False,
             t_end,
             codes,
             phases,
-            kernel.NO_PATH,
+            NO_PATH,
             rows,
             counts,
         )
@@ -199,8 +197,8 @@ def simulate(
     events = tuple(_event(row) for row in rows[: counts[2]])
     times, before = _sample_times(finish, samples, events)
     out = np.empty((len(times), 7))
-    kernel.sample(numbers, phases, times, False, out)
-    kernel.sample(numbers, phases, times[before], True, left := np.empty((before.sum(), 7)))
+    sample(numbers, phases, times, False, out)
+    sample(numbers, phases, times[before], True, left := np.empty((before.sum(), 7)))
     out[before] = left
     return Trajectory(
         toy=toy,
@@ -277,7 +275,7 @@ def _initial(toy: Toy, state: State) -> tuple[Floats, npt.NDArray[np.int64]]:
 
 def _state_at(numbers: Floats, phases: Floats, t: float) -> Floats:
     out = np.empty((1, 7))
-    kernel.sample(numbers, phases, np.array([t]), False, out)
+    sample(numbers, phases, np.array([t]), False, out)
     state: Floats = out[0]
     return state
 
@@ -351,7 +349,7 @@ def _sliding_work(trajectory: Trajectory) -> float:
         times = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
         out = np.empty((times.size, 7))
         for k, t in enumerate(times):
-            kernel.flow(numbers, mode, phase[:7], t, out[k])
+            flow(numbers, mode, phase[:7], t, out[k])
         d = out[:, 2] - out[:, 1]
         for i in sliding:
             p, r = numbers[mode, LAMBDA + 4 * i + 2 : LAMBDA + 4 * i + 4]

@@ -19,7 +19,15 @@ from collections.abc import Iterable
 from enum import Enum
 
 from woodpecker.mechanics.impacts import MARKS
-from woodpecker.simulation import kernel
+from woodpecker.simulation.codes import (
+    CHATTER_END,
+    DETACH,
+    IMPACT,
+    INDETERMINATE_IMPACT,
+    REVERSAL,
+    SLIP_START,
+    STICK_START,
+)
 
 SEPARATOR = "|"
 
@@ -37,13 +45,13 @@ class EventKind(Enum):
 
 
 _KINDS = {
-    kernel.IMPACT: EventKind.IMPACT,
-    kernel.DETACH: EventKind.DETACH,
-    kernel.SLIP_START: EventKind.SLIP,
-    kernel.STICK_START: EventKind.STICK,
-    kernel.REVERSAL: EventKind.REVERSAL,
-    kernel.CHATTER_END: EventKind.CHATTER,
-    kernel.INDETERMINATE_IMPACT: EventKind.INDETERMINATE_IMPACT,
+    IMPACT: EventKind.IMPACT,
+    DETACH: EventKind.DETACH,
+    SLIP_START: EventKind.SLIP,
+    STICK_START: EventKind.STICK,
+    REVERSAL: EventKind.REVERSAL,
+    CHATTER_END: EventKind.CHATTER,
+    INDETERMINATE_IMPACT: EventKind.INDETERMINATE_IMPACT,
 }
 
 

@@ -43,9 +43,9 @@ def test_without_numba_the_kernel_is_plain_python(start: str, environment: dict[
 USE = """
 from woodpecker.base import compiled
 from woodpecker.simulation import guards
-from woodpecker.simulation import kernel
-compiled.announce(kernel.sweep)  # as the first return does
-print(guards.stumpff(0.0, 0.0, 2.0)[1], type(kernel.sweep.stats.cache_path).__name__)
+from woodpecker.simulation.calls import compute
+compiled.announce(compute)  # as the first return does
+print(guards.stumpff(0.0, 0.0, 2.0)[1], type(compute.stats.cache_path).__name__)
 """
 
 

@@ -26,7 +26,7 @@ from impacts import (
 from scipy.optimize import linprog
 from thoroughness import thorough
 
-from woodpecker.base.compiled import COMPILED
+from woodpecker.base.compiled import COMPILED, jit
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, case_table, impulse_of
 from woodpecker.mechanics.impacts import (
@@ -49,6 +49,9 @@ from woodpecker.mechanics.lcp import (
 )
 from woodpecker.mechanics.modes import model
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
+
+# thousands of calls from here:
+one_contact, two_contacts, case_table = jit(one_contact), jit(two_contacts), jit(case_table)
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

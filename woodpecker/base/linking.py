@@ -1,0 +1,135 @@
+"""Compile a kernel of many functions as one piece, in a third of numba's own time.
+
+Numba optimises each function together with all that it calls, and makes machine code of it, before
+a caller does the same again: a nest of depth d is treated d times. Here the functions that only
+compiled code calls are kept as they are written down, and those that Python calls take all of them
+at once. What they compute does not change, and nothing changes for other functions.
+
+This uses parts of numba that may change: :func:`pipelines` returns nothing if they are not as
+expected, and then numba does its usual, slower, work.
+"""
+
+from __future__ import annotations
+
+import gc
+from importlib import import_module
+from typing import Any
+
+NEEDLESS = {
+    "WithLifting",  # no with statements,
+    "InlineClosureLikes",  # no closures,
+    "MakeFunctionToJitFunction",
+    "RewriteSemanticConstants",  # no arguments that are None or of unknown rank,
+    "DeadBranchPrune",
+    "RewriteDynamicRaises",  # nothing raised,
+    "InlineInlinables",  # nothing that has to be inlined,
+    "InlineOverloads",
+    "FindLiterallyCalls",  # nothing that depends on the value of a literal,
+    "LiteralUnroll",
+    "LiteralPropagationSubPipelinePass",
+    "NoPythonSupportedFeatureValidation",
+    "NopythonRewrites",  # and no expressions of whole arrays
+    "AnnotateTypes",
+    "DumpParforDiagnostics",
+}
+"""Passes of numba's compiler that find nothing to do in the kernel, and take a sixth of the time.
+
+A function that needs one of them is not compiled: numba says so.
+"""
+
+
+SELDOM = 100_000  # objects made between two collections while the kernel is compiled
+
+
+def pipelines() -> tuple[Any, Any]:
+    """Compilers for functions that Python calls, and for those that only compiled code calls.
+
+    None and None if numba is not made as this file expects.
+    """
+    try:
+        return _pipelines()
+    except (ImportError, AttributeError):
+        return None, None
+
+
+def _pipelines() -> tuple[Any, Any]:
+    _dynfunc: Any = import_module("numba._dynfunc")
+    base: Any = import_module("numba.core.codegen").JITCodeLibrary
+    compiler: Any = import_module("numba.core.compiler")
+    manager: Any = import_module("numba.core.compiler_machinery").PassManager
+    for name in ("finalize", "add_linking_library", "_optimize_functions", "_ensure_finalized"):
+        getattr(base, name)
+
+    class Part(base):  # type: ignore[misc]
+        """Code of a function, neither optimised nor made machine code."""
+
+        def _optimize_functions(self, module: Any) -> None:
+            module.data_layout = self._codegen._data_layout
+
+        def finalize(self) -> None:
+            self._finalized = True
+
+    class Whole(base):  # type: ignore[misc]
+        """Code of a function and of all parts that it is made of."""
+
+        def finalize(self) -> None:
+            found: dict[Any, None] = {}
+            for library in self._linking_libraries:
+                _collect(library, Part, found)
+            # callers first: only what something calls is linked
+            self._linking_libraries[:] = reversed(found)
+            super().finalize()
+
+    def uncalled(library: Any, description: Any, environment: Any) -> Any:
+        name, doc = (
+            description.qualname.split(".")[-1],
+            f"part of compiled code: {description.qualname}",
+        )
+        module = description.lookup_module()
+        return _dynfunc.make_function(module, name, doc, 0, environment, (library,))
+
+    class Lean(compiler.Compiler):  # type: ignore[misc]
+        def define_pipelines(self) -> list[Any]:
+            passes = manager("kernel")
+            usual = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
+            passes.passes = [p for p in usual.passes if p[0].__name__ not in NEEDLESS]
+            passes.finalize()
+            return [passes]
+
+    class PartCompiler(Lean):
+        def __init__(
+            self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any,
+            *others: Any,
+        ) -> None:  # fmt: skip
+            flags.nrt = False  # no count of the users of arrays: a part makes none and keeps none
+            super().__init__(typing, target, library, args, result, flags, *others)
+            self.state.library = Part(self.state.targetctx.codegen(), "part")
+            self.state.targetctx.get_executable = uncalled
+
+    class WholeCompiler(Lean):
+        def __init__(self, *args: Any, **options: Any) -> None:
+            super().__init__(*args, **options)
+            self.state.library = Whole(self.state.targetctx.codegen(), "whole")
+            self.state.library.enable_object_caching()
+
+        def compile_extra(self, function: Any) -> Any:
+            # The cyclic collector would look again and again through the millions of objects that
+            # numba makes and keeps, for a sixth of the time.
+            usual = gc.get_threshold()
+            gc.set_threshold(max(usual[0], SELDOM) if usual[0] > 0 else 0, *usual[1:])
+            try:
+                return super().compile_extra(function)
+            finally:
+                gc.set_threshold(*usual)
+
+    return WholeCompiler, PartCompiler
+
+
+def _collect(library: Any, part: Any, found: dict[Any, None]) -> None:
+    """Enter a library after all that it calls."""
+    if library in found:
+        return
+    if isinstance(library, part):
+        for callee in library._linking_libraries:
+            _collect(callee, part, found)
+    found[library] = None

@@ -1,0 +1,207 @@
+"""What Python calls of the kernel.
+
+It is one compiled function, so that all that it is made of is compiled, optimised and kept once;
+which of its tasks it carries out is its first argument.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker.base.arrays import Codes, Floats, Ints
+from woodpecker.base.compiled import jit, part
+from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, OPEN, STICK
+from woodpecker.simulation.codes import EVENT_COLUMNS, PHASE_COLUMNS, RETURNED, ROOM, STEP_COLUMNS
+from woodpecker.simulation.following import follow_path
+from woodpecker.simulation.margins import NOTES, ROUTE
+from woodpecker.simulation.run import search
+
+SEARCH, FOLLOW, SWEEP = range(3)  # tasks
+SEPARATOR = 0  # between the returns of a word
+START, OUT, STATUS, LENGTH = 0, 1, 6, 7  # columns of the starts of a sweep
+START_COLUMNS = 8
+
+WORK = np.dtype((np.record, [("room", ROOM), ("route", ROUTE)]))
+"""Room for a search and for a return along a path."""
+
+Work = npt.NDArray[Any]  # (1,) of WORK
+
+NO_STARTS: Floats = np.zeros((0, START_COLUMNS))
+NO_WORDS: Codes = np.zeros((0, 0), dtype=np.int16)
+NO_PHASES: Floats = np.zeros((0, PHASE_COLUMNS))
+NO_STEPS: Ints = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
+NO_TIMES: Floats = np.zeros(0)
+NO_EVENTS: Floats = np.zeros((0, EVENT_COLUMNS))
+NO_NOTES: Floats = np.zeros((NOTES, 0))
+
+
+@jit
+def compute(
+    task: int, model: Floats, change: Floats, to_section: bool, number: float, starts: Floats,
+    words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
+    work: Work,
+) -> int:  # fmt: skip
+    """Carry out a task of the kernel with room that the caller has made.
+
+    Parameters
+    ----------
+    task
+        SEARCH, :func:`run`; FOLLOW, :func:`follow`; SWEEP, :func:`sweep`.
+    to_section, number
+        SEARCH: whether to stop on the section, and when; FOLLOW: -, phi_S; SWEEP: -, the order.
+    starts
+        SWEEP: (n, START_COLUMNS) start, five results, status and length of the word.
+    words
+        (n, event limit); of a search the first row.
+    phases, path, times, events, notes
+        As the tasks take them, or of length 0.
+    work
+        (1,) a WORK.
+    """
+    return _carry_out(
+        task, model, change, to_section, number, starts, words, phases, path, times, events, notes,
+        work[0].room, work[0].route,
+    )  # fmt: skip
+
+
+@part
+def _carry_out(
+    task: int, model: Floats, change: Floats, to_section: bool, number: float, starts: Floats,
+    words: Codes, phases: Floats, path: Ints, times: Floats, events: Floats, notes: Floats,
+    room: np.record, route: np.record,
+) -> int:  # fmt: skip
+    """The same as a part: what only parts call is compiled once."""
+    if task == SEARCH:
+        return search(model, to_section, number, words[0], phases, path, events, room)
+    if task == FOLLOW:
+        return follow_path(model, change, path, times, number, notes, route)
+    for n in range(len(starts)):
+        _iterate(
+            model, change, starts[n], int(number), words[n], phases, path, times, events, notes,
+            room, route,
+        )  # fmt: skip
+    return RETURNED
+
+
+@part
+def _iterate(
+    model: Floats, change: Floats, row: Floats, order: int, word: Codes, phases: Floats, path: Ints,
+    times: Floats, events: Floats, notes: Floats, room: np.record, route: np.record,
+) -> None:  # fmt: skip
+    """P_order at one start of a sweep, and its derivatives by the chain rule."""
+    z, counts, states, status = room.z, room.counts, room.states, RETURNED
+    for k in range(7):
+        z[k] = 0.0
+    z[1], z[2] = -model[CONTACT + 1, LIMIT], row[START]
+    counts[0], slope, along = 0, 1.0, 0.0
+    for lap in range(order):
+        if lap > 0 and counts[0] < len(word):
+            word[counts[0]] = SEPARATOR
+        counts[0] += 1 if lap > 0 else 0
+        counts[1], counts[2], start = 0, 0, z[2]
+        states[0], states[1], states[2] = OPEN, STICK, OPEN
+        status = search(model, True, math.inf, word, phases, path, events, room)
+        if status != RETURNED:
+            slope = along = math.nan
+            break
+        n = counts[1]
+        for k in range(n):
+            times[k] = (phases[k + 1, 6] if k + 1 < n else z[6]) - phases[k, 6]
+        taken = follow_path(model, change, path[:n], times, start, notes, route)
+        rate = route.tangents[0, 2] if taken == RETURNED else math.nan
+        along = rate * along + route.tangents[1, 2]
+        slope *= rate
+    row[OUT], row[OUT + 1], row[OUT + 2] = z[2], z[6], -z[0]
+    row[OUT + 3], row[OUT + 4] = slope, along
+    row[STATUS], row[LENGTH] = status, min(counts[0], len(word))
+
+
+def make_work() -> Work:
+    """Room for a task, (1,) a WORK."""
+    return np.zeros(1, dtype=WORK)
+
+
+def run(
+    model: Floats, z: Floats, states: Ints, to_section: bool, t_end: float, word: Codes,
+    phases: Floats, path: Ints, events: Floats, counts: Ints,
+) -> int:  # fmt: skip
+    """Follow the toy from event to event until it returns to the section or a limit is met.
+
+    Parameters
+    ----------
+    z
+        State (7,); in place.
+    states
+        (3,) contact states before the start; contacts with zero gap are decided afresh. In place.
+    to_section, t_end
+        Stop at the next minimum of phi_S on the jammed sleeve; stop at this time.
+    word
+        Buffer of event codes; its length is the event limit.
+    phases, path, events
+        Buffers for the trajectory, (n, 8), (n, 8) and (n, 16); of length 0 if it is not wanted. The
+        path says what was decided before each phase, see STEP_COLUMNS.
+    counts
+        (3,) output: symbols, phases, events. Symbols already in the word are kept.
+    """
+    work = make_work()
+    room = work["room"][0]
+    room["z"], room["states"], room["counts"] = z, states, counts
+    reason = compute(
+        SEARCH, model, FIXED, bool(to_section), float(t_end), NO_STARTS, word.reshape(1, -1),
+        phases, path, NO_TIMES, events, NO_NOTES, work,
+    )  # fmt: skip
+    z[:], states[:], counts[:] = room["z"], room["states"], room["counts"]
+    return reason
+
+
+def follow(
+    model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
+    work: Work,
+) -> int:  # fmt: skip
+    """Follow the toy from the section at phi_S along a path until it returns.
+
+    Parameters
+    ----------
+    model, change, path, times, notes
+        As :func:`woodpecker.simulation.following.follow_path` takes them.
+    work
+        (1,) a WORK, whose route has the seeds and takes the result.
+    """
+    return compute(
+        FOLLOW, model, change, True, phi_s, NO_STARTS, NO_WORDS, NO_PHASES, path, times, NO_EVENTS,
+        notes, work,
+    )  # fmt: skip
+
+
+def sweep(
+    model: Floats, change: Floats, starts: Floats, order: int, seed: Floats, out: Floats,
+    status: Ints, lengths: Ints, words: Codes,
+) -> None:  # fmt: skip
+    """P_order at many starts on the section: searched, and followed for its derivatives.
+
+    Parameters
+    ----------
+    model, change
+        As :func:`woodpecker.simulation.following.follow_path` takes them.
+    starts
+        (n,) values of phi_S.
+    seed
+        (1, 3) direction in (eps_N1, eps_N2, eps_N3) to differentiate along.
+    out
+        (n, 5) output: phi_S, period, drop, d phi_S / d start, d phi_S along the parameter. The
+        derivatives are nan where the toy does not return.
+    status, lengths, words
+        Output: (n,) why each run stopped, (n,) lengths of the words, (n, event limit) event codes.
+    """
+    rows, limit, work = np.empty((len(starts), START_COLUMNS)), words.shape[1] + 1, make_work()
+    rows[:, START], work["route"]["seeds"][0, 1] = starts, seed[0]
+    compute(
+        SWEEP, model, change, True, float(order), rows, words, np.empty((limit, PHASE_COLUMNS)),
+        np.empty((limit, STEP_COLUMNS), dtype=np.int64), np.empty(limit), NO_EVENTS, NO_NOTES, work,
+    )  # fmt: skip
+    out[:] = rows[:, OUT:STATUS]
+    status[:], lengths[:] = rows[:, STATUS], rows[:, LENGTH]

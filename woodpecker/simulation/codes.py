@@ -1,0 +1,77 @@
+"""Codes, columns and room of a run: what the files of the event loop have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import cast
+
+import numpy as np
+
+from woodpecker.base.arrays import Ints
+from woodpecker.mechanics.impacts import PAIR_ROOM
+
+# A number with a type: numba would compile every function anew for a literal argument.
+typed = cast("Callable[[int], int]", np.int64)
+
+# Why a run stopped.
+RETURNED, TIME_REACHED, FREE_FALL, POLE_END, AT_REST = 0, 1, 2, 3, 4
+EVENT_LIMIT, CONTACT_NO_SOLUTION, CONTACT_AMBIGUOUS = 5, 6, 7
+
+# Event codes: 8 * kind + bit mask of the contacts + 64 * (marks of an impact, see contact.MARKS).
+IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END, INDETERMINATE_IMPACT = range(7)
+
+CHATTER = 1e-9  # relative size of a bounce below which the rest of its geometric series is summed:
+# the neglected second order is its square, below rounding
+COLLAPSED = 1e-15  # angle of the free swing within which impacts of two contacts in turns must have
+# ended: what they still do to the velocities is about that part of them
+UNNAMED = 1e-7  # the same, below which they are not named: other orders change values by less than
+# Tolerances.jump, and there are infinitely many
+
+PHASE_COLUMNS = 8  # z and the mode at the start of a smooth phase
+EVENT_COLUMNS = 16  # t, code, u before, u after, impulses (N, T) x (beak, sleeve) of both phases
+
+STEP_COLUMNS = 8  # of a path: what one event decided, and the phase after it. Columns:
+MODE, GUARD, STRUCK, FIRST, OTHER, SECOND, CLOSED, HELD = range(8)
+# MODE of the phase; GUARD that ends it; STRUCK, mask of the contacts that take part in an impact,
+# or 0; FIRST and OTHER, index combinations of its compression (two ends of a segment, if it is
+# indeterminate), SECOND, that of the expansion (-1: none); CLOSED, mask of the contacts at which
+# impacts have accumulated; HELD, mask of the contacts whose slip is exactly zero
+
+NO_PATH: Ints = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
+
+ROOM = np.dtype(
+    (
+        np.record,
+        [
+            ("z", "f8", (7,)),  # the state
+            ("states", "i8", (3,)),  # of the contacts
+            ("counts", "i8", (3,)),  # of symbols, phases and events
+            ("slips", "i8", (3,)),  # signs of the tangential velocities
+            ("stopped", "i8", (3,)),  # nonzero where the last impact stopped the slip, in any phase
+            ("gaps", "f8", (3,)),  # of the contacts, over their lever arms
+            ("work", "f8", (7,)),  # another state
+            ("event", "f8", (EVENT_COLUMNS,)),
+            ("bounce", "i8", (3,)),  # the last: contact, symbols; symbols before unnamed ones
+            ("mark", "f8", (8,)),  # its state and its speed
+            ("closed", "i8", (3,)),  # contacts that touch and stay
+            ("before", "i8", (3,)),  # states before an event
+            ("touching", "i8", (2,)),  # contacts with zero gap
+            ("choice", "i8", (3,)),  # index combinations of an impact
+            ("case", "i8", (2,)),  # the last ones of each contact
+            ("marks", "i8", (2,)),  # see contact.MARKS
+            ("impulses", "f8", (2, 4)),
+            ("trial", "i8", (3,)),  # states that are tried
+            ("decided", "i8", (STEP_COLUMNS,)),  # what an event decides, see STEP_COLUMNS
+            ("pair", PAIR_ROOM),
+        ],
+    )
+)
+"""Room for a run, made once: see :data:`woodpecker.mechanics.impacts.PAIR_ROOM`."""
+
+Room = np.record  # of ROOM
+
+
+def make_room() -> Room:
+    """Room for a run, for those who arrive at an event from outside."""
+    room: Room = np.zeros(1, dtype=ROOM)[0]
+    return room
