@@ -63,7 +63,6 @@ from woodpecker.simulation.events import force_guard, jet
 from woodpecker.simulation.flow import spring
 from woodpecker.simulation.guards import TWO_PI, time_of_lowest
 from woodpecker.simulation.roots import (
-    NEAR,
     ROUNDING,
     Ratios,
     deflated,
@@ -452,34 +451,31 @@ def phase_margins(
 def _find_inflection(
     model: Floats, change: Floats, mode: int, guard: int, t: float, route: Route
 ) -> None:
-    """The gap that fired at time t, at its inflection nearby.
+    """The gap that fires at time t, at its inflection nearby, if it falls most slowly there.
 
-    Where the gap closes while it bends upwards the contact leaves again from rest, and where it
-    bends downwards it stays: that is decided by whether the gap is still open at its inflection.
-    A flight that begins at rest, without acceleration, has its inflection, after a full swing,
-    where its speed vanishes too. Then acceleration and speed at the impact go like the cube root
-    of the distance from the border and its square, but the gap at the inflection is smooth. A gap
-    that falls at its inflection too has no other root that this one could meet, so its speed at the
-    impact is no margin then.
+    Where a gap closes while it bends upwards its contact leaves again from rest, and where it bends
+    downwards it stays: that is decided by whether the gap is still open at its inflection. A flight
+    that begins at rest, without acceleration, has its inflection, after a full swing, where its
+    speed vanishes too. Then acceleration and speed at the impact go like the cube root of the
+    distance from the border and its square, but the gap at the inflection is smooth. A gap that
+    falls even at its inflection has no other root that this one could meet: its speed at the impact
+    is no margin then.
     """
     jets, kappa, omega = route.jets, model[mode, KAPPA], model[mode, OMEGA]
     f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
     at = inflection(f2, f3, omega, t)
-    if omega * abs(t - at) > NEAR:
-        return  # the gap there says no more than the acceleration does
     c = ratios(kappa, omega, at)
     gap, slope, _ = deflated(typed(0), f0, f1, f2, f3, kappa, at, c)
     third = kappa * f2 * at * c[1] + f3 * c[0]
-    if slope > ROUNDING * abs(third) * at * at:
-        return  # the gap opens there: it has another root
-    sign = 1.0 if third > 0.0 else -1.0
-    route.bent[0], route.bent[1], route.bend[0] = guard, mode, sign * gap
+    if third >= 0.0 or slope > -ROUNDING * third * at * at:
+        return
+    route.bent[0], route.bent[1], route.bend[0] = guard, mode, -gap
     find_rates(model, change, mode, typed(0), at, c, route)
     for m in range(2):
         turn = jets[1 + m, 2] * c[0] + jets[1 + m, 3] * at * c[1]
         if m == 1 and len(change) > 0:
             turn += 0.5 * at * at * change[mode, KAPPA] * (f2 * c[1] + f3 * at * (c[2] - c[3]))
-        route.bend[1 + m] = sign * (route.rates[m, 0] - slope * turn / third)
+        route.bend[1 + m] = slope * turn / third - route.rates[m, 0]
 
 
 @part
