@@ -27,7 +27,7 @@ from woodpecker.engine.orbits import (
     solve,
     tangent,
 )
-from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.pieces import Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
@@ -71,11 +71,14 @@ class Word:
     keys
         The keys of the pieces of a cycle; of a jump those of the points before the border, and a
         set of those on its two sides with the margins that vanish, for a piece has two ends.
+    pieces
+        The pieces of a cycle, or of the points up to the border of a jump.
     """
 
     first: int
     text: str
     keys: tuple[object, ...]
+    pieces: tuple[Piece, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -802,7 +805,7 @@ def _curve(
         keys = keys_of(sample.orbit, sample.jump)
         if not words or keys != words[-1].keys:
             text = word_of(sample.orbit) if sample.jump is None else sample.jump.word
-            words.append(Word(k, text, keys))
+            words.append(Word(k, text, keys, sample.orbit.pieces))
     return Curve(
         kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
         points=tuple(s.orbit.x for s in samples),

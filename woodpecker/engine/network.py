@@ -10,8 +10,17 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.branches import Collision, Curve, End
-from woodpecker.engine.orbits import Condition, Coordinate, Orbit, newton_step, orbit_of
+from woodpecker.engine.branches import Collision, Curve, End, is_inside
+from woodpecker.engine.orbits import (
+    Closed,
+    Condition,
+    Coordinate,
+    Orbit,
+    newton_step,
+    orbit_of,
+    solve,
+)
+from woodpecker.engine.pieces import Piece
 from woodpecker.engine.settings import Settings
 
 AT_FLIP = 1e-4  # in x, scaled: a doubled cycle leaves its flip like a square root
@@ -196,25 +205,36 @@ class Known:
     ) -> bool:
         p0, _, p1, _ = row[:4].tolist()
         curve, k, shift = self.network.curves[int(row[4])], int(row[5]), int(row[6])
-        owns = (
-            curve.words[bisect_right(curve.words, j, key=lambda word: word.first) - 1].keys
+        own = [
+            curve.words[bisect_right(curve.words, j, key=lambda word: word.first) - 1]
             for j in (k, k + 1)
-        )
-        if not any(agree((*own[shift:], *own[:shift]), keys) for own in owns):
-            return False
+        ]
         one, other = (np.roll(curve.points[j], -shift) for j in (k, k + 1))
         if len(one) != len(orbit) or len(other) != len(orbit):
             return False
         part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
         x = one + part * (other - one)
         before = float(np.abs(x - orbit.x).max())
-        if before <= self.settings.same * self.settings.x_scale:
-            return True
         step = newton_step(
             orbit_of(orbit.pieces, x, orbit.p), (closing, Coordinate(-1, orbit.p)), self.settings
         )
         after = float(np.abs(x + step[:-1] - orbit.x).max())
-        return after <= CLOSER * before
+        same = self.settings.same * self.settings.x_scale
+        if not (before <= same or after <= CLOSER * before):
+            return False
+        if any(agree((*word.keys[shift:], *word.keys[:shift]), keys) for word in own):
+            return True
+        return isinstance(closing, Closed) and not any(
+            self._holds((*word.pieces[shift:], *word.pieces[:shift]), x, orbit.p) for word in own
+        )
+
+    def _holds(self, pieces: tuple[Piece, ...], x: Floats, p: float) -> bool:
+        """Whether a cycle near some points takes these pieces.
+
+        If not, a branch takes others for a while between two samples that both take these.
+        """
+        found = solve(orbit_of(pieces, x, p), (Closed(), Coordinate(-1, p)), self.settings)
+        return found.converged and is_inside(found.orbit, Closed())
 
     def _update(self) -> None:
         rows = [self._chords]

@@ -136,7 +136,7 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
             solution = solve(start, (Closed(), Coordinate(-1, pieces.p)), settings)
-            if solution.converged:
+            if solution.converged and is_inside(solution.orbit, Closed()):
                 yield solution.orbit
 
 
