@@ -24,6 +24,8 @@ from woodpecker.engine.pieces import Piece
 from woodpecker.engine.settings import Settings
 
 AT_FLIP = 1e-4  # in x, scaled: a doubled cycle leaves its flip like a square root
+DRAWN = 1e-8  # ends of branches this close are the same, scaled: steep ones are located so well
+TINY = 1e-300  # in place of a length that is zero
 COLLISIONS = (PointKind.BC, PointKind.FF)
 
 
@@ -85,7 +87,9 @@ class Network:
         return names
 
     def add(self, curve: Curve) -> None:
-        """Keep a branch: as many as its cycle has points."""
+        """Keep a branch, unless it was kept before: as many as its cycle has points."""
+        if any(self._draws(known, curve) for known in self.curves):
+            return
         self.curves.append(curve)
         for end in curve.ends:
             if end.collision is not None and not self._is_known(end.collision):
@@ -113,6 +117,34 @@ class Network:
             )
             for node in ends:
                 node.branches.append(name)
+
+    def _draws(self, known: Curve, curve: Curve) -> bool:
+        """Whether a branch has the ends of another one, and the middle of that lies on it too."""
+        if (known.kind, known.order) != (curve.kind, curve.order):
+            return False
+        units = np.array([self.settings.p_scale, self.settings.x_scale])
+        ends = [_place(curve, k) / units for k in (0, -1)]
+        there = [_place(known, k) / units for k in (0, -1)]
+        if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > DRAWN:
+            there.reverse()
+            if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > DRAWN:
+                return False
+        k = len(curve.parameter) // 2
+        samples = np.array([_place(known, j) for j in range(len(known.parameter))]) / units
+        middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
+        run = np.diff(samples, axis=0)
+        length = np.linalg.norm(run, axis=1)
+        part = np.einsum("ij,ij->i", middle - samples[:-1], run) / np.maximum(length, TINY) ** 2
+        foot = samples[:-1] + np.clip(part, 0.0, 1.0)[:, None] * run
+        off = np.linalg.norm(middle - foot, axis=1)
+        own = float(np.linalg.norm((_place(curve, k) - _place(curve, k - 1)) / units))
+        near = off <= self.settings.max_turn * np.maximum(length, own) + self.settings.same
+        steep = known.multiplier
+        slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])
+        here = sorted(curve.multiplier[k - 1 : k + 1])
+        if curve.kind is BranchKind.FIXED_POINT:
+            near &= (slopes[0] <= here[1]) & (here[0] <= slopes[1])
+        return bool(near.any())
 
     def _is_known(self, met: Collision) -> bool:
         """Whether a collision was met before, of the same cycle by the same piece."""
@@ -155,6 +187,11 @@ class Network:
     def _name(self, prefix: str) -> str:
         self._counts[prefix] = self._counts.get(prefix, 0) + 1
         return f"{prefix}{self._counts[prefix]}"
+
+
+def _place(curve: Curve, k: int) -> Floats:
+    """Parameter and first point of a sample."""
+    return np.array([curve.parameter[k], curve.points[k][0]])
 
 
 class Known:
