@@ -523,13 +523,25 @@ def _swing_margins(
         turn = minimum(model, mode, route.z)
         x = minimum_rate(model, change, mode, turn, typed(0), route)
         p = minimum_rate(model, change, mode, turn, typed(1), route)
+        if turn < t and turn < 0.5 * swing:  # the phase began before that minimum
+            note(notes, route, code + 3, -turn, -x, -p)
+            return
         note(notes, route, code + 2, turn - t, x - delays[0], p - delays[1])
+        if turn >= 0.5 * swing:  # it began after the minimum before
+            longer = _change_of_swing(model, change, mode, swing)
+            note(notes, route, code + 3, swing - turn, -x, longer - p)
         return
     note(notes, route, code, t, delays[0], delays[1])
-    longer = 0.0
-    if len(change) > 0:  # omega^2 = -kappa
-        longer = 0.5 * swing * change[mode, KAPPA] / (model[mode, OMEGA] * model[mode, OMEGA])
+    longer = _change_of_swing(model, change, mode, swing)
     note(notes, route, code + 1, swing - t, -delays[0], longer - delays[1])
+
+
+@part
+def _change_of_swing(model: Floats, change: Floats, mode: int, swing: float) -> float:
+    """Derivative of the period of a mode along the parameter; omega^2 = -kappa."""
+    if len(change) == 0:
+        return 0.0
+    return float(0.5 * swing * change[mode, KAPPA] / (model[mode, OMEGA] * model[mode, OMEGA]))
 
 
 @part
