@@ -240,7 +240,7 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
         length = float(np.abs(move).max())
         if not np.isfinite(length):
             return Solution(orbit, False, k)
-        if 0.0 < before <= length <= settings.stalled:
+        if 0.0 < before <= length <= settings.stalled and _is_rounded(orbit, conditions):
             return Solution(orbit, True, k)
         trial = moved(orbit, move * scale)
         while not trial.defined and halvings < settings.newton:
@@ -253,6 +253,13 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
             return Solution(orbit, True, k + 1)
         before = length
     return Solution(orbit, before <= NOISE * settings.converged, settings.newton)
+
+
+def _is_rounded(orbit: Orbit, conditions: Sequence[Condition]) -> bool:
+    """Whether nothing is left of the residuals but what rounding of the unknowns makes of them."""
+    matrix = np.abs(jacobian(orbit, conditions, np.ones(len(orbit) + 1)))
+    size = matrix @ np.maximum(np.abs(orbit.point), 1.0)
+    return bool((np.abs(residuals(orbit, conditions)) <= NOISE * 2.0**-52 * size).all())
 
 
 NOISE = 64.0  # steps that go on shrinking, slowly, below so many of the shortest are rounding
