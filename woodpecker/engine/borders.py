@@ -248,7 +248,7 @@ def _first_root(
     for k in range(ROOT_STEPS):
         way = high[0] - low[0]
         ahead, code = reach(low[1], math.copysign(1.0, way))
-        if abs(way) <= tolerance or (high[1].reason and ahead <= tolerance):
+        if abs(way) <= tolerance or (ahead <= tolerance and (k > 0 or high[1].reason)):
             return *low, code if ahead <= 2.0 * tolerance else NO_VALUE
         ahead /= abs(way)
         if high[1].reason:

@@ -193,7 +193,8 @@ class Stepper:
             if step < self.settings.min_step:
                 return Stretch(tuple(samples), Stop.SHORT)
             last = samples[-1]
-            found = self._to_end(last, step) or self.advance(last, step)
+            before = samples[-2] if len(samples) > 1 else None
+            found = self._to_end(last, step) or self.advance(last, step, before)
             if isinstance(found, float):
                 step = found
                 continue
@@ -238,10 +239,14 @@ class Stepper:
         ends = [event for event in near if event.stop in (Stop.SPAN, Stop.WINDOW)]
         return (ends or sorted(near, key=lambda event: event.distance))[0]
 
-    def advance(self, last: Sample, step: float) -> Sample | float:
-        """The sample one step ahead, or a shorter step to try."""
+    def advance(self, last: Sample, step: float, before: Sample | None = None) -> Sample | float:
+        """The sample one step ahead, or a shorter step to try.
+
+        It is predicted along the tangent, or along the cubic through the sample before too: where
+        orbits are steep Newton's method needs to start close by.
+        """
         scale = scales(len(last.orbit), self.settings)
-        predicted = self._predicted(last, step, scale)
+        predicted = self._predicted(last, step, scale, before)
         if not predicted.defined:
             return 0.5 * step
         distance = Distance(last.orbit.point, last.tangent, step, scale)
@@ -280,8 +285,16 @@ class Stepper:
         return self.sample(found, last.tangent)
 
     @staticmethod
-    def _predicted(last: Sample, step: float, scale: Floats) -> Orbit:
+    def _predicted(last: Sample, step: float, scale: Floats, before: Sample | None = None) -> Orbit:
         move = step * last.tangent * scale
+        if before is not None:
+            chord = (last.orbit.point - before.orbit.point) / scale
+            length = float(np.linalg.norm(chord))
+            if length > 0.0:
+                mean, part = chord / length, step / length
+                cubic = last.tangent + before.tangent - 2.0 * mean
+                square = 2.0 * last.tangent + before.tangent - 3.0 * mean
+                move = move + step * part * (square + part * cubic) * scale
         x, p = last.orbit.x + move[:-1], last.orbit.p + float(move[-1])
         images = tuple(
             image.piece.at(float(value), p)

@@ -90,7 +90,12 @@ def test_samples_are_cycles_of_the_toy(network: Network) -> None:
                 found = first_return(Toy(eps_n1=p), x)
                 # rounding of a return of slope m is some 20 spacings of doubles times m
                 assert found.phi_s == pytest.approx(x, abs=1e-14 * (1.0 + abs(found.slope)))
-                assert found.slope == pytest.approx(curve.multiplier[k], rel=1e-6, abs=1e-8)
+                # beside a square root a slope differs between neighbouring doubles
+                beside = [first_return(Toy(eps_n1=p), x + way * 4e-16).slope for way in (-1, 1)]
+                spread = abs(beside[1] - beside[0])
+                assert found.slope == pytest.approx(
+                    curve.multiplier[k], rel=1e-6, abs=1e-8 + spread
+                )
 
 
 @NEEDS_NUMBA
