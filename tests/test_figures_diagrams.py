@@ -16,11 +16,11 @@ from woodpecker import (
     SampledMap,
     Start,
     Toy,
+    ToyPieces,
     iterated,
     local_model,
     shoot,
     slice_of,
-    toy_map,
     toy_samples,
 )
 from woodpecker.base.compiled import COMPILED
@@ -304,7 +304,7 @@ def test_the_toy_agrees_with_its_local_model(tmp_path: Path) -> None:
 
 
 def test_a_wrong_slope_gives_another_power() -> None:
-    model = local_model(toy_map(Toy()), A[1], A[0])
+    model = local_model(ToyPieces(Toy()), A[1], A[0])
     right: Start = next(each for each in model.starts if each.kind is BranchKind.FIXED_POINT)
     wrong = replace(right, slope=1.01 * right.slope)
     assert fig12.agreement(model, right).power == pytest.approx(2.0, abs=0.1)

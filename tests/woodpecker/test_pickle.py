@@ -8,9 +8,10 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import lines
 import numpy as np
 import pytest
-from maps import paper, two_lines
+from maps import paper
 
 from woodpecker import (
     LocalModel,
@@ -81,9 +82,11 @@ def test_sampled_maps(way: Way, used: bool) -> None:
 
 @WAYS
 def test_local_models(way: Way) -> None:
-    model = local_model(two_lines(), 0.0, 0.0, orders=(1, 2))
+    model = local_model(lines.two_lines(), 0.0, 0.0, orders=(1, 2))
     again: LocalModel = way(model)
-    assert (again.edge, again.starts, again.point) == (model.edge, model.starts, model.point)
+    assert (again.x, again.p, again.speed) == (model.x, model.p, model.speed)
+    assert (again.starts, again.point) == (model.starts, model.point)
+    assert again.border.cause == model.border.cause
     assert str(again.map.at({"q": 1}).iterate(2)) == str(model.map.at({"q": 1}).iterate(2))
 
 
