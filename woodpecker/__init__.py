@@ -15,6 +15,7 @@ from woodpecker.engine.formulas import FormulaMap, FormulaPiece, Smooth
 from woodpecker.engine.iterates import Iterate
 from woodpecker.engine.local import LocalModel, Start, local_model
 from woodpecker.engine.pieces import Image, PiecewiseMap
+from woodpecker.engine.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.engine.symbolic import from_pwmap, from_sympy
 from woodpecker.engine.windows import borders_in, crosses, nearest_border
 from woodpecker.mechanics.equations import (
@@ -41,7 +42,6 @@ from woodpecker.piecewise.partition import (
 )
 from woodpecker.piecewise.search import Report, Search
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.piecewise.stepping import PathPoint, follow
 from woodpecker.piecewise.tolerances import Tolerances
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
