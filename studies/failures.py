@@ -86,7 +86,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "distances": points,
         "why": {scene.name: scene.why for scene in chosen},
         "skipped": None if COMPILED else "no numba: pieces and continuation would take minutes",
-        "edges": {scene.name: scene.edge.x for scene in chosen if scene.edge is not None},
+        "edges": {scene.name: scene.border.x for scene in chosen if scene.border is not None},
     }
 
 
@@ -155,7 +155,7 @@ def _with_distance(row: Row, verdicts: Sequence[Verdict], bad: Verdict) -> str:
 def points_of(measured: Measured) -> list[Row]:
     """Every start near an edge of the map, for the picture of errors over distance."""
     scene, method, verdicts, _ = measured
-    if scene.edge is None or method.missing:
+    if scene.border is None or method.missing:
         return []
     return [
         {
@@ -167,7 +167,7 @@ def points_of(measured: Measured) -> list[Row]:
             "allowed": v.allowed,
             "word_right": v.word_right,
             "kind": v.kind.value,
-            "jump": scene.edge.jump,
+            "jump": scene.border.jump,
         }
         for start, v in zip(scene.starts, verdicts, strict=True)
     ]

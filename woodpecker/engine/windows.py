@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from woodpecker.base.checks import interval, number, positive
-from woodpecker.engine.borders import Border, beyond, reach_of
+from woodpecker.engine.borders import Border, beyond, reach, reach_of
 from woodpecker.engine.orbits import Coordinate, Margin, Orbit, solve
 from woodpecker.engine.partition import partition
 from woodpecker.engine.pieces import Image, PiecewiseMap
@@ -69,10 +69,20 @@ def nearest_border(
         raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
     found = list[Border]()
     for side in (-1, 1):
-        way = reach_of(here, x, p, side, x + side * within, chosen)
-        if way.code >= 0:
-            found.append(border_of(map_, way.images[-1], way.code, way.end, p, side, chosen))
+        limit = x + side * within
+        way = reach_of(here, x, p, side, limit, chosen)
+        code = way.code
+        if code < 0 and way.end != limit:
+            code = _ahead(way.images[-1], side, chosen)
+        if code >= 0:
+            found.append(border_of(map_, way.images[-1], code, way.end, p, side, chosen))
     return min(found, key=lambda border: abs(border.x - x), default=None)
+
+
+def _ahead(image: Image, side: int, settings: Settings) -> int:
+    """The margin that is about to vanish where a piece was followed no further; -1 if none is."""
+    away, code = reach(image, side)
+    return code if away <= settings.beside * settings.x_scale else -1
 
 
 def crosses(border: Border) -> bool:

@@ -5,7 +5,16 @@ from __future__ import annotations
 import pytest
 from lines import moving, paper, skew_tent, two_lines
 
-from woodpecker import BorderKind, Iterate, Toy, ToyPieces, borders_in, crosses, nearest_border
+from woodpecker import (
+    BorderKind,
+    Iterate,
+    Toy,
+    ToyPieces,
+    borders_in,
+    crosses,
+    equilibrium,
+    nearest_border,
+)
 from woodpecker.engine.settings import Settings
 
 SETTINGS = Settings(window=(-2.5, -0.24))
@@ -36,6 +45,17 @@ def test_the_nearest_border_is_met_from_both_sides(x: float) -> None:
     assert found is not None
     assert found.x == pytest.approx(0.5, abs=2.0**-52)
     assert found.side == (1 if x < 0.5 else -1)
+
+
+def test_a_border_whose_margin_vanishes_exactly_at_a_double() -> None:
+    """Newton's method meets 0.0 on the way from this start: the end of the jammed sleeve."""
+    rest = equilibrium(Toy()).phi_s
+    found = nearest_border(ToyPieces(Toy()), rest + 1e-3, 0.5, 0.1)
+    assert found is not None
+    assert found.cause == "the lower sleeve only just sticks"
+    band = nearest_border(ToyPieces(Toy()), rest - 1e-3, 0.5, 0.1)
+    assert band is not None
+    assert found.x - rest == pytest.approx(rest - band.x, abs=1e-15)  # mirror images
 
 
 def test_a_border_farther_than_asked_is_none() -> None:
