@@ -37,11 +37,14 @@ from fail_scenes import Scene, scenes
 from laws import CONTACT_BY_CONTACT
 from record import Results, command
 
-from woodpecker import Resolution, partition, toy_samples
+from woodpecker import ToyPieces
 from woodpecker.base.compiled import COMPILED
+from woodpecker.engine.partition import partition
+from woodpecker.engine.settings import Settings
 
 DIPS = ((-1.2255, -1.2242), (-0.2665, -0.2653))  # rad, around the two dips at eps_N1 = 0.5
-COARSE = 1e-6  # rad; pieces narrower than this are not looked for
+COARSE = 2.5e-7  # rad; pieces narrower than this are not looked for
+WINDOW = (-2.5, -0.24)  # rad
 Row = dict[str, Any]
 
 
@@ -175,9 +178,11 @@ def points_of(measured: Measured) -> list[Row]:
 
 def unresolved(dips: Sequence[tuple[float, float]] = DIPS) -> Row:
     """What the project itself cannot resolve: next to a dip the pieces of P_1 accumulate."""
-    map_ = toy_samples(CONTACT_BY_CONTACT)
-    found = [partition(map_, 0.5, window, Resolution(smallest=COARSE)) for window in dips]
-    length = sum(each.unresolved_length for each in found)
+    part = COARSE / (WINDOW[1] - WINDOW[0])
+    settings = Settings(window=WINDOW, finest=part, coarse=part)
+    map_ = ToyPieces(CONTACT_BY_CONTACT)
+    found = [partition(map_, 0.5, window, settings) for window in dips]
+    length = sum(each.unresolved for each in found)
     return {
         "scene": "pieces at the dips",
         "label": "all pieces next to the dips",
@@ -185,7 +190,7 @@ def unresolved(dips: Sequence[tuple[float, float]] = DIPS) -> Row:
         "kind": Kind.BOUNDED.value,
         "verdict": f"stated: {power(length)} rad open",
         "error": length,
-        "pieces": sum(len(each.pieces) for each in found),
+        "pieces": sum(len(each.stretches) for each in found),
         "resolution": COARSE,
     }
 
