@@ -18,26 +18,28 @@ from record import Results
 
 from pwmap import Branch, BranchKind, Diagram
 from woodpecker import (
+    Cycle,
     ExpansionFriction,
     Found,
-    Iterate,
     Search,
     Settings,
     Toy,
-    ToyPieces,
     find_all,
     first_return,
+    iterated,
+    slice_of,
+    toy_map,
+    toy_samples,
 )
-from woodpecker.base.arrays import Floats
-from woodpecker.engine import settings as engine
-from woodpecker.engine.orbits import Orbit, minimal_period
-from woodpecker.engine.slices import slices_at
+from woodpecker.diagram import MARGIN
+from woodpecker.piecewise.maps import SEPARATOR, evaluate, minimal_period, windowed
+from woodpecker.piecewise.slices import Slicer
 
 ASKED = 1e-11  # rad: the residual that is asked for
 ROUNDING = 2.0**-52  # relative
 KERNEL = 1e-12, 1e-13  # rad: what the kernel promises, alone and for each unit of slope
-SAME = 1e-6  # rad: a point that was found twice
-STEEPEST = Settings().steepest  # what the search leaves out
+PAIRED = 1e-9  # rad: a cycle that was found from two of its points
+SAME = 1e-6  # rad: a cycle that goes round a shorter one; a point that was found twice
 AWAY = 1e-6  # in eps_N1: how far a slice keeps from the ends of branches
 
 
@@ -119,7 +121,7 @@ class Seen(NamedTuple):
     fixed_points: int  # all points of each cycle
     drawn: int  # of the diagram, at the same parameter
     missing: int  # fixed points for which no branch of their word is left
-    sampled: int  # fixed points that a search of P_j itself finds, piece by piece
+    sampled: int  # fixed points that a search of P_j itself finds, piece by piece of 1e-6 rad
     only_sampled: int  # and that are not among the cycles
     crossings: int  # jump crossings of P_j
     drawn_crossings: int
@@ -140,16 +142,22 @@ def between(diagram: Diagram, count: int) -> list[float]:
 
 def counted(diagram: Diagram, part: Part, order: int, eps_n1: float) -> Seen:
     """The fixed points of P_j at one parameter, from slices that know nothing of branches."""
-    map_, settings = ToyPieces(part.toy()), engine.Settings(window=part.window)
-    (slice_,) = slices_at(map_, eps_n1, (order,), settings)
-    turned = [cycle.rotated(k) for cycle in slice_.cycles for k in range(order)]
-    points = [(float(cycle.x[0]), " | ".join(cycle.words)) for cycle in turned if is_kept(cycle)]
-    (direct,) = slices_at(Iterate(map_, order), eps_n1, (1,), settings)
-    orbits = [orbit_from(map_, float(cycle.x[0]), eps_n1, order) for cycle in direct.cycles]
+    toy, settings = part.toy(eps_n1), Settings(window=part.window)
+    low, high = part.window
+    labelled = windowed(toy_map(toy), (low - MARGIN, high + MARGIN))
+    samples = toy_samples(toy)
+    slicer = Slicer(labelled, samples, settings, part.search.resolution)
+    (slice_,) = slicer.take(eps_n1, (order,))
+    cycles = unique([c for c in slice_.cycles if minimal_period(c, SAME) == order])
+    points = [(float(cycle.x[k]), word_from(cycle, k)) for cycle in cycles for k in range(order)]
+    direct = slice_of(
+        iterated(samples, order, part.window), eps_n1, part.window, part.search.resolution
+    )
+    orbits = [evaluate(labelled, orbit(toy, x, order), eps_n1) for x, _ in direct.fixed_points]
     sampled = [
         float(cycle.x[0])
         for cycle in orbits
-        if minimal_period(cycle, settings) == order and is_kept(cycle)
+        if minimal_period(cycle, SAME) == order and cycle.steepness <= settings.steepest
     ]
     hits = [hit for hit in diagram.at(eps_n1) if hit.branch.order == order]
     drawn = Counter(h.branch.word for h in hits if h.branch.kind is BranchKind.FIXED_POINT)
@@ -165,27 +173,28 @@ def counted(diagram: Diagram, part: Part, order: int, eps_n1: float) -> Seen:
     )
 
 
-def orbit_from(map_: ToyPieces, x: float, p: float, returns: int) -> Orbit:
-    """An orbit with its images."""
-    images = [map_.at(x, p)]
-    while len(images) < returns:
-        images.append(map_.at(images[-1].value, p))
-    return Orbit(np.array([x, *(image.value for image in images[:-1])]), p, tuple(images))
-
-
-def is_kept(cycle: Orbit) -> bool:
-    """Whether the search follows a cycle: no product of successive slopes is too large."""
-    slopes = [abs(image.slope) for image in cycle.images] * 2
-    n = len(cycle)
-    return all(math.prod(slopes[i : i + k]) <= STEEPEST for i in range(n) for k in range(1, n + 1))
-
-
-def orbit(toy: Toy, x: float, returns: int) -> Floats:
+def orbit(toy: Toy, x: float, laps: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """The first points of an orbit."""
     points = [x]
-    while len(points) < returns:
+    while len(points) < laps:
         points.append(first_return(toy, points[-1]).phi_s)
     return np.array(points)
+
+
+def unique(cycles: list[Cycle]) -> list[Cycle]:
+    """Each cycle once, whichever of its points it was found from."""
+    kept: list[tuple[float, str, Cycle]] = []
+    for cycle in cycles:
+        first = int(cycle.x.argmin())
+        x, word = float(cycle.x[first]), word_from(cycle, first)
+        if all(word != other or abs(x - y) > PAIRED for y, other, _ in kept):
+            kept.append((x, word, cycle))
+    return [cycle for *_, cycle in kept]
+
+
+def word_from(cycle: Cycle, k: int) -> str:
+    """The word of a cycle, started from one of its points."""
+    return SEPARATOR.join((*cycle.words[k:], *cycle.words[:k]))
 
 
 # --- Residuals ------------------------------------------------------------------------------------
