@@ -22,6 +22,10 @@ RETURN = 2**32  # between the codes of margins of successive returns; those of a
 class Iterate:
     """P_order of a map; it pickles if the map does.
 
+    Where P_1 is steep its iterates have pieces too thin to be met one by one, and some are stepped
+    over: all cycles of a window are found by :func:`woodpecker.engine.slices.slices_at`, which
+    pulls the pieces of P_1 back.
+
     Parameters
     ----------
     map
