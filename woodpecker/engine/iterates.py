@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from woodpecker.base.checks import whole
-from woodpecker.engine.pieces import Image, Piece, PiecewiseMap
+from woodpecker.engine.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
 RETURN = 2**32  # between the codes of margins of successive returns; those of a map are smaller
 
@@ -37,12 +37,15 @@ class Iterate:
     ------
     ValueError
         If the order is no whole number of at least 1.
+    TypeError
+        If the map has no pieces.
     """
 
     map: PiecewiseMap
     order: int
 
     def __post_init__(self) -> None:
+        map_of_pieces(self.map)
         object.__setattr__(self, "order", whole("order", self.order))
 
     def at(self, x: float, p: float) -> Image:

@@ -23,7 +23,7 @@ from pwmap.parameters.bifurcations import bifurcation_diagram as exact_diagram
 from woodpecker.base.checks import number
 from woodpecker.engine.borders import Border, BorderKind
 from woodpecker.engine.orbits import Closed, Margin, Orbit, scales, solve
-from woodpecker.engine.pieces import Image, PiecewiseMap
+from woodpecker.engine.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.windows import border_of, nearest_border
 
@@ -135,10 +135,8 @@ def local_model(
     TypeError
         If the map has no pieces, see :class:`woodpecker.PiecewiseMap`.
     """
-    if not callable(getattr(map_, "at", None)):
-        raise TypeError(f"map_ must be a map of pieces such as ToyPieces(toy), got {map_!r}")
     chosen = settings if settings is not None else Settings()
-    border = _collision(map_, number("x", x), number("p", p), chosen)
+    border = _collision(map_of_pieces(map_), number("x", x), number("p", p), chosen)
     h_x, h_p = border.inner.gradient(border.code).tolist()
     speed = -h_p / h_x
     model = _model(border, speed)

@@ -19,7 +19,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, real_array, whole
 from woodpecker.engine.orbits import Closed, Coordinate, newton_step, orbit_of, solve
 from woodpecker.engine.orbits import Orbit as Cycle
-from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.engine.settings import Settings
 
 SAME = 1e-6  # distance [rad] within which an orbit that has settled repeats itself
@@ -58,7 +58,7 @@ def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: float) -> Swept:
     """A map at points (n,), at once if it can, otherwise one by one."""
     if isinstance(map_, SweptMap):
         return map_.sweep(x, p)
-    images = [map_.at(each, p) for each in x.tolist()]
+    images = [map_of_pieces(map_).at(each, p) for each in x.tolist()]
     value, slope = np.array([(i.value, i.slope) for i in images], dtype=float).reshape(-1, 2).T
     return Sweep(value, slope)
 

@@ -10,7 +10,7 @@ from woodpecker.base.checks import interval, number, positive
 from woodpecker.engine.borders import Border, beyond, reach, reach_of
 from woodpecker.engine.orbits import Coordinate, Margin, Orbit, solve
 from woodpecker.engine.partition import partition
-from woodpecker.engine.pieces import Image, PiecewiseMap
+from woodpecker.engine.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.engine.settings import Settings
 
 
@@ -36,10 +36,12 @@ def borders_in(
     ------
     ValueError
         If the window is no two finite, ascending numbers.
+    TypeError
+        If the map has no pieces.
     """
     ends = interval("window", window, finite=True)
     chosen = settings if settings is not None else Settings(window=ends)
-    found = partition(map_, number("p", p), ends, chosen).borders()
+    found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders()
     return [_sharpened(map_, border, chosen) for border in found]
 
 
@@ -61,10 +63,12 @@ def nearest_border(
     ------
     ValueError
         If the map has no value at the point, or the distance is not positive.
+    TypeError
+        If the map has no pieces.
     """
     x, p, within = number("x", x), number("p", p), positive("within", within)
     chosen = settings if settings is not None else Settings()
-    here = map_.at(x, p)
+    here = map_of_pieces(map_).at(x, p)
     if here.reason:
         raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
     found = list[Border]()

@@ -86,7 +86,7 @@ def test_no_collision_is_said() -> None:
         local_model(paper(A), 0.0, 1.0)
     with pytest.raises(ValueError, match=r"does not jump at x = 0\.0, p = 0\.0"):
         local_model(skew_tent(0.5, -1.5), 0.0, 0.0)
-    with pytest.raises(TypeError, match=r"map_ must be a map of pieces such as .*, got 3"):
+    with pytest.raises(TypeError, match=r"a map must be one of pieces, such as .*, got 3"):
         local_model(3, 0.0, 0.0)  # type: ignore[arg-type]
 
 
