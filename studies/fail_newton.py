@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.maps import LabelledMap
+from woodpecker.engine.pieces import PiecewiseMap
 
 Plain = Callable[[float, float], float]  # (x, p) -> image; nan where there is none
 
@@ -48,9 +48,9 @@ class Path(NamedTuple):
     corrections: int  # Newton steps, also those of steps that failed
 
 
-def plain(labelled_map: LabelledMap) -> Plain:
-    """Only the values of a labelled map."""
-    return lambda x, p: labelled_map(x, p).value
+def plain(map_: PiecewiseMap) -> Plain:
+    """Only the values of a map."""
+    return lambda x, p: map_.at(x, p).value
 
 
 def newton(f: Plain, x: float, p: float) -> Shot:

@@ -18,12 +18,12 @@ from fail_judge import Kind, power
 from pwmap import BranchKind, PointKind
 from woodpecker import (
     Toy,
+    ToyPieces,
     continuation,
     shoot,
-    slice_of,
-    toy_map,
-    toy_samples,
 )
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.slices import slices_at
 
 AROUND = (-5e-2, -1e-2, -1e-3, 1e-3, 1e-2, 5e-2)  # rad, of guesses around a point
 BESIDE = 1e-4  # distance of the parameter at which Newton's method is tried
@@ -95,7 +95,7 @@ def followed_by_project(point: Collision) -> Row:
 
 def followed_by_textbook(point: Collision) -> Row:
     """Pseudo-arclength continuation from the start, and where it ends up."""
-    f = textbook.plain(toy_map(Toy()))
+    f = textbook.plain(ToyPieces(Toy()))
     first = textbook.newton(f, point.start[1], point.start[0])
     path = textbook.follow(f, first.x, first.p, -point.inward, (0.0, 1.0), (-2.5, -0.24))
     side = np.sign(path.x - point.x)
@@ -126,21 +126,20 @@ def listed(point: Collision) -> Row:
     The branch must be there on its own side, and on the other nothing else may be missing: next to
     C lies the branch that comes from A. A textbook has nothing like it.
     """
-    window = (point.x - 2.0 * AROUND[-1], point.x + 2.0 * AROUND[-1])
-    f, target = toy_map(Toy()), _target(point)
-    inside, outside = (
-        slice_of(toy_samples(Toy()), point.p + side * point.inward * BESIDE, window)
-        for side in (1, -1)
+    settings = Settings(window=(point.x - 2.0 * AROUND[-1], point.x + 2.0 * AROUND[-1]))
+    map_, target = ToyPieces(Toy()), _target(point)
+    (inside,), (outside,) = (
+        slices_at(map_, point.p + side * point.inward * BESIDE, (1,), settings) for side in (1, -1)
     )
-    there = any(abs(x - target) < SAME_POINT for x, _ in inside.fixed_points)
-    gone = len(inside.fixed_points) - len(outside.fixed_points) == 1
+    there = any(abs(cycle.x[0] - target) < SAME_POINT for cycle in inside.cycles)
+    gone = len(inside.cycles) - len(outside.cycles) == 1
     right = there and gone
     return {
         **_named("list", point, "project"),
         "kind": (Kind.EXACT if right else Kind.VALUE).value,
         "verdict": "slice: there inside, gone outside" if right else "slice misses it",
-        "error": abs(f(target, inside.partition.p).value - target),
-        "crossings": [len(inside.crossings), len(outside.crossings)],
+        "error": abs(map_.at(target, inside.p).value - target),
+        "crossings": [len(inside.jumps), len(outside.jumps)],
     }
 
 
@@ -153,7 +152,7 @@ def shot_by_project(point: Collision) -> Row:
 
 def shot_by_textbook(point: Collision) -> Row:
     """Newton's method from the same guesses."""
-    f, p, target = textbook.plain(toy_map(Toy())), point.p + point.inward * BESIDE, _target(point)
+    f, p, target = textbook.plain(ToyPieces(Toy())), point.p + point.inward * BESIDE, _target(point)
     shots = [textbook.newton(f, point.x + guess, p) for guess in AROUND]
     return _shooting(point, "textbook", [_name(s.converged, s.x, target) for s in shots])
 
@@ -178,9 +177,9 @@ def _named(what: str, point: Collision, method: str) -> Row:
 
 def _target(point: Collision) -> float:
     """The fixed point of the branch, a little inside its end."""
-    toy = Toy(eps_n1=point.p + point.inward * BESIDE)
-    found = slice_of(toy_samples(toy), toy.eps_n1, (point.x - 2e-3, point.x + 2e-3)).fixed_points
-    return min((x for x, _ in found), key=lambda x: abs(x - point.x))
+    settings = Settings(window=(point.x - 2e-3, point.x + 2e-3))
+    (found,) = slices_at(ToyPieces(Toy()), point.p + point.inward * BESIDE, (1,), settings)
+    return min((float(cycle.x[0]) for cycle in found.cycles), key=lambda x: abs(x - point.x))
 
 
 def _name(converged: bool, x: float, target: float) -> str:

@@ -19,13 +19,24 @@ from fail_judge import Truth
 from laws import CONTACT_BY_CONTACT, SUMMED
 from mpmath import mp, mpf, nstr
 
-from woodpecker import Toy, equilibrium, first_return, jam_limit, parameters, toy_map
-from woodpecker.piecewise.borders import Edge, edge_between
+from woodpecker import (
+    Border,
+    BorderKind,
+    Toy,
+    ToyPieces,
+    borders_in,
+    equilibrium,
+    first_return,
+    jam_limit,
+    parameters,
+)
+from woodpecker.engine.settings import Settings
 
 DIGITS = 30
 STEP = 4e-3  # s, of the reference's Taylor series: longer ones are quicker, and change no digit
 NOMINAL = -0.52947197  # rad, the stable cycle at eps_N1 = 0.5
-# Doubles on both sides of an edge of P_1 at eps_N1 = 0.5 [rad], with no other edge between them:
+SCALES = Settings(window=(-2.5, -0.24))  # rad
+# Around a jump or a grazing of P_1 at eps_N1 = 0.5 [rad], with no other one between them:
 JUMP_C = (-0.760, -0.755)  # beak or sleeve first: the jump that point C lies on
 JUMP_A = (-0.8855, -0.8840)  # the jump that A and B lie on
 GRAZING = (-0.2779, -0.27786)  # the beak just misses the pole: a square root, no jump
@@ -37,7 +48,7 @@ SCALE = 1024.0  # a power of two: scaling by it makes no rounding error
 
 
 class Start(NamedTuple):
-    """One run: the toy, its start [rad], what should come out, and how far an edge is."""
+    """One run: the toy, its start [rad], what should come out, and how far a border is."""
 
     toy: Toy
     phi_s: float
@@ -53,7 +64,7 @@ class Scene(NamedTuple):
     label: str
     why: str
     starts: tuple[Start, ...]
-    edge: Edge | None = None
+    border: Border | None = None
 
 
 def scenes(fast: bool = False) -> tuple[Scene, ...]:
@@ -154,17 +165,21 @@ def _single(name: str, label: str, why: str, toy: Toy, phi_s: float) -> Scene:
 def around(
     name: str, label: str, why: str, between: tuple[float, float], distances: Sequence[float]
 ) -> Scene:
-    """Starts on both sides of an edge of P_1, which is found to the last bit."""
+    """Starts on both sides of a jump or a grazing of P_1, the root of a margin."""
     toy = CONTACT_BY_CONTACT
-    edge = edge_between(toy_map(toy), toy.eps_n1, *between)
-    jumps = abs(edge.jump) > 1e-3  # limits at a grazing agree, and tell nothing apart
+    (border,) = (
+        each
+        for each in borders_in(ToyPieces(toy), toy.eps_n1, between, SCALES)
+        if each.kind(SCALES) in (BorderKind.JUMP, BorderKind.GRAZING)
+    )
+    jumps = border.kind(SCALES) is BorderKind.JUMP  # limits at a grazing agree, and tell nothing
     starts = []
     for distance in distances:
-        for side, other in ((-1, edge.right_limit), (1, edge.left_limit)):
-            phi_s = edge.x + side * distance
+        for side, other in ((-1, border.outer.value), (1, border.inner.value)):
+            phi_s = border.x + side * distance
             truth = exact(toy, phi_s, other if jumps else math.nan)
             starts.append(Start(toy, phi_s, truth, distance, side))
-    return Scene(name, label, why, tuple(starts), edge)
+    return Scene(name, label, why, tuple(starts), border)
 
 
 def jam(distances: Sequence[float]) -> Scene:

@@ -37,11 +37,14 @@ from fail_scenes import Scene, scenes
 from laws import CONTACT_BY_CONTACT
 from record import Results, command
 
-from woodpecker import Resolution, partition, toy_samples
+from woodpecker import ToyPieces
 from woodpecker.base.compiled import COMPILED
+from woodpecker.engine.partition import partition
+from woodpecker.engine.settings import Settings
 
 DIPS = ((-1.2255, -1.2242), (-0.2665, -0.2653))  # rad, around the two dips at eps_N1 = 0.5
-COARSE = 1e-6  # rad; pieces narrower than this are not looked for
+COARSE = 2.5e-7  # rad; pieces narrower than this are not looked for
+WINDOW = (-2.5, -0.24)  # rad
 Row = dict[str, Any]
 
 
@@ -86,7 +89,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "distances": points,
         "why": {scene.name: scene.why for scene in chosen},
         "skipped": None if COMPILED else "no numba: pieces and continuation would take minutes",
-        "edges": {scene.name: scene.edge.x for scene in chosen if scene.edge is not None},
+        "edges": {scene.name: scene.border.x for scene in chosen if scene.border is not None},
     }
 
 
@@ -155,7 +158,7 @@ def _with_distance(row: Row, verdicts: Sequence[Verdict], bad: Verdict) -> str:
 def points_of(measured: Measured) -> list[Row]:
     """Every start near an edge of the map, for the picture of errors over distance."""
     scene, method, verdicts, _ = measured
-    if scene.edge is None or method.missing:
+    if scene.border is None or method.missing:
         return []
     return [
         {
@@ -167,7 +170,7 @@ def points_of(measured: Measured) -> list[Row]:
             "allowed": v.allowed,
             "word_right": v.word_right,
             "kind": v.kind.value,
-            "jump": scene.edge.jump,
+            "jump": scene.border.jump,
         }
         for start, v in zip(scene.starts, verdicts, strict=True)
     ]
@@ -175,9 +178,11 @@ def points_of(measured: Measured) -> list[Row]:
 
 def unresolved(dips: Sequence[tuple[float, float]] = DIPS) -> Row:
     """What the project itself cannot resolve: next to a dip the pieces of P_1 accumulate."""
-    map_ = toy_samples(CONTACT_BY_CONTACT)
-    found = [partition(map_, 0.5, window, Resolution(smallest=COARSE)) for window in dips]
-    length = sum(each.unresolved_length for each in found)
+    part = COARSE / (WINDOW[1] - WINDOW[0])
+    settings = Settings(window=WINDOW, finest=part, coarse=part)
+    map_ = ToyPieces(CONTACT_BY_CONTACT)
+    found = [partition(map_, 0.5, window, settings) for window in dips]
+    length = sum(each.unresolved for each in found)
     return {
         "scene": "pieces at the dips",
         "label": "all pieces next to the dips",
@@ -185,7 +190,7 @@ def unresolved(dips: Sequence[tuple[float, float]] = DIPS) -> Row:
         "kind": Kind.BOUNDED.value,
         "verdict": f"stated: {power(length)} rad open",
         "error": length,
-        "pieces": sum(len(each.pieces) for each in found),
+        "pieces": sum(len(each.stretches) for each in found),
         "resolution": COARSE,
     }
 

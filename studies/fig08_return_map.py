@@ -24,25 +24,28 @@ from record import Results, command
 from style import GREY, PALE, RED, STABLE, UNSTABLE, canvas
 
 from woodpecker import (
-    Partition,
-    Resolution,
+    Border,
+    BorderKind,
     Toy,
+    ToyPieces,
+    borders_in,
     equilibrium,
     first_return,
-    partition,
+    nearest_border,
     return_map,
-    slice_of,
-    toy_map,
-    toy_samples,
 )
-from woodpecker.piecewise.borders import Edge, bisect
+from woodpecker.engine.partition import partition
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.slices import slices_at
 from woodpecker.plot.figures import plot_return_map
 
 WINDOW = (-2.5, 0.11)  # rad, the paper's
 SEEN = 0.02  # rad: a jump that shows in the picture
-COARSE = Resolution(spacing=2e-3, smallest=1e-5, bend=1e-2)  # pieces of dips are left out
+SCALES = Settings(window=(-2.5, -0.24))
+WIDE = 1e-5  # rad: pieces that are counted; in the dips there are infinitely many thinner ones
+COUNTED = Settings(window=(-2.5, -0.24), finest=3e-6, coarse=3e-6)  # of the window: 7e-6 rad
 DIPS = (-1.23, -0.27)  # rad, the paper's
-BESIDE = 0.01  # rad: from there the centre of a dip is bisected; both sides hold one piece each
+BESIDE = 0.01  # rad: from there the centre of a dip is bisected; on its right is one word only
 NEAR = np.logspace(-6, -12, 13)  # rad: distances at which the flanks of a dip are measured
 
 
@@ -79,18 +82,19 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         ``fixed_points``: phi_S [rad] and slope; ``jumps``: phi_S and both limits [rad] of each
-        jump of more than 0.02 rad; ``dips``: see :class:`Dip`; ``ends``: see :class:`Ends`;
-        ``mirror_error``: largest distance of P_1 from 2 phi_S,eq - phi_S between the equilibrium
-        and ``slides_from`` [rad]; ``pieces``: number of pieces wider than 1e-5 rad left of the
-        band of centres.
+        jump of more than 0.02 rad; ``causes``: what happens there; ``dips``: see :class:`Dip`;
+        ``ends``: see :class:`Ends`; ``mirror_error``: largest distance of P_1 from
+        2 phi_S,eq - phi_S between the equilibrium and ``slides_from`` [rad]; ``pieces``: number of
+        pieces wider than 1e-5 rad left of the band of centres.
     """
     toy = Toy()
     dips = [dip(toy, guess) for guess in DIPS]
     rims = ends(toy)
-    coarse = partition(toy_samples(toy), toy.eps_n1, (WINDOW[0], rims.band[0] - BESIDE), COARSE)
-    jumps = seen(coarse)
-    fixed = slice_of(toy_samples(toy), toy.eps_n1, coarse.window, COARSE).fixed_points
-    points = [(x, first_return(toy, x).slope) for x, _ in fixed]
+    map_, left = ToyPieces(toy), (WINDOW[0], rims.band[0] - BESIDE)
+    jumps = seen(borders_in(map_, toy.eps_n1, left, SCALES))
+    pieces = partition(map_, toy.eps_n1, left, COUNTED).stretches
+    (found,) = slices_at(map_, toy.eps_n1, (1,), Settings(window=left))
+    points = [(float(orbit.x[0]), orbit.multiplier) for orbit in found.cycles]
     if out is not None:
         draw(toy, rims, points, 400 if fast else 1000).savefig(out / "fig08.png", dpi=200)
         plt.close("all")
@@ -98,20 +102,23 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     mirror = 2.0 * equilibrium(toy).phi_s - swing
     return {
         "fixed_points": points,
-        "jumps": [(edge.x, edge.left_limit, edge.right_limit) for edge in jumps],
-        "dips": [found._asdict() for found in dips],
+        "jumps": [(jump.x, jump.inner.value, jump.outer.value) for jump in jumps],
+        "causes": sorted({jump.cause for jump in jumps}),
+        "dips": [each._asdict() for each in dips],
         "ends": rims._asdict(),
         "mirror_error": float(np.max(np.abs(return_map(toy, swing).phi_s - mirror))),
-        "pieces": len(coarse.pieces),
+        "pieces": sum(piece.high - piece.low > WIDE for piece in pieces),
     }
 
 
-def seen(coarse: Partition) -> list[Edge]:
+def seen(borders: list[Border]) -> list[Border]:
     """Jumps that show in the picture: large, and not below it."""
     return [
-        edge
-        for edge in coarse.edges
-        if abs(edge.jump) > SEEN and min(edge.left_limit, edge.right_limit) > WINDOW[0]
+        border
+        for border in borders
+        if border.kind(SCALES) is BorderKind.JUMP
+        and abs(border.jump) > SEEN
+        and min(border.inner.value, border.outer.value) > WINDOW[0]
     ]
 
 
@@ -121,7 +128,7 @@ def dip(toy: Toy, guess: float) -> Dip:
     On the right the sleeve slides and jams again (the word ends in J2); on the left contact 2 opens
     first, with hardly any relative speed, and the toy falls.
     """
-    right, left = bisect(toy_map(toy), toy.eps_n1, guess + BESIDE, guess - BESIDE)
+    right, left = bisect(toy, guess + BESIDE, guess - BESIDE)
     values = [return_map(toy, left - NEAR).phi_s, return_map(toy, right + NEAR).phi_s]
     decades = np.log10(NEAR)
     power = np.polyfit(decades, np.log10(-values[0]), 1)[0]
@@ -131,17 +138,32 @@ def dip(toy: Toy, guess: float) -> Dip:
 
 
 def ends(toy: Toy) -> Ends:
-    """The band of centres, and where a start slides and falls; all to neighbouring doubles.
+    """The band of centres, and where a start slides and falls.
 
-    A start that stays jammed has the empty word.
+    The sleeve stays jammed on one piece of the map, which ends where it only just sticks. That a
+    toy falls for ever is no piece: the ends of these starts are bisected to neighbouring doubles.
     """
     rest = equilibrium(toy).phi_s
-    jammed = toy_map(toy)
-    band = bisect(jammed, toy.eps_n1, rest - 1e-3, rest - 0.1)[0]
-    slides = bisect(jammed, toy.eps_n1, rest + 1e-3, rest + 0.1)[0]
+    map_, starts = ToyPieces(toy), (rest - 1e-3, rest + 1e-3)
+    borders = [nearest_border(map_, x, toy.eps_n1, 0.1) for x in starts]
+    jams, slides = (border.x for border in borders if border is not None)
     middle = 0.5 * (-toy.phi_m_max)  # of the starts that fall
-    falls = [bisect(jammed, toy.eps_n1, middle, x)[0] for x in (slides, 0.1)]
-    return Ends((band, rest), slides, *falls)
+    falls = [bisect(toy, middle, x)[0] for x in (slides, 0.1)]
+    return Ends((jams, rest), slides, *falls)
+
+
+def bisect(toy: Toy, inside: float, outside: float) -> tuple[float, float]:
+    """Neighbouring doubles between which the toy ceases to do what it does from ``inside``."""
+    here = first_return(toy, inside)
+    while True:
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            return inside, outside
+        there = first_return(toy, middle)
+        if (there.status, there.word) == (here.status, here.word):
+            inside = middle
+        else:
+            outside = middle
 
 
 def draw(toy: Toy, rims: Ends, points: list[tuple[float, float]], starts: int) -> Figure:

@@ -46,10 +46,10 @@ from woodpecker import (
     Found,
     OrbitDiagram,
     Search,
+    ToyPieces,
     find_all,
     first_return,
     orbit_diagram,
-    toy_samples,
     unexplained,
 )
 
@@ -112,7 +112,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     found, diagram = both[SUMMED], both[SUMMED].diagram
     parameters = np.linspace(*span, 12 if fast else 800)[1:-1]
     starts = np.linspace(-2.4, -0.3, 12 if fast else 9)
-    orbits = orbit_diagram(toy_samples(TOYS[SUMMED]), parameters, starts, WINDOW)
+    orbits = orbit_diagram(ToyPieces(TOYS[SUMMED]), parameters, starts, WINDOW)
+    left = unexplained(orbits, diagram, ToyPieces(TOYS[SUMMED]))
     if out is not None:
         draw(diagram, orbits).savefig(out / "fig09.png", dpi=200)
         compare({law: each.diagram for law, each in both.items()}).savefig(
@@ -128,7 +129,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "orbits": len(orbits.orbits),
         "chaotic": sum(orbit.period == 0 and orbit.exponent > 0.0 for orbit in orbits.orbits),
         "lost": orbits.lost,
-        "unexplained": [(o.p, o.start, float(o.x[-1])) for o in unexplained(orbits, diagram)],
+        "unexplained": [(o.p, o.start, float(o.x[-1])) for o in left],
         "separate": results[SEPARATE],
     }
 

@@ -38,10 +38,9 @@ from whole import Part, examined, searched, tally
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
 from woodpecker import ExpansionFriction, Search, first_return, shoot
-from woodpecker.piecewise.maps import SEPARATOR
-from woodpecker.piecewise.network import passes
 
-SAME = 1e-6  # rad: a place that has a name
+SAME = 1e-6  # rad: a place that has a name; a cycle that is found twice
+REFINED = 0.02  # rad: how far a branch may stray from the line between two of its samples
 POINT_C = (0.1851270, -0.7577873)  # eps_N1, phi_S [rad], under both laws
 POINT_A = {SUMMED: (0.1119709, -0.8847733), SEPARATE: (0.0421643, -0.8847733)}
 AT = 0.05  # eps_N1 of the cycle of period 2 that dips to -1.84
@@ -148,17 +147,29 @@ def unpaired(diagram: Diagram, part: Part) -> int:
         for branch in diagram.branches
         if branch.kind is BranchKind.FIXED_POINT and branch.order == 2
     ]
-    by_word: dict[str, list[Branch]] = {}
-    for branch in twos:
-        by_word.setdefault(branch.word, []).append(branch)
-    alone = 0
-    for branch in twos:
-        middle = len(branch) // 2
-        eps_n1 = float(branch.parameter[middle])
-        image = first_return(part.toy(eps_n1), float(branch.x[middle])).phi_s
-        other = SEPARATOR.join(reversed(branch.word.split(SEPARATOR)))
-        alone += not any(passes(each, eps_n1, image) for each in by_word.get(other, []))
-    return alone
+    return sum(not has_partner(branch, twos, part) for branch in twos)
+
+
+def has_partner(branch: Branch, others: list[Branch], part: Part) -> bool:
+    """Whether some branch is met by Newton's method where P_1 maps the middle of a branch to."""
+    middle = len(branch) // 2
+    toy = part.toy(float(branch.parameter[middle]))
+    image = first_return(toy, float(branch.x[middle])).phi_s
+    for other in others:
+        for x in crossings(other, toy.eps_n1):
+            if abs(x - image) < REFINED and abs(shoot(toy, x, order=2).phi_s - image) < SAME:
+                return True
+    return False
+
+
+def crossings(branch: Branch, eps_n1: float) -> list[float]:
+    """Where a branch is at a parameter, on the lines between its samples."""
+    p, x = branch.parameter, branch.x
+    ahead, behind = p[:-1] - eps_n1, p[1:] - eps_n1
+    (k,) = np.nonzero(ahead * behind <= 0.0)
+    run = ahead[k] - behind[k]
+    part = np.where(run != 0.0, ahead[k] / np.where(run != 0.0, run, 1.0), 0.5)
+    return list((x[k] + part * (x[k + 1] - x[k])).tolist())
 
 
 # --- From A to C ----------------------------------------------------------------------------------

@@ -29,15 +29,18 @@ from style import GREY, JUMP, STABLE, UNSTABLE, canvas
 
 from pwmap.plot import axis_label
 from woodpecker import (
+    Border,
+    BorderKind,
     ExpansionFriction,
-    Partition,
-    Resolution,
-    iterated,
-    partition,
-    slice_of,
-    toy_samples,
+    Iterate,
+    ToyPieces,
+    borders_in,
+    crosses,
 )
-from woodpecker.piecewise.borders import Edge
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.partition import Partition, Stretch, partition
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.slices import slices_at
 
 POINT_A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S [rad], with the sum
 PAPER = 0.125  # where the paper draws P_1 and P_2
@@ -48,13 +51,12 @@ COLUMNS = (  # of the picture: law and eps_N1
     (SEPARATE, PAPER),
 )
 ORDERS = (1, 2)
-INSIDE = (-2.5, -0.24)  # rad: orbits must stay in it
 WINDOW = (-1.15, -0.68)  # rad: starts
 SHOWN = (-1.4, -0.4)  # rad: images
+TOUCHES = 1e-9  # rad: A has ten digits; a fixed point or a limit this near to a jump lies on it
 SEEN = 0.01  # rad: a jump that shows in the picture
-SAME = 1e-6  # rad: a jump that is found twice
-DRAWN = Resolution(spacing=1e-3, smallest=1e-7, bend=1e-5)
-LOOK = Resolution(spacing=2e-3, smallest=1e-6, bend=1e-5)
+SCALES = Settings(window=WINDOW)
+POINTS = 50  # of a piece, as a line
 DOTS = (0, (1, 1.3))
 
 
@@ -78,7 +80,17 @@ class Scene(NamedTuple):
     order: int
     map: Partition
     fixed_points: tuple[Fixed, ...]
-    crossings: tuple[Edge, ...]
+    jumps: tuple[Border, ...]
+
+    @property
+    def crossings(self) -> list[Border]:
+        """Jumps over the diagonal; not one that a limit of it lies on, as at A."""
+        return [
+            jump
+            for jump in self.jumps
+            if crosses(jump)
+            and min(abs(side.value - jump.x) for side in (jump.inner, jump.outer)) > TOUCHES
+        ]
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
@@ -131,13 +143,16 @@ def shown(law: ExpansionFriction, scenes: list[Results]) -> Results:
 
 def scene(law: ExpansionFriction, eps_n1: float, order: int) -> Scene:
     """P_order over a window: its pieces, its fixed points and its jump crossings."""
-    whole = iterated(toy_samples(TOYS[law].replace(eps_n1=eps_n1)), order, INSIDE)
-    found = slice_of(whole, eps_n1, WINDOW, LOOK)
-    points = np.array([x for x, _ in found.fixed_points])
-    slopes = whole.sweep(points, eps_n1).slope.tolist() if len(points) else []
-    fixed = tuple(map(Fixed, points.tolist(), slopes))
-    pieces = partition(whole, eps_n1, WINDOW, DRAWN)
-    return Scene(law, eps_n1, order, pieces, fixed, found.crossings)
+    map_ = Iterate(ToyPieces(TOYS[law]), order)
+    (found,) = slices_at(map_, eps_n1, (1,), SCALES)
+    borders = borders_in(map_, eps_n1, WINDOW, SCALES)
+    jumps = tuple(border for border in borders if border.kind(SCALES) is BorderKind.JUMP)
+    fixed = tuple(
+        Fixed(x, cycle.multiplier)
+        for cycle in found.cycles
+        if all(abs((x := float(cycle.x[0])) - jump.x) > TOUCHES for jump in jumps)
+    )
+    return Scene(law, eps_n1, order, partition(map_, eps_n1, WINDOW, SCALES), fixed, jumps)
 
 
 def described(each: Scene) -> Results:
@@ -149,19 +164,14 @@ def described(each: Scene) -> Results:
         "fixed_points": [tuple(point) for point in each.fixed_points],
         "stable": sum(point.stable for point in each.fixed_points),
         "unstable": sum(not point.stable for point in each.fixed_points),
-        "crossings": [(edge.x, edge.left_limit, edge.right_limit) for edge in each.crossings],
+        "crossings": [(jump.x, jump.inner.value, jump.outer.value) for jump in each.crossings],
     }
 
 
 def gap(each: Scene) -> float:
     """Upper limit of the jump at -0.8848, less its place [rad]."""
-    edge = min(jumps(each), key=lambda jump: abs(jump.x - POINT_A[1]))
-    return edge.right_limit - edge.x
-
-
-def jumps(each: Scene) -> list[Edge]:
-    """Jumps that show in the picture."""
-    return [edge for edge in each.map.edges if abs(edge.jump) > SEEN]
+    at_a = min(each.jumps, key=lambda jump: abs(jump.x - POINT_A[1]))
+    return at_a.outer.value - at_a.x
 
 
 # --- Picture --------------------------------------------------------------------------------------
@@ -193,18 +203,15 @@ def draw(scenes: list[Scene]) -> Figure:
 def panel(each: Scene, ax: Axes) -> None:
     """One map with the diagonal and what lies on it."""
     ax.plot(WINDOW, WINDOW, color=GREY, linewidth=0.8)
-    for piece in each.map.pieces:
-        ax.plot(piece.samples.x, piece.samples.value, color="#252525", linewidth=1.2)
-    crossed = [edge.x for edge in each.crossings]
-    for edge in jumps(each):
-        limits = (edge.left_limit, edge.right_limit)
-        if crossed and min(abs(edge.x - x) for x in crossed) < SAME:
-            continue  # drawn below
-        ax.plot([edge.x, edge.x], limits, color=GREY, linestyle=DOTS, linewidth=0.9)
-    for edge in each.crossings:
-        limits = (edge.left_limit, edge.right_limit)
-        ax.plot([edge.x, edge.x], limits, color=JUMP, linestyle=DOTS, linewidth=1.5)
-        ax.plot(edge.x, edge.x, "o", color=JUMP, mfc="none", markersize=5, mew=1.2, zorder=4)
+    for piece in each.map.stretches:
+        ax.plot(*drawn(piece, each.eps_n1), color="#252525", linewidth=1.2)
+    for jump in each.jumps:
+        limits = (jump.inner.value, jump.outer.value)
+        if jump in each.crossings:
+            ax.plot([jump.x, jump.x], limits, color=JUMP, linestyle=DOTS, linewidth=1.5)
+            ax.plot(jump.x, jump.x, "o", color=JUMP, mfc="none", markersize=5, mew=1.2, zorder=4)
+        elif abs(jump.jump) > SEEN:
+            ax.plot([jump.x, jump.x], limits, color=GREY, linestyle=DOTS, linewidth=0.9)
     for point in each.fixed_points:
         color = STABLE if point.stable else UNSTABLE
         face = color if point.stable else "white"
@@ -212,6 +219,14 @@ def panel(each: Scene, ax: Axes) -> None:
             point.phi_s, point.phi_s, "o", color=color, mfc=face, markersize=5, mew=1.3, zorder=5
         )
     ax.set(xlim=WINDOW, ylim=SHOWN, xticks=(-1.1, -0.9, -0.7), yticks=(-1.4, -1.0, -0.6))
+
+
+def drawn(piece: Stretch, p: float) -> tuple[Floats, list[float]]:
+    """A piece as a line: its samples are too far apart to be joined, so it is asked again."""
+    x = np.linspace(piece.low, piece.high, POINTS)
+    near = np.searchsorted(piece.x, x).clip(max=len(piece.x) - 1)
+    images = (piece.images[k].piece.at(a, p) for k, a in zip(near, x.tolist(), strict=True))
+    return x, [image.value for image in images]
 
 
 def legend() -> list[Line2D]:

@@ -12,11 +12,11 @@ The slope of P_1 right of A is -1.30491 with friction bounded by the sum (inferr
 :mod:`laws`), and -1.26515, elsewhere in eps_N1, with Coulomb's law contact by contact. Of the
 latter only the predictions are given.
 
-The toy is asked at distances q from A, without any branch: fixed points by shooting, jumps from
-slices. What it shows differs from the straight line by c q**2 if the slope is right, and by c q if
-it is wrong, so the power that is measured is the test. (For P_4 the term in q**2 all but vanishes,
-and the power is larger.) The measured slope is the difference
-quotient of the two smallest distances, extrapolated to q = 0.
+The toy is asked at distances q from A, without any branch: fixed points by shooting, jumps as
+borders of its iterates. What it shows differs from the straight line by c q**2 if the slope is
+right, and by c q if it is wrong, so the power that is measured is the test. (For P_4 the term in
+q**2 all but vanishes, and the power is larger.) The measured slope is the difference quotient of
+the two smallest distances, extrapolated to q = 0.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind
 from pwmap import bifurcation_diagram as exact_diagram
 from pwmap.plot import plot_diagram, plot_map
 from woodpecker import (
+    Iterate,
     LocalModel,
-    Resolution,
     Search,
     Start,
     Toy,
+    ToyPieces,
     bifurcation_diagram,
-    iterate,
+    borders_in,
+    crosses,
     local_model,
-    sampled,
     shoot,
-    slice_of,
-    toy_map,
 )
+from woodpecker.engine.settings import Settings
 from woodpecker.plot.figures import plot_local
 
 X, A, R = sympy.symbols("x a r")
@@ -59,6 +59,7 @@ SPAN, WINDOW = (0.1099, 0.1141), (-0.91, -0.86)  # eps_N1, phi_S [rad]
 NEAR_A = (-0.8847733440, 0.1119709145)  # phi_S, eps_N1, to ten digits
 OTHER_A = (-0.8847733440138, 0.0421643309)  # the same with Coulomb's law contact by contact
 REACH = 2e-3  # in eps_N1: how far the picture goes from A
+SCALES = Settings(window=(-2.5, -0.24), finest=1e-9)  # jumps are looked for in 1e-5 rad
 DISTANCES = (2e-4, 1e-4, 5e-5, 2.5e-5)  # in eps_N1; the next change of word is 5e-4 away
 
 
@@ -105,7 +106,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         plt.close("all")
     return {
         "a": described(model),
-        "separate": described(local_model(toy_map(CONTACT_BY_CONTACT), *OTHER_A)),
+        "separate": described(local_model(ToyPieces(CONTACT_BY_CONTACT), *OTHER_A)),
         "agreements": {each.name: each._asdict() for each in found},
         "expected_power": 2,
         "largest_relative_error": max(
@@ -119,9 +120,9 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 def described(model: LocalModel) -> Results:
     """A border collision in numbers."""
     return {
-        "eps_n1": model.edge.p,
-        "phi_s": model.edge.x,
-        "slope": model.edge.right.slope,
+        "eps_n1": model.p,
+        "phi_s": model.x,
+        "slope": model.right.slope,
         "kind": str(model.point.kind),
         "predicted": {f"{start.kind} of P_{start.order}": start.slope for start in model.starts},
     }
@@ -136,7 +137,7 @@ def toy_diagram(fast: bool) -> Diagram:
 def model_at(diagram: Diagram) -> LocalModel:
     """The local model at A, as sharp as the diagram knows A."""
     point = min(diagram.points, key=lambda p: abs(p.x - NEAR_A[0]) + abs(p.parameter - NEAR_A[1]))
-    return local_model(toy_map(Toy()), point.x, point.parameter)
+    return local_model(ToyPieces(Toy()), point.x, point.parameter)
 
 
 # --- Predicted and measured -----------------------------------------------------------------------
@@ -144,7 +145,7 @@ def model_at(diagram: Diagram) -> LocalModel:
 
 def agreement(model: LocalModel, start: Start) -> Agreement:
     """One branch of the model beside the toy's own, at some distances from A."""
-    places = np.array([place(model, start, q) for q in DISTANCES]) - model.edge.x
+    places = np.array([place(model, start, q) for q in DISTANCES]) - model.x
     q = np.array(DISTANCES)
     quotients = start.side * places / q
     errors = np.abs(places - start.side * start.slope * q)
@@ -161,15 +162,15 @@ def place(model: LocalModel, start: Start, q: float) -> float:
     A jump is looked for within a fifth of what the prediction moves by, so that no other is met:
     the nearest two branches, of P_2 and P_4, differ by a sixth of it, but in their order.
     """
-    p = model.edge.p + start.side * q
-    expected = model.edge.x + start.side * start.slope * q
+    p = model.p + start.side * q
+    expected = model.x + start.side * start.slope * q
     if start.kind is BranchKind.FIXED_POINT:
         return shoot(Toy(eps_n1=p), expected, order=start.order).phi_s
     reach = 0.2 * (abs(start.slope) or 1.0) * q
-    look = Resolution(spacing=0.1 * reach, smallest=1e-13, bend=1e-9)
-    whole = sampled(iterate(toy_map(Toy()), start.order))
-    (edge,) = slice_of(whole, p, (expected - reach, expected + reach), look).crossings
-    return edge.x
+    map_ = Iterate(ToyPieces(Toy()), start.order)
+    borders = borders_in(map_, p, (expected - reach, expected + reach), SCALES)
+    (jump,) = filter(crosses, borders)
+    return jump.x
 
 
 # --- Picture --------------------------------------------------------------------------------------
@@ -196,7 +197,7 @@ def draw(paper: Diagram, model: LocalModel, diagram: Diagram, found: list[Agreem
         ax.tick_params(labelsize=7)
         ax.set_title(ax.get_title(), fontsize=8)
     toy.axes[0].set_title("the toy at A, prediction in grey", fontsize=8)
-    toy.axes[1].set_title(f"exact, with the toy's slope {model.edge.right.slope:.5f}", fontsize=8)
+    toy.axes[1].set_title(f"exact, with the toy's slope {model.right.slope:.5f}", fontsize=8)
     draw_errors(found, order.subplots())
     return figure
 

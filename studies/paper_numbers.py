@@ -28,26 +28,29 @@ from sensitivities import unit
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
 from woodpecker import (
+    Border,
+    BorderKind,
     ExpansionFriction,
     Search,
     Toy,
+    ToyPieces,
     bifurcation_diagram,
+    borders_in,
     equilibrium,
     free_frequency,
-    iterated,
     jam_limit,
     local_model,
     return_map,
-    slice_of,
-    toy_map,
-    toy_samples,
 )
-from woodpecker.piecewise.borders import Edge, nearest_edge
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.slices import slices_at
 
 CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/simulation/test_reference.py)"
 SIGNS, EXACT = "bisection to neighbouring doubles", "exact arithmetic"
+ROOT = "root of a margin, from two pieces"
 HEAVY = "left out of the fast run"
 READ = "read off Figure {}"
+SCALES = Settings(window=(-2.5, -0.24))  # rad
 BESIDE_A = 0.125  # eps_N1 of Figure 11
 # Read off Figure 10: eps_N1 and phi_S [rad].
 POINTS = {
@@ -180,13 +183,13 @@ def the_map(toy: Toy) -> Iterator[Row]:
         quantity = f"upper impacts before the fall, dip {number}"
         yield Row(quantity, impacts, len(upper), SIGNS)
     for x in ("-0.76", "-2.35"):
-        edge = jump_near(toy, float(x))
-        yield Row(f"jump of P_1 near {x} [rad]", x, edge.x, SIGNS)
+        jump = jump_near(toy, float(x))
+        yield Row(f"jump of P_1 near {x} [rad]", x, jump.x, ROOT)
         swapped = "upper sleeve and beak impact change their order there (1)"
-        yield Row(swapped, "1", float(exchanged(edge)), SIGNS)
+        yield Row(swapped, "1", float(exchanged(jump)), ROOT)
     rims = ends(toy)
     line = "read off Figure 8: the line of a sleeve that jams, for which mu_2 is too small"
-    yield Row("right end of P_1 on a straight line [rad]", "0.11", rims.slides_from, SIGNS, line)
+    yield Row("right end of P_1 on a straight line [rad]", "0.11", rims.slides_from, ROOT, line)
     yield Row("right end of the band of centres [rad]", "-0.2216", rims.band[1], CLOSED)
     start = time.perf_counter()
     return_map(toy, np.linspace(*WINDOW, 1000))
@@ -194,22 +197,18 @@ def the_map(toy: Toy) -> Iterator[Row]:
     yield Row("time for 1000 points [h]", "1", hours, "clock", "the paper: about one hour", False)
 
 
-def jump_near(toy: Toy, guess: float) -> Edge:
+def jump_near(toy: Toy, guess: float) -> Border:
     """The largest jump within the paper's last digit of where it says one is."""
-    mapped, p, steps = toy_map(toy), toy.eps_n1, np.linspace(-0.005, 0.005, 41)
-    found = []
-    for step in steps.tolist():
-        near = nearest_edge(mapped, guess + step, p, mapped(guess + step, p).word)
-        if near is not None and abs(near[0].x - guess) <= 0.005:
-            found.append(near[0])
-    return max(found, key=lambda edge: abs(edge.jump))
+    near = borders_in(ToyPieces(toy), toy.eps_n1, (guess - 0.005, guess + 0.005), SCALES)
+    jumps = [border for border in near if border.kind(SCALES) is BorderKind.JUMP]
+    return max(jumps, key=lambda border: abs(border.jump))
 
 
-def exchanged(edge: Edge) -> bool:
+def exchanged(jump: Border) -> bool:
     """Whether the beak and the upper edge strike in different orders on the two sides."""
     orders = [
-        re.findall(r"I(1\+3|1|3)", re.sub(r"(?<=\d)[sfr-]+", "", side.word))
-        for side in (edge.left, edge.right)
+        re.findall(r"I(1\+3|1|3)", re.sub(r"(?<=\d)[sfr-]+", "", side.piece.word))
+        for side in (jump.inner, jump.outer)
     ]
     differ = next(pair for pair in zip(*orders, strict=False) if pair[0] != pair[1])
     return {"1", "3"} == set(differ)
@@ -221,20 +220,21 @@ def zoom() -> Iterator[Row]:
     remark = f"Figure 11, eps_N1 = {BESIDE_A}"
     for quantity, value in seen[SUMMED].items():
         other = seen[SEPARATE][quantity]
-        yield Row(f"{quantity} beside A", "1", value, SIGNS, remark, separate=other)
+        yield Row(f"{quantity} beside A", "1", value, ROOT, remark, separate=other)
 
 
 def beside_a(law: ExpansionFriction) -> dict[str, int]:
     """What P_1 and P_2 show beside the jump at -0.8848."""
-    window, samples = (-1.15, -0.8), toy_samples(TOYS[law])
-    first = slice_of(samples, BESIDE_A, window)
-    second = slice_of(iterated(samples, 2, (-2.5, -0.24)), BESIDE_A, window)
-    stable = [abs(toy_map(TOYS[law])(x, BESIDE_A).slope) < 1.0 for x, _ in first.fixed_points]
+    low, high = -1.15, -0.8
+    first, second = slices_at(ToyPieces(TOYS[law]), BESIDE_A, (1, 2), SCALES)
+    fixed = [cycle.multiplier for cycle in first.cycles if low <= cycle.x[0] <= high]
+    stable = [abs(multiplier) < 1.0 for multiplier in fixed]
+    crossings = [[jump for jump in each.jumps if low <= jump.x <= high] for each in (first, second)]
     return {
         "stable fixed points of P_1": stable.count(True),
         "unstable fixed points of P_1": stable.count(False),
-        "jump crossings of P_1": len(first.crossings),
-        "jump crossings of P_2": len(second.crossings),
+        "jump crossings of P_1": len(crossings[0]),
+        "jump crossings of P_2": len(crossings[1]),
     }
 
 
@@ -301,7 +301,7 @@ def _slope(diagram: Diagram, law: ExpansionFriction) -> float | None:
     point = nearest(diagram, POINT_A[law])
     if point is None:
         return None
-    return -float(local_model(toy_map(TOYS[law]), point.x, point.parameter).edge.right.slope)
+    return -local_model(ToyPieces(TOYS[law]), point.x, point.parameter).right.slope
 
 
 def stable_from_b(diagram: Diagram, law: ExpansionFriction) -> float | None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 mpl.use("Agg")
-from woodpecker import Toy, equilibrium, shoot
+from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot
 from woodpecker.base.compiled import COMPILED
 from woodpecker.plot.figures import plot_phase_portrait
 
@@ -102,6 +102,8 @@ def test_return_map(tmp_path: Path) -> None:
     for known in (-0.757787, -2.349291):
         assert np.abs(jumps[:, 0] - known).min() < 5e-7
     assert np.all(np.abs(jumps[:, 1] - jumps[:, 2]) > fig08.SEEN)
+    assert len(jumps) == 20
+    assert results["causes"] == ["the beak and the upper sleeve strike at once"]
     (stable,) = [(x, slope) for x, slope in results["fixed_points"] if abs(slope) < 1.0]
     assert stable == pytest.approx((PHI_S, -0.83916), abs=5e-6)
 
@@ -111,10 +113,10 @@ def test_return_map(tmp_path: Path) -> None:
 def test_the_jump_of_a_and_b_hardly_shows_in_figure_8(law: Any, seen: bool) -> None:
     """The paper names two jumps of its Figure 8, and not the one on which A and B lie."""
     toy = Toy(expansion_friction=law)
-    left, right = fig08.bisect(fig08.toy_map(toy), toy.eps_n1, -0.8855, -0.8840)
-    assert (left, right) == pytest.approx((-0.8847733440, -0.8847733440), abs=1e-10)
-    limits = fig08.return_map(toy, [left, right]).phi_s
-    assert bool(abs(limits[1] - limits[0]) > fig08.SEEN) is seen
+    jump = nearest_border(ToyPieces(toy), -0.8855, toy.eps_n1, 1e-3)
+    assert jump is not None
+    assert jump.x == pytest.approx(-0.8847733440, abs=1e-10)
+    assert bool(fig08.seen([jump])) is seen
 
 
 @pytest.fixture(scope="module")

@@ -13,17 +13,15 @@ mpl.use("Agg")
 from pwmap import Branch, BranchKind, Diagram, SpecialPoint
 from woodpecker import (
     Found,
-    SampledMap,
     Start,
     Toy,
-    iterated,
+    ToyPieces,
     local_model,
     shoot,
-    slice_of,
-    toy_map,
-    toy_samples,
 )
 from woodpecker.base.compiled import COMPILED
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.slices import slices_at
 
 fig09, fig10, fig11, fig12, order_three, whole = (
     importlib.import_module(name)
@@ -42,16 +40,6 @@ PHI_S = -0.52947197  # rad: the cycle at eps_N1 = 0.5
 
 
 WINDOW = (-2.5, -0.24)  # rad
-
-
-def first_samples(eps_n1: float) -> SampledMap:
-    """P_1, many points at once."""
-    return toy_samples(Toy(eps_n1=eps_n1))
-
-
-def fig10_samples(eps_n1: float) -> SampledMap:
-    """P_2 of orbits that stay in the window."""
-    return iterated(first_samples(eps_n1), 2, WINDOW)
 
 
 def is_picture(path: Path) -> bool:
@@ -158,15 +146,11 @@ def test_the_closed_loops_of_order_two() -> None:
     """Figure 10: loops around -1.0 to -1.2 over 0.44 to 0.86, partners near -0.28."""
     counts = []
     for eps_n1 in (0.43, 0.44, 0.5, 0.84, 0.86):
-        samples = fig10_samples(eps_n1)
-        found = [slice_of(samples, eps_n1, window) for window in ((-1.2, -0.97), (-0.295, -0.28))]
-        points = [[x for x, _ in each.fixed_points] for each in found]
-        one = {round(x, 6) for x, _ in slice_of(first_samples(eps_n1), eps_n1, WINDOW).fixed_points}
-        twos = [[x for x in some if round(x, 6) not in one] for some in points]
-        counts.append(len(twos[0]))
-        images = [first_samples(eps_n1).sweep(np.array([x]), eps_n1).value[0] for x in twos[0]]
-        for image in images:
-            assert np.abs(np.array(twos[1]) - image).min() < 1e-8
+        (found,) = slices_at(ToyPieces(Toy()), eps_n1, (2,), Settings(window=WINDOW))
+        turned = [cycle.rotated(k).x for cycle in found.cycles for k in range(2)]
+        counts.append(sum(-1.2 < x < -0.97 and -0.295 < y < -0.28 for x, y in turned))
+        on_the_loop = sum(-1.2 < x < -0.97 for x, _ in turned)
+        assert on_the_loop == counts[-1]
     assert counts[0] == counts[-1] == 0
     assert min(counts[1:-1]) >= 2
 
@@ -257,7 +241,7 @@ def test_what_starts_at_a(maps: tuple[dict[str, Any], Path]) -> None:
         assert squared == pytest.approx(slope**2, rel=1e-10)
     ((jump, *_),), ((preimage, *_),) = one["crossings"], two["crossings"]
     assert jump == pytest.approx(A[1], abs=1e-9)
-    image = first_samples(fig11.PAPER).sweep(np.array([preimage]), fig11.PAPER).value[0]
+    image = ToyPieces(Toy()).at(preimage, fig11.PAPER).value
     assert image == pytest.approx(jump, abs=1e-13)  # P_1 leads back to its jump
 
 
@@ -304,7 +288,7 @@ def test_the_toy_agrees_with_its_local_model(tmp_path: Path) -> None:
 
 
 def test_a_wrong_slope_gives_another_power() -> None:
-    model = local_model(toy_map(Toy()), A[1], A[0])
+    model = local_model(ToyPieces(Toy()), A[1], A[0])
     right: Start = next(each for each in model.starts if each.kind is BranchKind.FIXED_POINT)
     wrong = replace(right, slope=1.01 * right.slope)
     assert fig12.agreement(model, right).power == pytest.approx(2.0, abs=0.1)

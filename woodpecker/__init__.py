@@ -9,6 +9,15 @@ from woodpecker.diagram import (
     saved_diagram,
     whole_diagram,
 )
+from woodpecker.engine.borders import Border, BorderKind
+from woodpecker.engine.derivatives import check_derivatives
+from woodpecker.engine.formulas import FormulaMap, FormulaPiece, Smooth
+from woodpecker.engine.iterates import Iterate
+from woodpecker.engine.local import LocalModel, Start, local_model
+from woodpecker.engine.pieces import Image, PiecewiseMap
+from woodpecker.engine.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
+from woodpecker.engine.symbolic import from_pwmap, from_sympy
+from woodpecker.engine.windows import borders_in, crosses, nearest_border
 from woodpecker.mechanics.equations import (
     Equilibrium,
     energy,
@@ -19,7 +28,6 @@ from woodpecker.mechanics.equations import (
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
 from woodpecker.piecewise.explore import Stage
 from woodpecker.piecewise.jumps import JumpPoint, follow_jump
-from woodpecker.piecewise.local import LocalModel, Start, local_model
 from woodpecker.piecewise.maps import Cycle, Evaluation, LabelledMap, correct, iterate
 from woodpecker.piecewise.partition import (
     Partition,
@@ -34,7 +42,6 @@ from woodpecker.piecewise.partition import (
 )
 from woodpecker.piecewise.search import Report, Search
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.piecewise.stepping import PathPoint, follow
 from woodpecker.piecewise.tolerances import Tolerances
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
@@ -51,8 +58,11 @@ from woodpecker.simulation.trajectory import (
 )
 from woodpecker.simulation.words import EventKind
 from woodpecker.toymaps import toy_map, toy_samples
+from woodpecker.toypieces import ToyPieces
 
 __all__ = [
+    "Border",
+    "BorderKind",
     "Cycle",
     "EnergyBalance",
     "Equilibrium",
@@ -60,8 +70,12 @@ __all__ = [
     "Event",
     "EventKind",
     "ExpansionFriction",
+    "FormulaMap",
+    "FormulaPiece",
     "Found",
+    "Image",
     "Impulse",
+    "Iterate",
     "JumpPoint",
     "LabelledMap",
     "LocalModel",
@@ -71,6 +85,7 @@ __all__ = [
     "PathPoint",
     "PeriodicOrbit",
     "Piece",
+    "PiecewiseMap",
     "Report",
     "Resolution",
     "Return",
@@ -80,17 +95,22 @@ __all__ = [
     "Settings",
     "ShootingStatus",
     "Slice",
+    "Smooth",
     "Stage",
     "Start",
     "State",
     "Status",
     "Tolerances",
     "Toy",
+    "ToyPieces",
     "Trajectory",
     "bifurcation_diagram",
+    "borders_in",
+    "check_derivatives",
     "connected",
     "continuation",
     "correct",
+    "crosses",
     "energy",
     "energy_balance",
     "equilibrium",
@@ -99,10 +119,13 @@ __all__ = [
     "follow",
     "follow_jump",
     "free_frequency",
+    "from_pwmap",
+    "from_sympy",
     "iterate",
     "iterated",
     "jam_limit",
     "local_model",
+    "nearest_border",
     "orbit_diagram",
     "parameters",
     "partition",

@@ -13,11 +13,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import announce
 from woodpecker.engine.pieces import Image
+from woodpecker.engine.settled import Sweep
 from woodpecker.mechanics.modes import CONTACT, LIMIT
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.simulation.codes import NO_PATH
-from woodpecker.simulation.paths import Follower, Path, cause_of
+from woodpecker.simulation.calls import compute, sweep
+from woodpecker.simulation.codes import NO_PATH, RETURNED
+from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
 from woodpecker.toymaps import Table
 
 TOO_FAR = "the path does not reach so far"
@@ -41,6 +44,19 @@ class _Room:
         if not math.isfinite(x):
             return f"phi_s must be finite, got {x}"
         return "" if x < self._table.numbers[CONTACT, LIMIT] else "the beak touches the pole"
+
+    def sweep(self, x: Floats, p: float) -> Sweep:
+        """Images and slopes at points (n,), nan where there is none; ValueError as of the table."""
+        self._table.at(p)
+        out, words = np.empty((len(x), 5)), np.empty((len(x), EVENT_LIMIT), dtype=np.int16)
+        codes, lengths = np.empty((2, len(x)), dtype=np.int64)
+        announce(compute)
+        sweep(
+            self._table.numbers, self._table.change, np.ascontiguousarray(x), 1, self._table.seed,
+            out, codes, lengths, words,
+        )  # fmt: skip
+        out[codes != RETURNED] = math.nan
+        return Sweep(out[:, 0], out[:, 3])
 
 
 class _PerThread(threading.local):
@@ -86,6 +102,16 @@ class ToyPieces:
         if not status.success:
             return _undefined(ToyPiece(self, NO_PATH, NO_MARGINS, status.value), status.value)
         return _image(ToyPiece(self, path.steps, path.times, path.word), room, x)
+
+    def sweep(self, x: Floats, p: float) -> Sweep:
+        """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
+
+        Raises
+        ------
+        ValueError
+            If the toy cannot have this value of the parameter.
+        """
+        return self.room().sweep(x, p)
 
     def room(self) -> _Room:
         """Table and follower of this thread."""

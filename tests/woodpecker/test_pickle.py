@@ -1,4 +1,4 @@
-"""Maps of the toy and of tests can be sent, copied and shared between threads."""
+"""Maps of the toy and maps of formulas can be sent, copied and shared between threads."""
 
 from __future__ import annotations
 
@@ -8,22 +8,23 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import lines
 import numpy as np
 import pytest
-from maps import paper, two_lines
+import sympy
 
+from pwmap import PiecewiseLinearMap
 from woodpecker import (
+    FormulaMap,
+    Iterate,
     LocalModel,
+    PiecewiseMap,
     Toy,
-    iterate,
-    iterated,
+    ToyPieces,
+    from_pwmap,
+    from_sympy,
     local_model,
-    sampled,
-    toy_map,
-    toy_samples,
 )
-from woodpecker.piecewise.maps import LabelledMap, windowed
-from woodpecker.piecewise.partition import SampledMap
 
 
 def pickled(value: Any) -> Any:
@@ -35,32 +36,35 @@ WAYS = pytest.mark.parametrize("way", [pickled, copy.deepcopy])
 X = np.linspace(-2.4, 0.05, 20)
 
 
-def labelled() -> list[LabelledMap]:
+def maps() -> list[PiecewiseMap]:
     toy = Toy(mu_2=0.31)
-    one = toy_map(toy)
-    return [one, toy_map(toy, "m_m"), windowed(one, (-1.0, -0.3)), iterate(one, 2)]
+    one = ToyPieces(toy)
+    return [one, ToyPieces(toy, "m_m"), Iterate(one, 2)]
 
 
-def samples() -> list[SampledMap]:
-    one = toy_samples(Toy(mu_2=0.31))
-    return [one, iterated(one, 2, (-2.0, -0.3)), sampled(paper())]
+def formulas() -> list[FormulaMap]:
+    x, p = sympy.symbols("x p", real=True)
+    piecewise = sympy.Piecewise((x / 2 + p, x < 0), (sympy.sqrt(x) - 1, True))
+    exact = PiecewiseLinearMap.from_sympy(sympy.Piecewise((x / 2 + p, x < 0), (p - x, True)), x)
+    return [lines.paper(), lines.logistic(), from_sympy(piecewise, x, p), from_pwmap(exact, "p")]
 
 
-def seen(map_: LabelledMap) -> str:
+def seen(map_: PiecewiseMap) -> str:
+    """Every number that a map gives, and its words and causes."""
     p = 0.003 if getattr(map_, "parameter", "") == "m_m" else 0.4
-    return repr([map_(x, p) for x in X.tolist()])
-
-
-def swept(map_: SampledMap) -> list[object]:
-    found = map_.sweep(X, 0.4)
-    words = [map_.words[k] for k in found.words]
-    return [words, *(column.tobytes() for column in (*found[:4], found.defined))]
+    found = []
+    for x in X.tolist():
+        here = map_.at(x, p)
+        causes = [here.piece.cause(code) for code in here.causes.tolist()]
+        margins = here.margins.tobytes(), here.gradients.tobytes()
+        found.append((*here[:3], margins, here.reason, here.piece.word, causes))
+    return repr(found)
 
 
 @WAYS
 @pytest.mark.parametrize("used", [False, True])
-def test_labelled_maps(way: Way, used: bool) -> None:
-    for map_ in labelled():
+def test_maps(way: Way, used: bool) -> None:
+    for map_ in maps():
         before = seen(map_) if used else ""
         again = way(map_)
         assert again == map_
@@ -68,36 +72,47 @@ def test_labelled_maps(way: Way, used: bool) -> None:
 
 
 @WAYS
-@pytest.mark.parametrize("used", [False, True])
-def test_sampled_maps(way: Way, used: bool) -> None:
-    for map_ in samples():
-        if used:
-            map_.sweep(X[::-1].copy(), 0.4)  # words have other numbers now
-        again = way(map_)
-        assert again == map_
-        assert list(again.words) == []
-        assert swept(again) == swept(map_)
+def test_maps_of_formulas(way: Way) -> None:
+    for map_ in formulas():
+        assert seen(way(map_)) == seen(map_)
+
+
+@WAYS
+def test_pieces_go_on_from_where_they_were(way: Way) -> None:
+    """A piece that is sent gives the same image, also outside of the set where it is taken."""
+    for map_ in maps():
+        p = 0.003 if getattr(map_, "parameter", "") == "m_m" else 0.4
+        piece = map_.at(-0.53, p).piece
+        again = way(piece)
+        assert again.key == piece.key
+        for x in (-0.53, -0.535, -0.52):
+            one, other = again.at(x, p), piece.at(x, p)
+            assert one[:3] == other[:3]
+            assert one.margins.tobytes() == other.margins.tobytes()
 
 
 @WAYS
 def test_local_models(way: Way) -> None:
-    model = local_model(two_lines(), 0.0, 0.0, orders=(1, 2))
+    model = local_model(lines.two_lines(), 0.0, 0.0, orders=(1, 2))
     again: LocalModel = way(model)
-    assert (again.edge, again.starts, again.point) == (model.edge, model.starts, model.point)
+    assert (again.x, again.p, again.speed) == (model.x, model.p, model.speed)
+    assert (again.starts, again.point) == (model.starts, model.point)
+    assert again.border.cause == model.border.cause
     assert str(again.map.at({"q": 1}).iterate(2)) == str(model.map.at({"q": 1}).iterate(2))
 
 
 def test_a_map_that_threads_share_gives_each_its_own_answer() -> None:
-    map_, points = toy_map(Toy()), [(float(x), p) for p in (0.1, 0.4, 0.7) for x in X] * 4
-    expected = [repr(map_(x, p)) for x, p in points]
+    map_, points = ToyPieces(Toy()), [(float(x), p) for p in (0.1, 0.4, 0.7) for x in X] * 4
+    expected = [repr(map_.at(x, p)[:3]) for x, p in points]
     with ThreadPoolExecutor(4) as threads:
-        found = list(threads.map(lambda point: repr(map_(*point)), points))
+        found = list(threads.map(lambda point: repr(map_.at(*point)[:3]), points))
     assert found == expected
 
 
 def test_maps_are_equal_if_their_toys_and_parameters_are() -> None:
-    assert toy_map(Toy()) == toy_map(Toy())
-    assert len({toy_map(Toy()), toy_map(Toy(mu_2=0.3)), toy_map(Toy(), "m_m")}) == 2
-    assert toy_samples(Toy()) != toy_samples(Toy(mu_2=0.31))
+    assert ToyPieces(Toy()) == ToyPieces(Toy())
+    assert len({ToyPieces(Toy()), ToyPieces(Toy(mu_2=0.3)), ToyPieces(Toy(), "m_m")}) == 2
+    assert Iterate(ToyPieces(Toy()), 2) == Iterate(ToyPieces(Toy()), 2)
+    assert Iterate(ToyPieces(Toy()), 2) != Iterate(ToyPieces(Toy()), 3)
     with pytest.raises(TypeError, match="unknown parameter 'eps'"):
-        toy_samples(Toy(), "eps")
+        ToyPieces(Toy(), "eps")

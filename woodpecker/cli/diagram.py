@@ -28,11 +28,11 @@ from woodpecker.cli.options import (
     say,
 )
 from woodpecker.diagram import WINDOW, Found, continuation, find_all, saved_diagram
+from woodpecker.engine.local import local_model
 from woodpecker.mechanics.toy import Toy, known_parameter
 from woodpecker.piecewise.explore import Stage
-from woodpecker.piecewise.local import local_model
 from woodpecker.piecewise.settings import Settings
-from woodpecker.toymaps import toy_map
+from woodpecker.toypieces import ToyPieces
 
 RUN = "run.jsonl"
 CORES = os.cpu_count() or 1
@@ -166,10 +166,10 @@ def _draw(toy: Toy, found: Diagram, target: Path) -> list[str]:
     for order in orders if len(orders) > 1 else ():
         names.append(f"order_{order}.png")
         write_figure(target / names[-1], plot_diagram(found.of_order(order)).figure)
-    labelled_map = toy_map(toy, found.parameter_name)
+    map_ = ToyPieces(toy, found.parameter_name)
     for point in found.points:
         if point.kind is PointKind.FF and point.order == 1:
-            model = local_model(labelled_map, point.x, point.parameter)
+            model = local_model(map_, point.x, point.parameter)
             names.append(f"local_{point.id}.png")
             write_figure(target / names[-1], plot_local(model, found))
     return names

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from woodpecker.base.checks import number, positive
-from woodpecker.engine.pieces import Image, Piece, PiecewiseMap
+from woodpecker.engine.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
 STEP = 2.0**-12  # relative: errors h^4 of the extrapolated difference and rounding/h are both 1e-13
 NOISE = 2.0**-49  # relative rounding of a value: eight spacings
@@ -35,11 +35,14 @@ def check_derivatives(
     ------
     ValueError
         If a derivative is wrong: the sentence says which, where, and what it should be. Also if
-        the map has no value at a point.
+        the map has no value at a point, or there is none.
+    TypeError
+        If the map has no pieces.
     """
     positive("tolerance", tolerance)
-    for x, p in points:
-        here = map_.at(number("x", x), number("p", p))
+    map_of_pieces(map_)
+    for x, p in _pairs(points):
+        here = map_.at(x, p)
         if here.reason:
             raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
         for claim in _claims(here):
@@ -56,6 +59,17 @@ def check_derivatives(
                     f"x = {x}, p = {p} is given as {claim.given:.10g}, but differences of values "
                     f"say {found:.10g}"
                 )
+
+
+def _pairs(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Points (x, p) that a user has given."""
+    try:
+        pairs = [(number("x", x), number("p", p)) for x, p in points]
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"points must be pairs (x, p) of real numbers, got {points!r}") from error
+    if not pairs:
+        raise ValueError("points must hold at least one pair (x, p), got none")
+    return pairs
 
 
 @dataclass(frozen=True, slots=True)

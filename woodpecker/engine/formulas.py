@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
@@ -51,7 +52,7 @@ class Smooth:
     def __post_init__(self) -> None:
         for name in ("value", "dx", "dp"):
             given = getattr(self, name)
-            if not (callable(given) or (given is None and name != "value")):
+            if not (_takes_two(given) or (given is None and name != "value")):
                 raise TypeError(f"{name} must be a function of x and p, got {given!r}")
 
     def at(self, x: float, p: float) -> tuple[float, float, float]:
@@ -71,6 +72,19 @@ class Smooth:
 
     def _by_p(self, x: float, p: float, value: float) -> float:
         return difference(lambda s: real(self.value, x, s), p, value)
+
+
+def _takes_two(formula: object) -> bool:
+    """Whether something can be called with x and p, as far as it says so."""
+    if not callable(formula):
+        return False
+    try:
+        inspect.signature(formula).bind(0.0, 0.0)
+    except TypeError:
+        return False
+    except ValueError:  # some functions written in C do not say
+        return True
+    return True
 
 
 def real(formula: Formula, x: float, p: float) -> float:
@@ -137,6 +151,11 @@ class FormulaPiece:
             raise TypeError(f"the name of a piece must be text, got {self.word!r}")
         if not self.word:
             raise ValueError("the name of a piece must not be empty")
+        if not isinstance(self.margins, Mapping):
+            raise TypeError(
+                f"the margins of {self.word} must be a dict of sentences and Smooth(h), "
+                f"got {self.margins!r}"
+            )
         named = {f"the map of {self.word}": self.map}
         named |= {f"the margin {cause!r} of {self.word}": h for cause, h in self.margins.items()}
         for name, given in named.items():
@@ -219,11 +238,18 @@ class FormulaMap:
     ------
     ValueError
         If there is no piece, or two of one name.
+    TypeError
+        If something else is given than pieces.
     """
 
     pieces: Sequence[BoundedPiece]
 
     def __post_init__(self) -> None:
+        if not isinstance(self.pieces, Sequence):
+            raise TypeError(f"a map needs a list of pieces, got {self.pieces!r}")
+        for piece in self.pieces:
+            if not callable(getattr(piece, "holds", None)):
+                raise TypeError(f"a piece must be a FormulaPiece or alike, got {piece!r}")
         words = [piece.word for piece in self.pieces]
         if not words:
             raise ValueError("a map needs at least one piece, got none")

@@ -85,3 +85,19 @@ class PiecewiseMap(Protocol):
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point under the piece that the map takes there."""
+
+
+def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:
+    """A map that a user has given.
+
+    Raises
+    ------
+    TypeError
+        If it has no pieces.
+    """
+    if not callable(getattr(map_, "at", None)):
+        raise TypeError(
+            "a map must be one of pieces, such as ToyPieces(toy) or FormulaMap([...]), "
+            f"got {map_!r}"
+        )
+    return map_

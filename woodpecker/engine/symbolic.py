@@ -289,7 +289,11 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
     ------
     ValueError
         If the map has other parameters than this one.
+    TypeError
+        If it is no map of pwmap.
     """
+    if not isinstance(map_, PiecewiseLinearMap):
+        raise TypeError(f"the map must be a pwmap.PiecewiseLinearMap, got {map_!r}")
     names = [str(symbol) for symbol in map_.parameters]
     if names != [str(parameter)]:
         listed = ", ".join(names) or "none"

@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, plot_diagram
 from woodpecker.base.arrays import Floats
+from woodpecker.engine.local import LocalModel
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.local import LocalModel
 from woodpecker.plot.curve import Curve, Link, refined
 from woodpecker.simulation.returns import ReturnMap, return_map
 from woodpecker.simulation.trajectory import Trajectory
@@ -224,7 +224,7 @@ def plot_local(
     """
     figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
-    near = diagram.within(model.edge.p - 2.0 * reach, model.edge.p + 2.0 * reach)
+    near = diagram.within(model.p - 2.0 * reach, model.p + 2.0 * reach)
     plot_diagram(near, seen, kinds=(model.point.kind,), legend=False)
     lines = _predictions(model, reach)
     for line in lines:
@@ -238,7 +238,7 @@ def plot_local(
         )  # fmt: skip
     marker, color = MARKERS[model.point.kind]
     predicted.scatter(
-        [model.edge.p], [model.edge.x], s=70 if marker == "*" else 26, marker=marker, color=color,
+        [model.p], [model.x], s=70 if marker == "*" else 26, marker=marker, color=color,
         edgecolors="white", linewidths=0.6, zorder=5,
     )  # fmt: skip
     _frame(seen, model, lines)
@@ -277,8 +277,8 @@ class _Prediction(NamedTuple):
 
 def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
     """All branches that start at a collision, as far as they are drawn."""
-    p, x = model.edge.p, model.edge.x
-    slopes = {"L": model.edge.left.slope, "R": model.edge.right.slope}
+    p, x = model.p, model.x
+    slopes = {"L": model.left.slope, "R": model.right.slope}
     lines = []
     for start in model.starts:
         multiplier = math.prod(slopes[letter] for letter in start.word.split("|")[0])
@@ -297,8 +297,8 @@ def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
 def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:
     """Limits around what is predicted, with a margin for the names."""
     for values, set_limits in (
-        ([model.edge.p, *(line.p[1] for line in lines)], ax.set_xlim),
-        ([model.edge.x, *(line.x[1] for line in lines)], ax.set_ylim),
+        ([model.p, *(line.p[1] for line in lines)], ax.set_xlim),
+        ([model.x, *(line.x[1] for line in lines)], ax.set_ylim),
     ):
         margin = MARGIN * (max(values) - min(values)) or NARROWEST
         set_limits(min(values) - margin, max(values) + margin)

@@ -13,13 +13,13 @@ import pytest
 
 from woodpecker.base.checks import interval, number, positive, real_array, whole
 from woodpecker.diagram import bifurcation_diagram, continuation
+from woodpecker.engine.iterates import Iterate
+from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.maps import iterate
-from woodpecker.piecewise.tolerances import Tolerances
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return, return_map
 from woodpecker.simulation.trajectory import simulate
-from woodpecker.toymaps import toy_map
+from woodpecker.toypieces import ToyPieces
 
 TOY = Toy()
 TWO = np.array([-0.5, -0.6])
@@ -91,8 +91,8 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
     (lambda: simulate(TOY, -0.5, 0.1, samples=1.5), "samples must be a whole number of at least 2"),
     (lambda: simulate(TOY, -0.5, 0.1, max_events=0), "max_events must be a whole number"),
     (lambda: simulate(TOY, -0.5, 0.1).at(0.05 + 0j), "t must be real numbers"),
-    (lambda: iterate(toy_map(TOY), 0), "order must be a whole number of at least 1, got 0"),
-    (lambda: iterate(toy_map(TOY), True), "order must be a whole number of at least 1, got True"),
+    (lambda: Iterate(ToyPieces(TOY), 0), "order must be a whole number of at least 1, got 0"),
+    (lambda: Iterate(ToyPieces(TOY), True), "order must be a whole number of at least 1, got True"),
     (
         lambda: continuation(TOY, shoot(TOY, -0.53), span=(0.4, 0.5, 0.6)),  # type: ignore[arg-type]
         r"span must be two real numbers, got \(0.4, 0.5, 0.6\)",
@@ -115,10 +115,11 @@ def test_calls_refuse_with_one_sentence(call: Callable[[], Any], sentence: str) 
 
 
 @pytest.mark.parametrize("value", [math.nan, 0.0, -1e-9, math.inf])
-def test_tolerances_are_positive_and_finite(value: float) -> None:
-    for each in fields(Tolerances):
-        with pytest.raises(ValueError, match=f"{each.name} must be positive and finite, got"):
-            Tolerances(**{each.name: value})
+def test_settings_are_positive_and_finite(value: float) -> None:
+    for each in fields(Settings):
+        if isinstance(each.default, float):
+            with pytest.raises(ValueError, match=f"{each.name} must be positive and finite, got"):
+                Settings(**{each.name: value})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("order", [np.int64(2), np.uint8(2)])

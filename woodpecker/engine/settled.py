@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -16,10 +17,50 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, real_array, whole
-from woodpecker.piecewise.partition import SampledMap
+from woodpecker.engine.orbits import Closed, Coordinate, newton_step, orbit_of, solve
+from woodpecker.engine.orbits import Orbit as Cycle
+from woodpecker.engine.pieces import PiecewiseMap, map_of_pieces
+from woodpecker.engine.settings import Settings
 
 SAME = 1e-6  # distance [rad] within which an orbit that has settled repeats itself
 LONGEST = 64  # period that is looked for
+CLOSER = 0.5  # part of its distance that a Newton step leaves at most, if it leads to a cycle
+
+
+class Swept(Protocol):
+    """What a map makes of many points: arrays of one shape, nan where it has no value."""
+
+    @property
+    def value(self) -> Floats:
+        """The images."""
+
+    @property
+    def slope(self) -> Floats:
+        """The slopes there."""
+
+
+@runtime_checkable
+class SweptMap(Protocol):
+    """A map that takes many points at once, faster than one by one."""
+
+    def sweep(self, x: Floats, p: float) -> Swept:
+        """The map at points (n,) and a parameter."""
+
+
+class Sweep(NamedTuple):
+    """Images and slopes of a map at many points."""
+
+    value: Floats
+    slope: Floats
+
+
+def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: float) -> Swept:
+    """A map at points (n,), at once if it can, otherwise one by one."""
+    if isinstance(map_, SweptMap):
+        return map_.sweep(x, p)
+    images = [map_of_pieces(map_).at(each, p) for each in x.tolist()]
+    value, slope = np.array([(i.value, i.slope) for i in images], dtype=float).reshape(-1, 2).T
+    return Sweep(value, slope)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,7 +109,7 @@ class OrbitDiagram:
 
 
 def orbit_diagram(
-    map_: SampledMap,
+    map_: PiecewiseMap | SweptMap,
     parameters: npt.ArrayLike,
     starts: npt.ArrayLike,
     window: tuple[float, float],
@@ -81,7 +122,8 @@ def orbit_diagram(
     Parameters
     ----------
     map_
-        For instance :func:`woodpecker.toy_samples`.
+        For instance :class:`woodpecker.ToyPieces`. Of its pieces nothing is asked but values and
+        slopes; a map that takes many points at once (``sweep``) is asked so.
     parameters, starts
         Shapes (n,) and (m,).
     window
@@ -106,7 +148,7 @@ def orbit_diagram(
 
 
 def _settled(
-    map_: SampledMap,
+    map_: PiecewiseMap | SweptMap,
     p: float,
     starts: Floats,
     window: tuple[float, float],
@@ -117,12 +159,12 @@ def _settled(
     alive, x = np.arange(len(starts)), starts.copy()
     kept, stretch = np.empty((len(starts), keep)), np.zeros(len(starts))
     for n in range(transient + keep):
-        here = map_.sweep(x, p)
+        here = swept(map_, x, p)
         if n >= transient:
             kept[alive, n - transient] = x
             with np.errstate(divide="ignore", invalid="ignore"):
                 stretch[alive] += np.log(np.abs(here.slope))
-        stays = here.defined & (window[0] <= here.value) & (here.value <= window[1])
+        stays = (window[0] <= here.value) & (here.value <= window[1])  # not where it is nan
         alive, x = alive[stays], here.value[stays]
         if not len(alive):
             break
@@ -143,18 +185,23 @@ def period_of(x: Floats) -> int:
     return 0
 
 
-def unexplained(orbits: OrbitDiagram, diagram: Diagram, distance: float = 1e-3) -> list[Orbit]:
+def unexplained(
+    orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float = 1e-3
+) -> list[Orbit]:
     """Orbits that end on a cycle of which the diagram has no stable branch.
 
-    Chaotic orbits (positive exponent, no period) and cycles of a period the diagram does not hold
-    explain themselves.
+    The cycle is solved for. A branch passes through it if one Newton step leads there from where
+    the branch is between its samples. Chaotic orbits (positive exponent, no period) and cycles of a
+    period the diagram does not hold explain themselves.
 
     Parameters
     ----------
     orbits, diagram
         Of the same map and parameter.
+    map_
+        This map.
     distance
-        How far a branch may be: the diagram is asked between its samples.
+        How far a branch may stray from the line between two of its samples.
     """
     held = {branch.order for branch in diagram.branches}
     slices: dict[float, list[tuple[int, float]]] = {}
@@ -168,8 +215,33 @@ def unexplained(orbits: OrbitDiagram, diagram: Diagram, distance: float = 1e-3) 
                 for hit in diagram.at(orbit.p)
                 if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.multiplier) <= 1.0
             ]
-        stable = [x for order, x in slices[orbit.p] if order == orbit.period]
-        points = orbit.x[: orbit.period].tolist()
-        if not all(any(abs(x - point) <= distance for x in stable) for point in points):
+        stable = np.array([x for order, x in slices[orbit.p] if order == orbit.period])
+        cycle = _cycle(map_, orbit)
+        if cycle is None or not _passes(stable, cycle, distance):
             left.append(orbit)
     return left
+
+
+def _cycle(map_: PiecewiseMap, orbit: Orbit) -> Cycle | None:
+    """The cycle on which an orbit has settled; None if Newton's method does not find it there."""
+    x = orbit.x[-orbit.period :]
+    images = tuple(map_.at(each, orbit.p) for each in x.tolist())
+    start = Cycle(x, orbit.p, images)
+    if not start.defined:
+        return None
+    found = solve(start, (Closed(), Coordinate(-1, orbit.p)), Settings())
+    return found.orbit if found.converged else None
+
+
+def _passes(points: Floats, cycle: Cycle, distance: float) -> bool:
+    """Whether points of branches stand for a cycle: one Newton step leads from them to it."""
+    if not len(points):
+        return False
+    nearest = points[np.abs(points[:, None] - cycle.x).argmin(axis=0)]
+    before = float(np.abs(nearest - cycle.x).max())
+    settings = Settings()
+    if before > distance or before <= settings.same:
+        return before <= distance
+    guess = orbit_of(cycle.pieces, nearest, cycle.p)
+    step = newton_step(guess, (Closed(), Coordinate(-1, cycle.p)), settings)
+    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= CLOSER * before

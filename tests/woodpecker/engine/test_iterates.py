@@ -1,0 +1,66 @@
+"""Iterates of maps as maps: values and derivatives by the chain rule, borders at preimages."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from lines import A, logistic, paper, two_lines
+
+from woodpecker import Iterate, Toy, ToyPieces, borders_in, check_derivatives, crosses
+
+NEAR = 1e-15  # a few roundings at 1
+
+
+def test_values_and_derivatives_of_the_logistic_maps_second_iterate() -> None:
+    x, p = 0.3, 3.2
+    y = p * x * (1.0 - x)
+    image = Iterate(logistic(), 2).at(x, p)
+    assert image.value == pytest.approx(p * y * (1.0 - y), abs=NEAR)
+    assert image.slope == pytest.approx(p * (1.0 - 2.0 * y) * p * (1.0 - 2.0 * x), abs=NEAR)
+    by_p = y * (1.0 - y) + p * (1.0 - 2.0 * y) * x * (1.0 - x)
+    assert image.d_parameter == pytest.approx(by_p, abs=NEAR)
+    assert image.piece.word == "S | S"
+
+
+def test_margins_of_an_iterate_are_those_of_its_returns() -> None:
+    """R then L of two lines: x >= 0, and -x/2 + p + 1 < 0."""
+    x, p = 1.5, -0.5
+    image = Iterate(two_lines(), 2).at(x, p)
+    assert image.piece.word == "R | L"
+    assert image.margins.tolist() == [1.5, 0.75 - 0.5]
+    assert image.gradients.tolist() == [[1.0, 0.0], [0.5, -1.0]]
+    causes = [image.piece.cause(code) for code in image.causes.tolist()]
+    assert causes == ["x reaches the border, in return 1", "x reaches the border, in return 2"]
+    beyond = image.piece.at(0.5, p)  # the same pieces, outside: the map takes R and R there
+    assert beyond.value == pytest.approx(0.5 * (-0.25 + 0.5) - 0.5, abs=NEAR)
+    assert beyond.margins.tolist() == [0.5, -0.25]
+
+
+def test_borders_of_the_papers_second_iterate() -> None:
+    """0 and r/a, of which only r/a crosses [Leine2001, Eq. 15]."""
+    zero, preimage = borders_in(Iterate(paper(), 2), 1.0, (-3.0, 3.0))
+    assert (zero.x, preimage.x) == pytest.approx((0.0, 1.0 / A), abs=NEAR)
+    assert (crosses(zero), crosses(preimage)) == (False, True)
+    assert abs(preimage.jump) == pytest.approx(2.0, abs=NEAR)
+
+
+def test_an_orbit_that_is_lost_says_why() -> None:
+    map_ = Iterate(ToyPieces(Toy(pole=0.015)), 3)  # the pole ends within the first return
+    image = map_.at(-0.53, 0.5)
+    assert math.isnan(image.value)
+    assert image.reason == map_.map.at(-0.53, 0.5).reason != ""
+    assert image.piece.at(-0.53, 0.5).reason == image.reason
+
+
+def test_derivatives_of_the_toys_iterates() -> None:
+    for order in (2, 3):
+        check_derivatives(Iterate(ToyPieces(Toy()), order), [(-0.53, 0.5), (-0.95, 0.125)])
+
+
+@pytest.mark.parametrize("order", [0, 1.5, True])
+def test_orders_are_whole(order: float) -> None:
+    with pytest.raises(
+        ValueError, match=f"order must be a whole number of at least 1, got {order}"
+    ):
+        Iterate(paper(), order)  # type: ignore[arg-type]
