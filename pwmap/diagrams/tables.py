@@ -60,14 +60,12 @@ def write_results(diagram: Diagram, folder: Path) -> None:
 
 
 def table_of_points(diagram: Diagram) -> Table:
-    """Special points but for changes of word, which are counted; exact values where known."""
+    """Special points with their causes; changes of word are counted. Exact values where known."""
     points = [point for point in diagram.points if point.kind is not PointKind.WC]
     changes = sum(len(branch.changes) for branch in diagram.branches)
     changes += len(diagram.points) - len(points)
-    why = any(point.cause for point in points)
-    names = ["point", diagram.parameter_name, diagram.x_name, "what", *["cause"] * why]
     table = Table(
-        *_columns(*names, "left", "right"),
+        *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
         title=f"{len(diagram.branches)} branches, {len(points)} special points, "
         f"{changes} changes of word",
         caption=f"given: {', '.join(map(short, diagram.given))}" if diagram.given else None,
@@ -77,9 +75,12 @@ def table_of_points(diagram: Diagram) -> Table:
         left, right = (" ".join(side) for side in diagram.sides(point.id))
         table.add_row(
             f"{point.name} ({point.id})" if point.name else point.id,
-            _shown(point, "parameter", point.parameter), _shown(point, "x", point.x), what,
-            *[point.cause] * why, left, right,
-        )  # fmt: skip
+            _shown(point, "parameter", point.parameter),
+            _shown(point, "x", point.x),
+            what if point.cause in ("", point.note) else f"{what}\n{point.cause}",
+            left,
+            right,
+        )
     return table
 
 
