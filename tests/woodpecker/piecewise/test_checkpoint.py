@@ -227,7 +227,7 @@ def test_entries_that_do_not_follow_from_one_another(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
 def test_two_runs_do_not_write_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("woodpecker.piecewise.checkpoint.WAIT", 0.1)
+    monkeypatch.setattr("woodpecker.base.checkpoint.WAIT", 0.1)
     path = tmp_path / "run.jsonl"
     first = Journal(path, ABOUT)
     first.write(SLICE)
