@@ -392,12 +392,16 @@ def lowest_dip(
     """Where between two points a margin may come closest to zero, as a part of the way; or None.
 
     Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
-    between; a minimum that takes away most of it is worth a look.
+    between; a minimum that takes away most of it is worth a look. So is the middle if a margin that
+    only one of the points has leads below zero.
     """
     a, b = here.margins, there.margins
     da, db = step * (here.gradients @ along), step * (there.gradients @ along_there)
     if not np.array_equal(here.causes, there.causes):
+        ends = (a > 0.0) & (a + da < 0.0), (b > 0.0) & (b - db < 0.0)
         _, one, other = np.intersect1d(here.causes, there.causes, return_indices=True)
+        if np.delete(ends[0], one).any() or np.delete(ends[1], other).any():
+            return 0.5
         a, b, da, db = a[one], b[other], da[one], db[other]
     may = (da < 0.0) & (db > 0.0)
     if not may.any():
@@ -407,7 +411,7 @@ def lowest_dip(
     root = np.sqrt(np.maximum(0.0, c2 * c2 - 3.0 * c3 * da))
     s = np.clip(-da / np.maximum(c2 + root, -da), 0.0, 1.0)  # where the cubic's slope vanishes
     least = a + s * (da + s * (c2 + s * c3))
-    k = int(np.argmin(least / np.minimum(a, b)))
+    k = int(np.argmin(least - WORTH * np.minimum(a, b)))
     return float(s[k]) if least[k] < WORTH * min(a[k], b[k]) else None
 
 

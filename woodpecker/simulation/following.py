@@ -118,7 +118,8 @@ def follow_path(
         c = ratios(model[mode, KAPPA], model[mode, OMEGA], t)
         _find_delays(model, change, step, mode, guard, t, c, route)
         if watched:
-            phase_margins(model, change, step, mode, guard, t, k, c, notes, route)
+            after = _mode_after_rest(path, k + 1)
+            phase_margins(model, change, step, mode, after, guard, t, k, c, notes, route)
         again = _bounces_on(model, path, k, t, route)
         if repeated == 0:
             times[k] = t
@@ -155,7 +156,7 @@ def _depart(model: Floats, change: Floats, phi_s: float, route: Route) -> None:
     route.states[0] = route.states[2] = OPEN
     route.states[1] = STICK
     route.fired[0], route.flown[0], route.count[0] = typed(-1), typed(-1), typed(0)
-    route.bent[0] = typed(-1)
+    route.settled[0] = typed(-1)
 
 
 @part
@@ -209,6 +210,17 @@ def _find_orders(step: Ints, route: Route) -> None:
             route.orders[i] = 2 if rests else 1
         elif route.states[i] != OPEN or step[CLOSED] >> i & 1:
             route.orders[i] = 3 if route.fired[0] == NORMAL + i else 2
+
+
+@part
+def _mode_after_rest(path: Ints, k: int) -> int:
+    """The mode of phase k if it begins with an impact of one contact that comes to rest; or -1."""
+    if k >= len(path) or path[k, STRUCK] not in (1, 2, 4):
+        return -1
+    step = path[k]
+    last = step[SECOND] if step[SECOND] != UNSOLVED else step[FIRST]
+    rests = last % 6 // 3 == REST or step[CLOSED] != 0
+    return step[MODE] if rests else -1
 
 
 @part

@@ -63,12 +63,9 @@ from woodpecker.simulation.events import force_guard, jet
 from woodpecker.simulation.flow import spring
 from woodpecker.simulation.guards import TWO_PI, time_of_lowest
 from woodpecker.simulation.roots import (
-    NEAR,
-    ROUNDING,
     Ratios,
     deflated,
     deflated_change,
-    inflection,
     ratios,
 )
 
@@ -76,14 +73,14 @@ from woodpecker.simulation.roots import (
 COMPRESSION, EXPANDING, BOUNCES, START, EARLY, SPEED, MEETING, DIP, SWING, LENGTH = range(10)
 # COMPRESSION, EXPANDING: slack 4 * contact + inequality of an impact (12 more at the second end of
 # an indeterminate one); BOUNCES: 1 - ratio of bounces that accumulate; START: a guard where the
-# phase begins (BY_INFLECTION more if a gap at its inflection stands for its acceleration);
-# EARLY: the duration of a phase, if it is negative though its guard begins positive;
-# SPEED: rate of the guard that fires, times its modulus; MEETING: a guard where another one fires;
+# phase begins; EARLY: the duration of a phase, if it is negative though its guard begins positive;
+# SPEED: rate of the guard that fires, times its modulus (SLOWEST or STEEPEST more: its value where
+# it falls so, see _inflections); MEETING: a guard where another one fires;
 # DIP: least value of a guard at its minima in a phase; SWING: time between the minimum of phi_S
 # that counts and the neighbouring ones; LENGTH: what is left of the pole where a phase ends
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 OTHER_END = 12
-BY_INFLECTION = 50  # more than the guard, in the item of START: see _find_inflection
+SLOWEST, STEEPEST = 50, 60
 
 GRAZING = 1e-7  # a root is as good as double where a guard of size 1 has this slope, in units of
 # its curvature: rounding moves a double root by the root of 1e-16
@@ -109,8 +106,7 @@ ROUTE = np.dtype(
             ("speed", "f8", (3,)),  # at which the guard fired, and its derivatives
             ("flight", "f8", (3,)),  # duration of a flight that began at rest, and its derivatives
             ("flown", "i8", (1,)),  # the contact that flew; -1: none
-            ("bend", "f8", (3,)),  # a gap at its inflection near an impact, and its derivatives
-            ("bent", "i8", (2,)),  # which gap; -1: none; and the mode before the impact
+            ("settled", "i8", (1,)),  # the gap whose inflections say whether it stays; -1: none
             ("jets", "f8", (3, 4)),  # of a guard, and their derivatives along the tangents
             ("rates", "f8", (2, 2)),  # of its value and its slope along the tangents
             ("count", "i8", (1,)),  # of margins
@@ -369,12 +365,9 @@ def _start(
     load_jets(model, change, mode, guard, order, route)
     margin, along_x, along_p = route.jets[0, order], route.jets[1, order], route.jets[2, order]
     code = 1000 * k + 100 * START + guard
-    i, bend = guard % 3, route.bend
-    if guard < SLIP and i == route.bent[0] and _only_at(i, route.bent[1], mode):
-        sign = 1.0 if guard < NORMAL else -1.0
-        code += BY_INFLECTION
-        note(notes, route, code, sign * bend[0], sign * bend[1], sign * bend[2])
-    elif order == 3 or (order == 2 and guard >= SLIP):
+    if guard < SLIP and guard % 3 == route.settled[0]:
+        return
+    if order == 3 or (order == 2 and guard >= SLIP):
         note_quotient(notes, route, code, margin, along_x, along_p, route.speed)
     elif guard == NORMAL + route.flown[0] and step[STRUCK] == 1 << route.flown[0]:
         note_quotient(notes, route, code, margin, along_x, along_p, route.flight)
@@ -383,22 +376,18 @@ def _start(
 
 
 @part
-def _only_at(i: int, before: int, mode: int) -> bool:
-    """Whether two modes differ at contact i only, if at all."""
-    if i == 0:
-        return before % 7 == mode % 7
-    return before == mode or (before // 7 == mode // 7 and before % 7 == 0)
-
-
-@part
 def phase_margins(
-    model: Floats, change: Floats, step: Ints, mode: int, fired: int, t: float, k: int, c: Ratios,
-    notes: Floats, route: Route,
+    model: Floats, change: Floats, step: Ints, mode: int, after: int, fired: int, t: float, k: int,
+    c: Ratios, notes: Floats, route: Route,
 ) -> None:  # fmt: skip
-    """What keeps all guards but one from firing in a phase of duration t, and lets it fire."""
+    """What keeps all guards but one from firing in a phase of duration t, and lets it fire.
+
+    ``after`` is the mode of the next phase if the guard is a gap that closes for good or leaves
+    again from rest; else -1.
+    """
     kappa, omega, delays = model[mode, KAPPA], model[mode, OMEGA], route.delays
     jets, found = route.jets, route.rates
-    route.bent[0] = typed(-1)
+    route.settled[0] = typed(-1)
     for column in range(GUARDS, GUARDS + 5):
         guard = int(model[mode, column])
         if guard < 0:
@@ -418,9 +407,11 @@ def phase_margins(
         if guard == fired:
             if t < 0.0 and jets[0, order] > 0.0:
                 note(notes, route, 1000 * k + 100 * EARLY + guard, t, delays[0], delays[1])
-            if guard < NORMAL and order == 0 and kappa < 0.0:
-                _find_inflection(model, change, mode, guard, t, route)
-            if route.bent[0] < 0:
+            route.settled[0] = guard if _settles(guard, order, mode, after, kappa, f2, f3) else -1
+            if route.settled[0] >= 0:
+                leaves = after == mode
+                _inflections(model, change, mode, guard, leaves, t, k, notes, route)
+            else:
                 rate = slope if abs(slope) > GRAZING * abs(bend * t) else -abs(slope)
                 size = -2.0 * abs(rate)
                 turn = 1.0 if rate == slope else -1.0
@@ -449,37 +440,60 @@ def phase_margins(
 
 
 @part
-def _find_inflection(
-    model: Floats, change: Floats, mode: int, guard: int, t: float, route: Route
-) -> None:
-    """The gap that fired at time t, at its inflection nearby.
+def _settles(
+    guard: int, order: int, mode: int, after: int, kappa: float, f2: float, f3: float
+) -> bool:
+    """Whether nothing but a swinging gap decides if its contact stays, or leaves from rest."""
+    if guard >= NORMAL or order > 0 or after < 0 or kappa >= 0.0 or (f2 == 0.0 and f3 == 0.0):
+        return False
+    if guard == 0:
+        return mode % 7 == after % 7
+    return mode == after or (mode // 7 == after // 7 and mode % 7 == 0)
 
-    Where the gap closes while it bends upwards the contact leaves again from rest, and where it
-    bends downwards it stays: that is decided by whether the gap is still open at its inflection.
-    A flight that begins at rest, without acceleration, has its inflection, after a full swing,
-    where its speed vanishes too. Then acceleration and speed at the impact go like the cube root
-    of the distance from the border and its square, but the gap at the inflection is smooth. A gap
-    that falls at its inflection too has no other root that this one could meet, so its speed at the
-    impact is no margin then.
+
+@part
+def _inflections(
+    model: Floats, change: Floats, mode: int, guard: int, leaves: bool, t: float, k: int,
+    notes: Floats, route: Route,
+) -> None:  # fmt: skip
+    """That a contact at which a swinging gap closes leaves again from rest, or stays.
+
+    It leaves where the gap bends upwards, and stays where it bends downwards: the impact must be
+    between two times at which the gap falls most steeply and most slowly, and the gap there says
+    whether it is. These margins are smooth also where three roots meet because the gap hardly
+    falls: as after a flight that begins at rest, without acceleration, and lasts for a full swing.
+    The speed at the impact and its acceleration then go like powers 2/3 and 1/3 of the distance
+    from the border. Where the gap opens for a while its minimum before counts.
     """
-    jets, kappa, omega = route.jets, model[mode, KAPPA], model[mode, OMEGA]
+    jets, omega = route.jets, model[mode, OMEGA]
     f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
-    at = inflection(f2, f3, omega, t)
-    if omega * abs(t - at) > NEAR:
-        return  # the gap there says no more than the acceleration does
-    c = ratios(kappa, omega, at)
-    gap, slope, _ = deflated(typed(0), f0, f1, f2, f3, kappa, at, c)
-    third = kappa * f2 * at * c[1] + f3 * c[0]
-    if slope > ROUNDING * abs(third) * at * at:
-        return  # the gap opens there: it has another root
-    sign = 1.0 if third > 0.0 else -1.0
-    route.bent[0], route.bent[1], route.bend[0] = guard, mode, sign * gap
-    find_rates(model, change, mode, typed(0), at, c, route)
-    for m in range(2):
-        turn = jets[1 + m, 2] * c[0] + jets[1 + m, 3] * at * c[1]
-        if m == 1 and len(change) > 0:
-            turn += 0.5 * at * at * change[mode, KAPPA] * (f2 * c[1] + f3 * at * (c[2] - c[3]))
-        route.bend[1 + m] = sign * (route.rates[m, 0] - slope * turn / third)
+    kappa, angle, bend = model[mode, KAPPA], math.atan2(f2, f3 / omega), math.hypot(f2, f3 / omega)
+    half = math.floor((omega * t + angle) / math.pi + 0.5)  # f'' = bend sin(omega t + angle)
+    for slowest in range(2):
+        turns = half
+        if (half % 2 == 1) != (slowest == 1):  # the neighbour on the side where the impact must be
+            turns += 1.0 if leaves == (slowest == 1) else -1.0
+        at = (math.pi * turns - angle) / omega
+        c = ratios(kappa, omega, at)
+        slope, third = f1 + at * (f2 * c[1] + f3 * at * c[2]), bend * omega * (1 - 2 * slowest)
+        if slowest == 1 and slope > 0.0:  # f' = slope - bend / omega (1 - cos(omega (t - at)))
+            at -= 2.0 * math.asin(math.sqrt(min(1.0, 0.5 * omega * slope / bend))) / omega
+            c, slope = ratios(kappa, omega, at), 0.0
+        if at <= 0.0:
+            continue  # the phase has not begun
+        gap, _, _ = deflated(typed(0), f0, f1, f2, f3, kappa, at, c)
+        find_rates(model, change, mode, typed(0), at, c, route)
+        sign = -1.0 if leaves == (slowest == 1) else 1.0
+        x, p = route.rates[0, 0], route.rates[1, 0]
+        if slope != 0.0:
+            turn = jets[2, 2] * c[0] + jets[2, 3] * at * c[1]
+            if len(change) > 0:
+                more = f2 * c[1] + f3 * at * (c[2] - c[3])
+                turn += 0.5 * at * at * change[mode, KAPPA] * more
+            x -= slope * (jets[1, 2] * c[0] + jets[1, 3] * at * c[1]) / third
+            p -= slope * turn / third
+        code = 1000 * k + 100 * SPEED + (SLOWEST if slowest == 1 else STEEPEST) + guard
+        note(notes, route, code, sign * gap, sign * x, sign * p)
 
 
 @part

@@ -13,7 +13,7 @@ from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
 from woodpecker.simulation import calls, following, margins
-from woodpecker.simulation.codes import CLOSED, GUARD, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
+from woodpecker.simulation.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
@@ -90,8 +90,7 @@ class Cause:
             case Watch.SPEED:
                 return f"{_grazes(self.item)} at the end of phase {self.phase + 1}"
             case Watch.START:
-                item = self.item % margins.BY_INFLECTION
-                return f"{NAMES[item % 3]} only just {_stays(item)}"
+                return f"{NAMES[self.item % 3]} only just {_stays(self.item)}"
             case Watch.COMPRESSION | Watch.EXPANSION:
                 return self._of_impact()
             case Watch.SWING:
@@ -265,4 +264,9 @@ def cause_of(path: Path, code: int) -> Cause:
     """What a margin of a path watches."""
     phase, rest = divmod(code, 1000)
     kind, item = divmod(rest, 100)
-    return Cause(Watch(kind), phase, item, int(path.steps[phase, GUARD]))
+    fired = int(path.steps[phase, GUARD])
+    if kind == margins.SPEED and item >= margins.SLOWEST:  # it says how the next phase begins
+        phase, kind = phase + 1, margins.START
+        leaves = path.steps[phase, MODE] == path.steps[phase - 1, MODE]
+        item = fired if leaves else NORMAL + fired
+    return Cause(Watch(kind), phase, item, fired)
