@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checkpoint import START, Entry
 from woodpecker.base.checks import interval
 from woodpecker.base.executors import Serial
@@ -29,6 +29,7 @@ from woodpecker.toypieces import ToyPieces
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
 SMALLEST = 1e-9  # where a branch starts that would start at zero restitution
 DEFAULT = Settings(window=WINDOW)
+OUT_OF_DOMAIN = "end of the values that the parameter can have"
 AT, SPAN = "at", "span"  # of a run: the toy's value of the parameter; the span that was asked for
 
 
@@ -197,10 +198,12 @@ def _domain_ends(
 def _of_domain(point: SpecialPoint, reasons: dict[float, str], settings: Settings) -> SpecialPoint:
     """An end point with the reason why the parameter goes no further, if that is why."""
     for end, reason in reasons.items():
-        if point.kind is PointKind.EP and abs(point.parameter - end) <= (
-            settings.same * settings.p_scale
-        ):
-            return replace(point, note="end of the values of the parameter", cause=reason)
+        away = abs(point.parameter - end)
+        if point.kind is PointKind.EP and away <= settings.same * settings.p_scale:
+            return replace(
+                point, note=OUT_OF_DOMAIN, cause=reason, status=PointStatus.LOCATED, precision=away,
+                interval=(point.parameter - away, point.parameter + away),
+            )  # fmt: skip
     return point
 
 

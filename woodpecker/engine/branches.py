@@ -296,7 +296,8 @@ class Cycles:
             return mark, lost, None
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
-        before, after = (abs(o.multiplier) < 1.0 for o in (orbit, there.orbit))
+        inside = stretch.samples[-2:][0].orbit if abs(border.inner.slope) >= STEEP else orbit
+        before, after = (abs(o.multiplier) < 1.0 for o in (inside, there.orbit))
         if kind is not BorderKind.SMOOTH and before != after:
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
