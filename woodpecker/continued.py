@@ -94,7 +94,7 @@ def continuation(
     wanted = interval("span", span, finite=True)
     chosen = replace(settings or DEFAULT, span=possible(toy, parameter, wanted))
     start = _start(map_, orbit, chosen)
-    about = _about(toy, parameter, chosen) | {SPAN: wanted, START: orbit.points}
+    about = {SPAN: wanted} | _about(toy, parameter, chosen) | {START: orbit.points}
     with _record(run, about, resume) as record:
         explorer = Explorer(
             Serial(Worker(map_, chosen)), chosen, (len(start),), progress or _nothing, record

@@ -159,8 +159,13 @@ class Stepper:
         self.order = order
 
     def sample(self, orbit: Orbit, along: Floats) -> Sample:
-        """An orbit with its tangent, which points like another one."""
+        """An orbit with its tangent, which points like another one.
+
+        At a border beside a cube root it may have none: then the other one is taken for it.
+        """
         direction = tangent(orbit, self.closing, self.settings)
+        if not np.isfinite(direction).all():
+            return self._complete(Sample(orbit, along))
         forward = bool(direction @ along >= 0.0)
         return self._complete(Sample(orbit, direction if forward else -direction, forward))
 
