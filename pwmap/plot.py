@@ -111,8 +111,8 @@ def _name_points(diagram: Diagram, ax: Axes) -> None:
             left, right = diagram.sides(point.id)
             side = -1 if len(left) < len(right) else 1
             ax.annotate(
-                point.name, (point.parameter, point.x), (7 * side, 0), textcoords="offset points",
-                ha="right" if side < 0 else "left", va="center", fontsize=9, fontstyle="italic",
+                point.name, (point.parameter, point.x), (5 * side, 4), textcoords="offset points",
+                ha="right" if side < 0 else "left", va="bottom", fontsize=9, fontstyle="italic",
                 zorder=6,
             )  # fmt: skip
 
