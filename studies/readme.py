@@ -266,10 +266,10 @@ def main_job(results: All) -> str:
         [
             name,
             ", ".join(filter(None, (code, note))),
-            number(p, 10),
-            number(x, 8),
+            minus(f"{p:.10f}"),
+            minus(f"{x:.10f}"),
             number(precision, 1),
-            cause,
+            "" if cause == note else cause,
             left,
             right,
         ]
