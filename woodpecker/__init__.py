@@ -50,6 +50,7 @@ from woodpecker.simulation.trajectory import (
     simulate,
 )
 from woodpecker.simulation.words import EventKind
+from woodpecker.solutions import OnBranch, solutions
 from woodpecker.toymaps import toy_map, toy_samples
 
 __all__ = [
@@ -65,6 +66,7 @@ __all__ = [
     "JumpPoint",
     "LabelledMap",
     "LocalModel",
+    "OnBranch",
     "Orbit",
     "OrbitDiagram",
     "Partition",
@@ -112,6 +114,7 @@ __all__ = [
     "shoot",
     "simulate",
     "slice_of",
+    "solutions",
     "toy_map",
     "toy_samples",
     "unexplained",
