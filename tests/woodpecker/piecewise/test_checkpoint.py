@@ -166,7 +166,7 @@ HEADER = {"run": TOY, "version": VERSION}
     ("header", "sentence"),
     [
         ({"run": TOY}, "in a format without a number, expected format 1: start the run anew"),
-        (HEADER | {"version": 2}, "in a format 2, expected format 1"),
+        (HEADER | {"version": 3}, "in a format 3, expected format 1"),
         (HEADER | {"version": "1"}, "in a format '1', expected format 1"),
         ({"version": 1}, "its first line does not say which"),
         (HEADER | {"run": []}, "its first line does not say which"),
