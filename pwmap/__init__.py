@@ -1,7 +1,15 @@
 """Exact analysis of piecewise-linear discontinuous maps; diagrams and their graphs."""
 
 from pwmap.algebra.assumptions import UndecidedError
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import (
+    Branch,
+    BranchKind,
+    Diagram,
+    PointKind,
+    PointStatus,
+    SpecialPoint,
+    Stretch,
+)
 from pwmap.diagrams.graph import read_graph, write_graph
 from pwmap.maps.budget import Budget, BudgetError, Progress
 from pwmap.maps.piecewise_linear import (
@@ -34,8 +42,10 @@ __all__ = [
     "Piece",
     "PiecewiseLinearMap",
     "PointKind",
+    "PointStatus",
     "Progress",
     "SpecialPoint",
+    "Stretch",
     "Strip",
     "UndecidedError",
     "bifurcation_diagram",

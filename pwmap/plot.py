@@ -20,7 +20,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.cells import ParameterCell
 from pwmap.parameters.plane import ParameterPlane
 
-STABLE, UNSTABLE, JUMP = "#08306b", "#d95f0e", "#238b45"
+STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
     PointKind.PD: ("D", "#6a51a3"),
@@ -38,8 +38,9 @@ def plot_diagram(
     *,
     kinds: Iterable[PointKind] = tuple(MARKERS),
     legend: bool = True,
+    words: bool = False,
 ) -> Axes:
-    """Draw all branches of a diagram and its special points.
+    """Draw all branches of a diagram and its special points, with the names that they have.
 
     Parameters
     ----------
@@ -48,9 +49,11 @@ def plot_diagram(
     ax
         Axes to draw on; new ones by default.
     kinds
-        Special points to mark; word changes are left out by default, there can be hundreds.
+        Special points to mark.
     legend
         Whether to explain the lines and markers that occur.
+    words
+        Whether to mark where the word of a branch changes: there can be hundreds of places.
     """
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
     styles: dict[str, Line2D] = {}
@@ -71,6 +74,10 @@ def plot_diagram(
                 )  # type: ignore[arg-type]
             )  # fmt: skip
             labels.append(kind.label)
+    if words:
+        handles.append(ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD))  # type: ignore[arg-type]
+        labels.append("word change")
+    _name_points(diagram, ax)
     ax.set_xlabel(axis_label(diagram.parameter_name))
     ax.set_ylabel(axis_label(diagram.x_name))
     ax.grid(alpha=0.25, linewidth=0.5)
@@ -84,6 +91,30 @@ _STYLES: dict[str, dict[str, Any]] = {
     "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
     "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
 }
+
+
+def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
+    """Places where the word of a branch changes."""
+    points = [point for point in diagram.points if point.kind is PointKind.WC]
+    p, x = [point.parameter for point in points], [point.x for point in points]
+    for branch in diagram.branches:
+        firsts = [stretch.first for stretch in branch.changes]
+        p += branch.parameter[firsts].tolist()
+        x += branch.x[firsts].tolist()
+    return p, x
+
+
+def _name_points(diagram: Diagram, ax: Axes) -> None:
+    """Write the names of points beside them, on the side where fewest branches start."""
+    for point in diagram.points:
+        if point.name:
+            left, right = diagram.sides(point.id)
+            side = -1 if len(left) < len(right) else 1
+            ax.annotate(
+                point.name, (point.parameter, point.x), (5 * side, 4), textcoords="offset points",
+                ha="right" if side < 0 else "left", va="bottom", fontsize=9, fontstyle="italic",
+                zorder=6,
+            )  # fmt: skip
 
 
 def _curves(diagram: Diagram) -> list[tuple[str, FloatArray, FloatArray]]:

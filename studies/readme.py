@@ -259,6 +259,29 @@ def failures(results: All) -> str:
     return rows(["scenes", *kinds], lines)
 
 
+def main_job(results: All) -> str:
+    """The special points of the main job, each with what happens there."""
+    found = results["main_job"]
+    lines = [
+        [
+            name,
+            ", ".join(filter(None, (code, note))),
+            minus(f"{p:.10f}"),
+            minus(f"{x:.10f}"),
+            number(precision, 1),
+            "" if cause == note else cause,
+            left,
+            right,
+        ]
+        for name, code, note, p, x, precision, cause, left, right in found["points"]
+    ]
+    header = ["point", "code", "ε_N1", "φ_S [rad]", "located to", "what happens", "left", "right"]
+    return (
+        f"{rows(header, lines)}\n\n{found['branches']} branches, {len(lines)} special points, and "
+        f"{found['changes']} changes of word on the way, at which the map does not jump."
+    )
+
+
 def reductions(results: All) -> str:
     """What each reduction buys."""
     text: str = results["reductions"]["text"]
@@ -455,7 +478,7 @@ def machine(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        paper, vertices, sensitivities, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
+        main_job, paper, vertices, sensitivities, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
         ground, machine,
     )
 }  # fmt: skip

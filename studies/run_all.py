@@ -33,6 +33,7 @@ STUDIES = (
     "fig05_phase_woodpecker",
     "fig06_phase_others",
     "fig07_frames",
+    "main_job",
     "fig08_return_map",
     "fig08_vertices",
     "fig09_order_one",

@@ -57,6 +57,7 @@ from woodpecker.simulation.trajectory import (
     simulate,
 )
 from woodpecker.simulation.words import EventKind
+from woodpecker.solutions import OnBranch, solutions
 from woodpecker.toymaps import toy_map, toy_samples
 from woodpecker.toypieces import ToyPieces
 
@@ -79,6 +80,7 @@ __all__ = [
     "JumpPoint",
     "LabelledMap",
     "LocalModel",
+    "OnBranch",
     "Orbit",
     "OrbitDiagram",
     "Partition",
@@ -135,6 +137,7 @@ __all__ = [
     "shoot",
     "simulate",
     "slice_of",
+    "solutions",
     "toy_map",
     "toy_samples",
     "unexplained",

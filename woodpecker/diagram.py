@@ -11,93 +11,34 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
+from woodpecker.base.checkpoint import Entry, version_of
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler, worker_count
+from woodpecker.continued import WINDOW, continuation, given, saved_continuation
+from woodpecker.engine.checkpoint import VERSION
 from woodpecker.mechanics.toy import LAW, Toy, parameters
-from woodpecker.piecewise.checkpoint import START, Entry, Journal, read_journal
+from woodpecker.piecewise.checkpoint import Journal, read_journal
 from woodpecker.piecewise.explore import Explorer, Progress, Start, restore
-from woodpecker.piecewise.maps import Cycle, LabelledMap, correct, windowed
+from woodpecker.piecewise.maps import Cycle, LabelledMap, windowed
 from woodpecker.piecewise.network import Atlas
 from woodpecker.piecewise.partition import SampledMap
 from woodpecker.piecewise.search import Report, Search, complete
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
-from woodpecker.shooting import PeriodicOrbit, cycle_of
-from woodpecker.simulation.returns import RESTITUTIONS
 from woodpecker.toymaps import toy_map, toy_samples
 
-WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
+__all__ = [
+    "WINDOW",
+    "Found",
+    "bifurcation_diagram",
+    "connected",
+    "continuation",
+    "find_all",
+    "saved_diagram",
+    "whole_diagram",
+]
+
 MARGIN = 0.05  # rad; a map is followed a little beyond its window, to find where a branch leaves it
-SMALLEST = 1e-9  # where a branch starts that would start at zero restitution
-
-
-def continuation(
-    toy: Toy,
-    orbit: PeriodicOrbit,
-    parameter: str = "eps_n1",
-    span: tuple[float, float] = (0.0, 1.0),
-    *,
-    settings: Settings | None = None,
-    progress: Progress | None = None,
-    run: str | os.PathLike[str] | None = None,
-    resume: bool = False,
-) -> Diagram:
-    """Follow a periodic solution both ways, and every branch that is connected to it.
-
-    Parameters
-    ----------
-    toy
-        The toy; its value of ``parameter`` is where the orbit lives.
-    orbit
-        A periodic solution of it, from :func:`woodpecker.shoot`. It is followed with its minimal
-        period, also where a multiple of that was shot for.
-    parameter, span
-        Parameter of the toy and its interval.
-    settings
-        Steps, window and tolerances; the span is taken from ``span``. By default the window is
-        (-2.5, -0.24) rad.
-    progress
-        Called now and then.
-    run
-        A file that keeps every finished branch, so that an interrupted run can go on.
-    resume
-        Go on with the run in that file.
-
-    Returns
-    -------
-    Diagram
-        Fixed-point and jump branches of P_j with their special points, j being the minimal period
-        of the orbit; ``given`` says
-        under which law of impact, and how derivatives in the parameter were found.
-
-    Raises
-    ------
-    ValueError
-        If the orbit did not converge or is too steep, or the span does not hold the toy's
-        parameter.
-    """
-    if not orbit.success:
-        raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
-    if orbit.toy != toy:
-        raise ValueError("continuation needs an orbit of this toy, got one of another toy")
-    chosen = settings if settings is not None else Settings(window=WINDOW)
-    chosen = replace(chosen, span=span)
-    labelled_map = toy_map(toy, parameter)
-    p = float(getattr(toy, parameter))
-    low, high = chosen.span
-    if not low <= p <= high:
-        raise ValueError(f"span must hold {parameter} = {p} of the toy, got ({low}, {high})")
-    start = cycle_of(orbit, labelled_map, p)
-    if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
-        start, _, _ = correct(labelled_map, start.x, SMALLEST)
-    _followable(start, chosen)
-    about = _about(toy, parameter, chosen) | {START: orbit.points}
-    with _journal(run, about, resume) as journal:
-        found = connected(
-            labelled_map, start, chosen, parameter_name=parameter, x_name="phi_s",
-            progress=progress, journal=journal,
-        )  # fmt: skip
-    return replace(found, given=_given(toy.expansion_friction, parameter))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -214,17 +155,12 @@ def find_all(
             labelled_map, samples, chosen, wanted, looked, parameter_name=parameter,
             x_name="phi_s", progress=progress, workers=workers, executor=executor, journal=journal,
         )  # fmt: skip
-    given = _given(toy.expansion_friction, parameter)
-    return replace(found, diagram=replace(found.diagram, given=given))
+    diagram = replace(found.diagram, given=given(toy, parameter))
+    return replace(found, diagram=diagram)
 
 
 def _middle(interval: tuple[float, float]) -> float:
     return 0.5 * (interval[0] + interval[1])
-
-
-def _given(law: str, parameter: str) -> tuple[str, str]:
-    """Under which law, and how derivatives in the parameter were found, for the diagram to say."""
-    return f"friction in the expansion: {law}", f"derivatives in {parameter}: the variational flow"
 
 
 def _about(toy: Toy, parameter: str, settings: Settings) -> Entry:
@@ -262,6 +198,8 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     ValueError
         If the file is not that of a run.
     """
+    if version_of(run) == VERSION:
+        return saved_continuation(run)
     about, entries = read_journal(run)
     toy, parameter = about.get("toy"), about.get("parameter")
     if not isinstance(toy, dict) or LAW not in toy or parameter not in parameters():
@@ -269,13 +207,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     atlas = Atlas()
     restore(atlas, entries, Path(run))
     found = atlas.diagram(parameter, "phi_s")
-    return replace(found, given=_given(str(toy[LAW]), parameter))
-
-
-def _searchable(settings: Settings) -> None:
-    """Complain of a window that slices cannot cover."""
-    if not all(map(math.isfinite, settings.window)):
-        raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
+    return replace(found, given=given(Toy(expansion_friction=toy[LAW]), parameter))
 
 
 def _followable(start: Cycle, settings: Settings) -> None:
@@ -285,6 +217,12 @@ def _followable(start: Cycle, settings: Settings) -> None:
             f"the slopes of the cycle must multiply to {settings.steepest:g} at most (steepest), "
             f"got {start.steepness:g}"
         )
+
+
+def _searchable(settings: Settings) -> None:
+    """Complain of a window that slices cannot cover."""
+    if not all(map(math.isfinite, settings.window)):
+        raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
 
 
 def _wanted(orders: Sequence[int]) -> list[int]:

@@ -9,18 +9,27 @@ from enum import Enum
 import numpy as np
 
 from woodpecker.base.checks import whole
-from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.borders import nearest_edge
-from woodpecker.piecewise.maps import (
-    Cycle,
-    LabelledMap,
-    correct,
-    evaluate,
+from woodpecker.engine.borders import reach_of
+from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.orbits import (
+    Closed,
+    Coordinate,
+    Margin,
+    Orbit,
     minimal_period,
+    newton_step,
+    orbit_of,
+    residuals,
+    solve,
 )
-from woodpecker.piecewise.tolerances import DEFAULT, Tolerances
+from woodpecker.engine.settings import Settings
+from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.returns import first_return
-from woodpecker.toymaps import toy_map
+from woodpecker.toypieces import ToyPieces
+
+DEFAULT = Settings()
+RESIDUAL = 1e-12  # rad; of returns that close where there is no slope for Newton's method
+BESIDE = 0.01  # rad; how far from a guess a jump is looked for
 
 
 class ShootingStatus(Enum):
@@ -89,13 +98,22 @@ class PeriodicOrbit:
         return abs(self.multiplier) < 1.0
 
 
-def shoot(
-    toy: Toy, guess: float, order: int = 1, *, tolerances: Tolerances = DEFAULT
-) -> PeriodicOrbit:
+def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAULT) -> PeriodicOrbit:
     """Find a periodic solution with ``order`` returns near ``guess`` [rad].
 
     Newton's method on all returns together (multiple shooting): products of steep slopes never
     appear. The multiplier is the product of the exact slopes.
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    guess
+        phi_S on the section [rad].
+    order
+        Number of returns.
+    settings
+        Tolerances and the number of Newton steps.
 
     Returns
     -------
@@ -109,29 +127,65 @@ def shoot(
         If the guess or the order is out of range.
     """
     start, order = first_return(toy, guess, order), whole("order", order)
-    labelled_map = toy_map(toy)
+    map_, p = ToyPieces(toy), toy.eps_n1
+    first = _taken(map_, np.array([float(guess)]), p)
+    if not start.status.success:
+        return _orbit(toy, order, first, ShootingStatus.LOST, start.status.value)
     points = [float(guess)]
     for _ in range(order - 1):
-        points.append(labelled_map(points[-1], toy.eps_n1).value)
-    if not start.status.success:
-        cycle = Cycle(np.array(points[:1]), toy.eps_n1, (labelled_map(guess, toy.eps_n1),))
-        return _orbit(toy, order, cycle, ShootingStatus.LOST, start.status.value)
-    cycle, good, _ = correct(labelled_map, np.array(points), toy.eps_n1, None, tolerances)
-    if good:
-        return _closed(toy, cycle)
-    near = nearest_edge(labelled_map, guess, toy.eps_n1, start.word) if order == 1 else None
-    if near is not None and near[0].crosses:
-        at_jump = evaluate(labelled_map, np.array([near[0].x]), toy.eps_n1)
-        return _orbit(toy, order, at_jump, ShootingStatus.AT_JUMP, f"at {near[0].x:.9g}")
-    lost = [lap.word for lap in cycle.laps if not lap.defined]
+        points.append(map_.at(points[-1], p).value)
+    found, closes = _corrected(map_, _taken(map_, np.array(points), p), settings)
+    if closes:
+        return _closed(toy, found, settings)
+    jump = _jump_near(map_, first, settings) if order == 1 else None
+    if jump is not None and jump.crosses:
+        return _orbit(toy, order, jump.head, ShootingStatus.AT_JUMP, f"at {jump.x:.9g}")
+    lost = [image.reason for image in found.images if image.reason]
     if lost:
-        return _orbit(toy, order, cycle, ShootingStatus.LOST, lost[0])
-    return _orbit(toy, order, cycle, ShootingStatus.NOT_CONVERGED)
+        return _orbit(toy, order, found, ShootingStatus.LOST, lost[0])
+    return _orbit(toy, order, found, ShootingStatus.NOT_CONVERGED)
 
 
-def _closed(toy: Toy, cycle: Cycle) -> PeriodicOrbit:
+def _taken(map_: ToyPieces, x: np.ndarray, p: float) -> Orbit:
+    """Points with the pieces that the map takes there."""
+    return Orbit(x, p, tuple(map_.at(float(value), p) for value in x))
+
+
+def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit, bool]:
+    """Newton's method for a cycle, and whether one was found.
+
+    With the pieces of the last iterate, if the map takes them at what they lead to; otherwise by
+    one step, after which the map is asked for its pieces again.
+    """
+    orbit, conditions = start, (Closed(), Coordinate(-1, start.p))
+    for _ in range(settings.newton):
+        if not orbit.defined:
+            return orbit, False
+        found = solve(orbit, conditions, settings)
+        if found.converged and _taken(map_, found.orbit.x, start.p).keys == found.orbit.keys:
+            return found.orbit, True
+        step = newton_step(orbit, conditions, settings)
+        if not np.isfinite(step).all():
+            return orbit, bool(np.abs(residuals(orbit, (Closed(),))).max() <= RESIDUAL)
+        orbit = _taken(map_, orbit.x + step[:-1], start.p)
+    return orbit, False
+
+
+def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None:
+    """The jump of P_1 at the nearer end of the piece that a point lies in; None if it has none."""
+    x, p = float(first.x[0]), first.p
+    ends = [reach_of(first.images[0], x, p, side, x + side * BESIDE, settings) for side in (-1, 1)]
+    borders = sorted((e for e in ends if e.code >= 0), key=lambda e: abs(e.end - x))
+    if not borders:
+        return None
+    nearest = borders[0]
+    head = orbit_of([nearest.images[-1].piece], np.array([nearest.end]), p)
+    return jump_of(map_, head, Margin(0, nearest.code), 1, settings)
+
+
+def _closed(toy: Toy, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
     """What a cycle is whose returns close: a periodic solution, a centre, or one without slope."""
-    order, period = len(cycle.x), minimal_period(cycle)
+    order, period = len(cycle), minimal_period(cycle, settings)
     if not any(cycle.words):  # no event: the sleeve stays jammed
         return _orbit(toy, order, cycle, ShootingStatus.CENTRE, period=period)
     if not math.isfinite(cycle.multiplier):
@@ -144,7 +198,7 @@ def _closed(toy: Toy, cycle: Cycle) -> PeriodicOrbit:
 def _orbit(
     toy: Toy,
     order: int,
-    cycle: Cycle,
+    cycle: Orbit,
     reason: ShootingStatus,
     detail: str = "",
     period: int | None = None,
@@ -155,21 +209,12 @@ def _orbit(
         order=order,
         minimal_period=order if period is None else period,
         phi_s=float(cycle.x[0]),
-        period=sum(lap.period for lap in returns),
-        drop=sum(lap.drop for lap in returns),
+        period=sum(each.period for each in returns),
+        drop=sum(each.drop for each in returns),
         multiplier=cycle.multiplier,
-        word=cycle.word,
-        residual=cycle.residual,
+        word=" | ".join(cycle.words),
+        residual=float(np.abs(residuals(cycle, (Closed(),))).max()),
         points=tuple(cycle.x.tolist()),
         status=reason,
         message=f"{reason.value}: {detail}" if detail else reason.value,
     )
-
-
-def cycle_of(orbit: PeriodicOrbit, labelled_map: LabelledMap, p: float) -> Cycle:
-    """Turn an orbit into a cycle of a labelled map at parameter p, with its minimal period.
-
-    Passed several times over it would hide its flips, and meet the same borders again and again.
-    """
-    x = np.array(orbit.points[: orbit.minimal_period])
-    return Cycle(x, p, tuple(labelled_map(float(value), p) for value in x))

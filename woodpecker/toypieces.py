@@ -21,7 +21,7 @@ from woodpecker.mechanics.toy import Toy, known_parameter
 from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
-from woodpecker.toymaps import Table
+from woodpecker.toymaps import RELATIVE_STEP, Table
 
 TOO_FAR = "the path does not reach so far"
 NO_MARGINS, NO_GRADIENTS = np.zeros(0), np.zeros((0, 2))
@@ -101,7 +101,7 @@ class ToyPieces:
         status, path = room.follower.trace(x)
         if not status.success:
             return _undefined(ToyPiece(self, NO_PATH, NO_MARGINS, status.value), status.value)
-        return _image(ToyPiece(self, path.steps, path.times, path.word), room, x)
+        return _image(ToyPiece(self, path.steps, path.times, path.word), room, x, p)
 
     def sweep(self, x: Floats, p: float) -> Sweep:
         """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
@@ -153,7 +153,7 @@ class ToyPiece:
         obstacle = room.obstacle(x, p)
         if obstacle or not len(self.steps):
             return _undefined(self, obstacle or self.word)
-        return _image(self, room, x)
+        return _image(self, room, x, p)
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
@@ -164,13 +164,21 @@ def _undefined(piece: ToyPiece, reason: str) -> Image:
     return Image(math.nan, math.nan, math.nan, NO_MARGINS, NO_GRADIENTS, NO_CAUSES, piece, reason)
 
 
-def _image(piece: ToyPiece, room: _Room, x: float) -> Image:
-    """The return along a piece with the numbers that the room has now."""
+def _image(piece: ToyPiece, room: _Room, x: float, p: float) -> Image:
+    """The return along a piece with the numbers of p, which the room has now."""
     found = room.follower.follow(Path(piece.word, piece.steps, piece.times), x)
     if found is None or not math.isfinite(found.phi_s):
         return _undefined(piece, TOO_FAR)
     here = ToyPiece(piece.whole, piece.steps, found.times, piece.word)
+    rate = found.d_parameter
+    if p == 0.0 and math.isnan(rate):  # contacts that rest here bounce at any larger restitution
+        rate = _rate_from_above(piece.whole, x, found.phi_s)
     return Image(
-        found.phi_s, found.slope, found.d_parameter, found.margins, found.gradients, found.causes,
-        here,
+        found.phi_s, found.slope, rate, found.margins, found.gradients, found.causes, here
     )  # fmt: skip
+
+
+def _rate_from_above(map_: ToyPieces, x: float, value: float) -> float:
+    """One-sided difference of second order of the map in a restitution that is zero."""
+    near, far = (map_.at(x, k * RELATIVE_STEP).value for k in (1, 2))
+    return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)

@@ -8,6 +8,7 @@ branches. Both packages share these classes and their export (:mod:`pwmap.diagra
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -67,6 +68,24 @@ _MEANINGS = {
 }
 
 
+class PointStatus(StrEnum):
+    """How well the place of a special point is known."""
+
+    LOCATED = "located"
+    OPEN = "open"
+
+    @property
+    def meaning(self) -> str:
+        """One phrase that says what it is."""
+        return _STATUSES[self.value]
+
+
+_STATUSES = {
+    "located": "it solves the equations of what it is, as closely as its precision says",
+    "open": "a branch was given up here: how it goes on is not known",
+}
+
+
 def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np.generic]:
     array: npt.NDArray[np.generic] = np.array(values, dtype=dtype)
     if array.ndim != 1:
@@ -75,9 +94,28 @@ def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np
     return array
 
 
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A part of a branch along which the word does not change.
+
+    Attributes
+    ----------
+    first
+        Its first sample; it ends where the next stretch begins.
+    word
+        The word.
+    cause
+        A sentence on what happens where it begins; empty at the start of a branch.
+    """
+
+    first: int
+    word: str
+    cause: str = ""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Branch:
-    """A curve between two special points, with one word all along.
+    """A curve between two special points; its word may change where the map is continuous.
 
     Parameters
     ----------
@@ -88,7 +126,7 @@ class Branch:
     order
         The iterate j >= 1 the branch belongs to.
     word
-        Sequence of events (toy) or of visited pieces (piecewise-linear map).
+        Sequence of events (toy) or of visited pieces (piecewise-linear map) at its first sample.
     parameter, x, multiplier
         Samples along the curve, each of shape (n,), n >= 1. The multiplier of a jump is nan.
     ends
@@ -98,6 +136,8 @@ class Branch:
     attracts
         Whether its fixed points attract, where the multiplier does not say: a point that stays at
         the border of two pieces has another slope on the other side. None if the multiplier does.
+    words
+        Its stretches in order, by default one; the first has ``word``.
     """
 
     id: str
@@ -110,6 +150,7 @@ class Branch:
     ends: tuple[str, str]
     exact: Mapping[str, object] = field(default_factory=dict)
     attracts: bool | None = None
+    words: tuple[Stretch, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.id or ":" in self.id:
@@ -124,6 +165,28 @@ class Branch:
                 f"{self.parameter.size}, {self.x.size} and {self.multiplier.size}"
             )
         object.__setattr__(self, "kind", BranchKind(self.kind))
+        words = tuple(self.words) or (Stretch(0, self.word),)
+        firsts = [stretch.first for stretch in words]
+        if firsts[0] != 0 or firsts[-1] >= len(self) or firsts != sorted(set(firsts)):
+            raise ValueError(
+                f"stretches must ascend from sample 0 to one below {len(self)}, got {firsts}"
+            )
+        if words[0].word != self.word:
+            raise ValueError(
+                f"the first stretch must have the word {self.word!r}, got {words[0].word!r}"
+            )
+        object.__setattr__(self, "words", words)
+
+    @property
+    def changes(self) -> tuple[Stretch, ...]:
+        """The stretches that begin with a change of word: all but the first."""
+        return self.words[1:]
+
+    def word_at(self, sample: int) -> str:
+        """The word of a sample; IndexError if there is no such sample."""
+        if not 0 <= sample < len(self):
+            raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
+        return self.words[bisect_right(self.words, sample, key=lambda s: s.first) - 1].word
 
     @property
     def stable(self) -> BoolArray:
@@ -156,6 +219,23 @@ class SpecialPoint:
         What the code leaves open, e.g. ``"persistence"`` or ``"fold"`` for a BC.
     exact
         Exact sympy expressions by name; empty for the toy.
+    cause
+        A sentence on what happens there; empty if the code says it all.
+    interval
+        Interval of the parameter that holds it. None if it is open, or where ``exact`` says the
+        parameter.
+    precision
+        How well the parameter is located: 0 if it is exact, infinite if it is open.
+    status
+        Whether it was located.
+    name
+        What it is called, such as A; see :meth:`Diagram.named`.
+
+    Raises
+    ------
+    ValueError
+        If the id is no text without ``:``, kind or status is unknown, the precision is negative, or
+        the interval does not hold the parameter.
     """
 
     id: str
@@ -166,11 +246,26 @@ class SpecialPoint:
     order: int = 1
     note: str = ""
     exact: Mapping[str, object] = field(default_factory=dict)
+    cause: str = ""
+    interval: tuple[float, float] | None = None
+    precision: float = 0.0
+    status: PointStatus = PointStatus.LOCATED
+    name: str = ""
 
     def __post_init__(self) -> None:
         if not self.id or ":" in self.id:
             raise ValueError(f"a point id must be text without ':', got {self.id!r}")
         object.__setattr__(self, "kind", PointKind(self.kind))
+        object.__setattr__(self, "status", PointStatus(self.status))
+        if not self.precision >= 0.0:
+            raise ValueError(f"a precision must be at least 0, got {self.precision}")
+        if self.interval is not None:
+            low, high = self.interval
+            if not low <= self.parameter <= high:
+                raise ValueError(
+                    f"the interval of a point must hold its parameter {self.parameter}, "
+                    f"got ({low}, {high})"
+                )
 
 
 class Hit(NamedTuple):
@@ -247,10 +342,58 @@ class Diagram:
         return self._branch[branch_id]
 
     def point(self, point_id: str) -> SpecialPoint:
-        """Look a special point up by its id; KeyError if there is none."""
-        if point_id not in self._point:
-            raise KeyError(f"no special point {point_id!r} in this diagram")
-        return self._point[point_id]
+        """Look a special point up by its id or its name; KeyError if there is none."""
+        if point_id in self._point:
+            return self._point[point_id]
+        for point in self.points:
+            if point.name == point_id != "":
+                return point
+        raise KeyError(f"no special point {point_id!r} in this diagram")
+
+    def named(self, places: Mapping[str, tuple[float, float]], within: float = 0.01) -> Diagram:
+        """The same diagram with names for special points, such as those of a publication.
+
+        Parameters
+        ----------
+        places
+            For each name a parameter and an x. The nearest border collision gets the name.
+        within
+            Largest distance in either, as a part of what the diagram extends over. A name is left
+            out if no border collision lies so close to its place.
+
+        Raises
+        ------
+        ValueError
+            If a name is that of another point's id, or two names fall on one point.
+        """
+        given: dict[str, str] = {}
+        for name, place in places.items():
+            if name in self._point:
+                raise ValueError(f"a name must differ from all ids of points, got {name!r}")
+            point = self._collision_near(place, within)
+            if point is None:
+                continue
+            if point.id in given:
+                raise ValueError(f"{given[point.id]!r} and {name!r} are names for one point")
+            given[point.id] = name
+        points = tuple(replace(p, name=given.get(p.id, p.name)) for p in self.points)
+        return replace(self, points=points)
+
+    def _collision_near(self, place: tuple[float, float], within: float) -> SpecialPoint | None:
+        """The border collision nearest to a place, in parts of what the diagram extends over."""
+        ends = (
+            [branch.parameter for branch in self.branches],
+            [branch.x for branch in self.branches],
+        )
+        sizes = [float(np.ptp(np.concatenate(values))) or 1.0 for values in ends if values]
+        best, least = None, within
+        for point in self.points:
+            if point.kind in (PointKind.BC, PointKind.FF):
+                gaps = (point.parameter - place[0], point.x - place[1])
+                away = max(abs(gap) / size for gap, size in zip(gaps, sizes, strict=True))
+                if away <= least:
+                    best, least = point, away
+        return best
 
     def sides(self, point_id: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Ids of the branches that meet at a point, at smaller and at larger parameters.
@@ -369,8 +512,8 @@ class Diagram:
         return (first, *inner)
 
     def with_word(self, word: str) -> tuple[Branch, ...]:
-        """Branches of one word."""
-        return tuple(branch for branch in self.branches if branch.word == word)
+        """Branches that have a word, at least along one of their stretches."""
+        return tuple(b for b in self.branches if any(s.word == word for s in b.words))
 
     def stable_intervals(self, order: int | None = None) -> tuple[StableInterval, ...]:
         """Intervals of the parameter in which fixed points attract, by branch.
@@ -413,6 +556,11 @@ class Diagram:
                 x=float(point.x),
                 order=float(point.order),
                 note=point.note,
+                cause=point.cause,
+                status=str(point.status),
+                precision=float(point.precision),
+                name=point.name,
+                **_bounds(point),
                 **{f"{name}_exact": str(value) for name, value in point.exact.items()},
             )
         for branch in self.branches:
@@ -430,9 +578,21 @@ class Diagram:
                 x_min=float(branch.x.min()),
                 x_max=float(branch.x.max()),
                 samples=float(len(branch)),
+                words="; ".join(stretch.word for stretch in branch.words),
+                changes="; ".join(
+                    f"{branch.parameter[s.first]:.10g}: {s.cause}" for s in branch.changes
+                ),
                 **{f"{name}_exact": str(value) for name, value in branch.exact.items()},
             )
         return graph
+
+
+def _bounds(point: SpecialPoint) -> dict[str, float]:
+    """The interval that holds a point as attributes, if there is one."""
+    if point.interval is None:
+        return {}
+    low, high = point.interval
+    return {"interval_min": float(low), "interval_max": float(high)}
 
 
 def _sides_of_ends(branch: Branch, at: float) -> tuple[int, int]:

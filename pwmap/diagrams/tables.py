@@ -24,12 +24,14 @@ def write_results(diagram: Diagram, folder: Path) -> None:
     write_table(
         folder / FILES[0],
         (
-            *("id", "kind", diagram.parameter_name, diagram.x_name, "order", "note", "branches"),
+            *("id", "name", "kind", diagram.parameter_name, diagram.x_name, "order", "note"),
+            *("cause", "status", "precision", "interval_min", "interval_max", "branches"),
             *(f"{name}_exact" for name in exact_of_points),
         ),
         (
             (
-                *(p.id, p.kind, p.parameter, p.x, p.order, p.note, " ".join(p.branches)),
+                *(p.id, p.name, p.kind, p.parameter, p.x, p.order, p.note, p.cause, p.status),
+                *(p.precision, *(p.interval or ("", "")), " ".join(p.branches)),
                 *(p.exact.get(name, "") for name in exact_of_points),
             )
             for p in diagram.points
@@ -44,13 +46,12 @@ def write_results(diagram: Diagram, folder: Path) -> None:
         ),
         (
             (
-                *(b.id, b.kind, b.order, b.word, *b.ends, p, x, m),
+                *(b.id, b.kind, b.order, b.word_at(k), *b.ends),
+                *(float(b.parameter[k]), float(b.x[k]), float(b.multiplier[k])),
                 *(b.exact.get(name, "") for name in exact_of_branches),
             )
             for b in diagram.branches
-            for p, x, m in zip(
-                b.parameter.tolist(), b.x.tolist(), b.multiplier.tolist(), strict=True
-            )
+            for k in range(len(b))
         ),
     )
     graph = diagram.graph()
@@ -59,20 +60,27 @@ def write_results(diagram: Diagram, folder: Path) -> None:
 
 
 def table_of_points(diagram: Diagram) -> Table:
-    """Special points but for changes of word, which are counted; exact values where known."""
-    changes = sum(point.kind is PointKind.WC for point in diagram.points)
+    """Special points with their causes; changes of word are counted. Exact values where known."""
+    points = [point for point in diagram.points if point.kind is not PointKind.WC]
+    changes = sum(len(branch.changes) for branch in diagram.branches)
+    changes += len(diagram.points) - len(points)
     table = Table(
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
-        title=f"{len(diagram.branches)} branches, {len(diagram.points)} special points, "
-        f"{changes} of them changes of word",
+        title=f"{len(diagram.branches)} branches, {len(points)} special points, "
+        f"{changes} changes of word",
         caption=f"given: {', '.join(map(short, diagram.given))}" if diagram.given else None,
-    )  # fmt: skip
-    for point in diagram.points:
-        if point.kind is not PointKind.WC:
-            what = ", ".join(filter(None, (point.kind.label, point.note)))
-            left, right = (" ".join(side) for side in diagram.sides(point.id))
-            parameter = _shown(point, "parameter", point.parameter)
-            table.add_row(point.id, parameter, _shown(point, "x", point.x), what, left, right)
+    )
+    for point in points:
+        what = ", ".join(filter(None, (point.kind.label, point.note)))
+        left, right = (" ".join(side) for side in diagram.sides(point.id))
+        table.add_row(
+            f"{point.name} ({point.id})" if point.name else point.id,
+            _shown(point, "parameter", point.parameter),
+            _shown(point, "x", point.x),
+            what if point.cause in ("", point.note) else f"{what}\n{point.cause}",
+            left,
+            right,
+        )
     return table
 
 

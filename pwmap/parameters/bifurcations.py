@@ -210,7 +210,7 @@ def _assembled(map_: PiecewiseLinearMap, continuation: Continuation) -> Diagram:
             note = "end of what is assumed"
         counts[kind] += 1
         point = _point(continuation, junction, f"{kind}{counts[kind]}", kind, note, branch_ids)
-        points.append(point)
+        points.append(replace(point, cause=_cause(map_, continuation, junction, kind)))
         ends.update({(end.segment, end.which): point for end in junction.ends})
     branches = [
         _branch(
@@ -249,6 +249,27 @@ def _point(
         note=note,
         exact={"parameter": axis.to_sympy(place), "x": exact_x},
     )
+
+
+def _cause(
+    map_: PiecewiseLinearMap, continuation: Continuation, junction: Junction, kind: PointKind
+) -> str:
+    """A sentence on what happens at a special point; empty if its note says it all."""
+    match kind:
+        case PointKind.LP | PointKind.PD:
+            return "" if isinstance(junction.value, Infinite) else kind.meaning.split(": ")[1]
+        case PointKind.BC | PointKind.FF:
+            pass
+        case _:
+            return ""
+    cuts = (end.segment.key.cut for end in junction.ends)
+    met = sorted({cut.k for cut in cuts if cut is not None})
+    if len(continuation.orbits.table.breaks) == 1:
+        met = [0]
+    values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in met]
+    which = " and ".join(f"{map_.x} = {value}" for value in values)
+    what = "fixed point" if lowest(junction.ends) == continuation.length else "point of a cycle"
+    return f"a {what} meets {f'the border {which}' if which else 'a border'}"
 
 
 def _branch(

@@ -9,7 +9,15 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import (
+    Branch,
+    BranchKind,
+    Diagram,
+    PointKind,
+    PointStatus,
+    SpecialPoint,
+    Stretch,
+)
 from pwmap.diagrams.graph import read_graph, sanitised, write_graph
 
 
@@ -27,9 +35,13 @@ def branch(**changes: object) -> Branch:
     return Branch(**(fields | changes))  # type: ignore[arg-type]
 
 
-def point(name: str, **changes: object) -> SpecialPoint:
-    fields: dict[str, object] = {"id": name, "kind": PointKind.EP, "parameter": 0.0, "x": 0.0}
+def point(point_id: str, **changes: object) -> SpecialPoint:
+    fields: dict[str, object] = {"id": point_id, "kind": PointKind.EP, "parameter": 0.0, "x": 0.0}
     return SpecialPoint(**(fields | changes))  # type: ignore[arg-type]
+
+
+WORDS = (Stretch(0, "S2 D2"), Stretch(2, "S2 D2 I3", "the upper sleeve grazes"))
+KNOWN = {"cause": "", "status": "located", "precision": 0.0, "name": ""}  # of a plain point
 
 
 def diagram() -> Diagram:
@@ -48,11 +60,22 @@ def diagram() -> Diagram:
                 order=2,
                 note="fold",
                 exact={"parameter": "2/5"},
+                cause="two contacts close at once",
+                precision=1e-12,
+                interval=(0.4 - 1e-12, 0.4 + 1e-12),
+                name="A",
             ),
-            point("EP1", parameter=1, x=np.float64(-0.9), branches=("j1",)),
+            point(
+                "EP1",
+                parameter=1,
+                x=np.float64(-0.9),
+                branches=("j1",),
+                status="open",
+                precision=math.inf,
+            ),
         ),
         branches=(
-            branch(ends=("LP1", "BC1"), exact={"x": "r/(a + 1)"}),
+            branch(ends=("LP1", "BC1"), exact={"x": "r/(a + 1)"}, words=WORDS),
             branch(
                 id="j1",
                 kind=BranchKind.JUMP,
@@ -97,6 +120,10 @@ def test_a_branch_is_frozen() -> None:
         ({"x": [[0.0, 1.0, 2.0]]}, r"one-dimensional arrays, got shape \(1, 3\)"),
         ({"x": 0.0}, r"one-dimensional arrays, got shape \(\)"),
         ({"kind": "curve"}, r"'curve' is not a valid BranchKind"),
+        ({"words": (Stretch(1, "S2 D2"),)}, r"from sample 0 to one below 3, got \[1\]"),
+        ({"words": (*WORDS, Stretch(3, "J2"))}, r"to one below 3, got \[0, 2, 3\]"),
+        ({"words": (*WORDS, Stretch(1, "J2"))}, r"to one below 3, got \[0, 2, 1\]"),
+        ({"words": (Stretch(0, "J2"),)}, r"must have the word 'S2 D2', got 'J2'"),
     ],
 )
 def test_a_branch_refuses(changes: dict[str, object], message: str) -> None:
@@ -109,6 +136,8 @@ def test_kinds_may_be_given_by_their_text() -> None:
     assert point("P", kind="LP").kind is PointKind.LP
     assert str(BranchKind.FIXED_POINT) == "fixed-point"
     assert str(PointKind.FALL) == "FALL"
+    assert point("P", status="open").status is PointStatus.OPEN
+    assert "given up" in PointStatus.OPEN.meaning
 
 
 def test_stable_means_a_multiplier_inside_the_unit_circle() -> None:
@@ -116,6 +145,20 @@ def test_stable_means_a_multiplier_inside_the_unit_circle() -> None:
     one = branch(parameter=np.arange(8.0), x=np.zeros(8), multiplier=multiplier)
     assert one.stable.dtype == np.bool_
     assert one.stable.tolist() == [False, False, True, True, True, False, False, False]
+
+
+def test_the_word_of_each_sample() -> None:
+    one = branch()
+    assert one.words == (Stretch(0, "S2 D2", ""),)
+    assert one.changes == ()
+    two = branch(words=WORDS)
+    assert [two.word_at(k) for k in range(3)] == ["S2 D2", "S2 D2", "S2 D2 I3"]
+    assert two.changes == WORDS[1:]
+    for sample in (-1, 3):
+        with pytest.raises(IndexError, match=rf"sample must lie in \[0, 2\], got {sample}"):
+            two.word_at(sample)
+    assert [b.id for b in diagram().with_word("S2 D2 I3")] == ["b1"]
+    assert [b.id for b in diagram().with_word("S2 D2")] == ["b1"]
 
 
 # --- Special points -----------------------------------------------------------------------------
@@ -134,6 +177,10 @@ def test_every_kind_of_point_has_a_meaning() -> None:
     [
         ("P:1", {}, r"a point id must be text without ':', got 'P:1'"),
         ("P1", {"kind": "HB"}, r"'HB' is not a valid PointKind"),
+        ("P1", {"status": "found"}, r"'found' is not a valid PointStatus"),
+        ("P1", {"precision": -1.0}, r"a precision must be at least 0, got -1.0"),
+        ("P1", {"precision": math.nan}, r"a precision must be at least 0, got nan"),
+        ("P1", {"interval": (0.1, 0.2)}, r"must hold its parameter 0.0, got \(0.1, 0.2\)"),
     ],
 )
 def test_a_point_refuses(name: str, changes: dict[str, object], message: str) -> None:
@@ -174,12 +221,35 @@ def test_branches_and_points_are_found_by_id() -> None:
         whole.point("j1")
 
 
+def test_names_go_to_the_nearest_border_collisions() -> None:
+    """The diagram extends over 0.9 in the parameter and 0.5 in x: 0.01 of it are 0.009, 0.005."""
+    whole = diagram()
+    for places, found in [
+        ({"C": (0.408, -0.404)}, "C"),
+        ({"C": (0.408, -0.406)}, "A"),
+        ({"C": (0.41, -0.4)}, "A"),
+        ({"E": (1.0, -0.9)}, "A"),  # no border collision
+        ({}, "A"),
+    ]:
+        named = whole.named(places)
+        assert named.point("BC1").name == found
+        assert named.point(found) is named.point("BC1")
+        assert [p.name for p in named.points].count("") == 2
+    assert whole.named({"C": (0.5, -0.5)}, within=0.2).point("C").id == "BC1"
+    with pytest.raises(ValueError, match="'B' and 'C' are names for one point"):
+        whole.named({"B": (0.4, -0.4), "C": (0.401, -0.4)})
+    with pytest.raises(ValueError, match="a name must differ from all ids of points, got 'EP1'"):
+        whole.named({"EP1": (0.4, -0.4)})
+    with pytest.raises(KeyError, match="no special point ''"):
+        whole.point("")
+
+
 def test_the_graph_of_a_small_diagram() -> None:
     graph = diagram().graph()
     assert type(graph) is nx.MultiGraph
     assert graph.graph == {"parameter": "eps_n1", "x": "phi_s"}
     assert list(graph.nodes(data=True)) == [
-        ("LP1", {"kind": "LP", "parameter": 0.1, "x": -0.5, "order": 1.0, "note": ""}),
+        ("LP1", {"kind": "LP", "parameter": 0.1, "x": -0.5, "order": 1.0, "note": "", **KNOWN}),
         (
             "BC1",
             {
@@ -188,11 +258,20 @@ def test_the_graph_of_a_small_diagram() -> None:
                 "x": -0.4,
                 "order": 2.0,
                 "note": "fold",
+                **KNOWN,
+                "cause": "two contacts close at once",
+                "precision": 1e-12,
+                "name": "A",
+                "interval_min": 0.4 - 1e-12,
+                "interval_max": 0.4 + 1e-12,
                 "parameter_exact": "2/5",
             },
         ),
-        ("EP1", {"kind": "EP", "parameter": 1.0, "x": -0.9, "order": 1.0, "note": ""}),
-    ]
+        ("EP1", {
+            "kind": "EP", "parameter": 1.0, "x": -0.9, "order": 1.0, "note": "", **KNOWN,
+            "status": "open", "precision": math.inf,
+        }),
+    ]  # fmt: skip
     assert list(graph.edges(keys=True, data=True)) == [
         (
             "LP1",
@@ -208,6 +287,8 @@ def test_the_graph_of_a_small_diagram() -> None:
                 "x_min": -0.6,
                 "x_max": -0.4,
                 "samples": 3.0,
+                "words": "S2 D2; S2 D2 I3",
+                "changes": "0.4: the upper sleeve grazes",
                 "x_exact": "r/(a + 1)",
             },
         ),
@@ -225,6 +306,8 @@ def test_the_graph_of_a_small_diagram() -> None:
                 "x_min": -0.9,
                 "x_max": -0.4,
                 "samples": 2.0,
+                "words": "S2 D2 | S2 I3",
+                "changes": "",
             },
         ),
     ]
@@ -239,6 +322,7 @@ def test_the_graph_holds_plain_floats_and_plain_text_only() -> None:
         assert numeric == set(data) & {
             *("parameter", "x", "order", "samples"),
             *("parameter_min", "parameter_max", "x_min", "x_max"),
+            *("precision", "interval_min", "interval_max"),
         }
 
 

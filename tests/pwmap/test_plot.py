@@ -9,8 +9,17 @@ import sympy
 from matplotlib.axes import Axes
 from sympy import Rational
 
-from pwmap import PiecewiseLinearMap, parameter_plane
-from pwmap.plot import plot_cobweb, plot_map, plot_plane
+from pwmap import (
+    Branch,
+    BranchKind,
+    Diagram,
+    PiecewiseLinearMap,
+    PointKind,
+    SpecialPoint,
+    Stretch,
+    parameter_plane,
+)
+from pwmap.plot import plot_cobweb, plot_diagram, plot_map, plot_plane
 
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
 AT_ONE = P1L.at({"a": Rational(5, 4), "r": 1})
@@ -79,3 +88,30 @@ def test_parameters_need_values() -> None:
         plot_cobweb(P1L, 0, 3)
     with pytest.raises(ValueError, match="at least one step, got 0"):
         plot_cobweb(AT_ONE, 0, 0)
+
+
+def small_diagram() -> Diagram:
+    """A branch whose word changes at its second sample, between a named point and an end."""
+    points = (
+        SpecialPoint(id="BC1", kind=PointKind.BC, parameter=0.0, x=0.0, name="C"),
+        SpecialPoint(id="EP1", kind=PointKind.EP, parameter=1.0, x=2.0),
+        SpecialPoint(id="WC1", kind=PointKind.WC, parameter=0.75, x=1.5),
+    )
+    branch = Branch(
+        id="F1", kind=BranchKind.FIXED_POINT, order=1, word="A", ends=("BC1", "EP1"),
+        parameter=np.array([0.0, 0.5, 1.0]), x=np.array([0.0, 1.0, 2.0]), multiplier=np.zeros(3),
+        words=(Stretch(0, "A"), Stretch(1, "B", "a gap closes")),
+    )  # fmt: skip
+    return Diagram(parameter_name="p", x_name="x", branches=(branch,), points=points)
+
+
+def test_names_are_written_and_words_marked_on_request() -> None:
+    for words in (False, True):
+        ax = plot_diagram(small_diagram(), words=words)
+        assert [text.get_text() for text in ax.texts] == ["C"]
+        legend = ax.get_legend()
+        assert legend is not None
+        shown = [text.get_text() for text in legend.get_texts()]
+        assert shown == ["stable", "border collision", "end point", *["word change"] * words]
+        places = [np.asarray(marks.get_offsets()).tolist() for marks in ax.collections]
+        assert ([[0.75, 1.5], [0.5, 1.0]] in places) is words

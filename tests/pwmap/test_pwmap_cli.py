@@ -36,8 +36,15 @@ def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) ->
     assert {data["x_exact"] for *_, data in graph.edges(data=True)} >= {"4*r/9", "r - 2", "4*r/5"}
     assert json.loads((folder / "graph.json").read_text())["nodes"]
     lines = (folder / "points.csv").read_text().splitlines()
-    assert lines[0] == "id,kind,r,x,order,note,branches,parameter_exact,x_exact"
-    assert "BC4,BC,2.380952380952381,0.0,3,fold,F3 J5,50/21,0" in lines
+    assert lines[0] == (
+        "id,name,kind,r,x,order,note,cause,status,precision,interval_min,interval_max,branches,"
+        "parameter_exact,x_exact"
+    )
+    assert (
+        "BC4,,BC,2.380952380952381,0.0,3,fold,a point of a cycle meets the border x = 0,located,"
+        "0.0,,,F3 J5,50/21,0"
+    ) in lines
+    assert "a fixed point meets the border x = 0" in " ".join(text.replace("│", " ").split())
 
 
 def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:

@@ -9,17 +9,19 @@ import pytest
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.diagram import continuation
+from woodpecker.engine.orbits import Orbit, orbit_of
 from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.maps import Cycle, Evaluation, iterate
-from woodpecker.shooting import ShootingStatus, _closed, cycle_of, shoot
+from woodpecker.piecewise.maps import iterate
+from woodpecker.shooting import DEFAULT, ShootingStatus, _closed, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.simulation.status import Status
 from woodpecker.toymaps import toy_map
+from woodpecker.toypieces import ToyPieces
 
 TOY = Toy()
 CYCLE = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"  # of the stable motion at eps_n1 = 0.5
-RESIDUAL = 1e-12  # Tolerances.residual
+RESIDUAL = 1e-12  # the map is good to 1e-14 or so; two orders more leave room for steep slopes
 
 
 def central(f: object, x: float, step: float) -> float:
@@ -52,7 +54,8 @@ def test_the_motion_repeats() -> None:
     orbit = shoot(TOY, -0.53)
     back = first_return(TOY, orbit.phi_s)
     assert back.phi_s == pytest.approx(orbit.phi_s, abs=RESIDUAL)
-    assert (back.period, back.drop, back.slope) == (orbit.period, orbit.drop, orbit.multiplier)
+    assert (back.period, back.drop) == (orbit.period, orbit.drop)
+    assert back.slope == pytest.approx(orbit.multiplier, rel=1e-12)  # searched and followed
 
 
 def test_multiplier_against_differences() -> None:
@@ -95,15 +98,6 @@ def test_motion_of_period_two_past_the_flip(guess: float) -> None:
     assert abs(orbit.multiplier) < 1.0 < abs(shoot(toy, -0.5177).multiplier)
     assert orbit.period == pytest.approx(sum(first_return(toy, x).period for x in (one, two)))
     assert orbit.drop == pytest.approx(sum(first_return(toy, x).drop for x in (one, two)))
-
-
-def test_cycle_of_an_orbit() -> None:
-    toy = TOY.replace(eps_n1=0.66)
-    orbit = shoot(toy, -0.53, 2)
-    cycle = cycle_of(orbit, toy_map(toy), 0.66)
-    assert tuple(cycle.x) == orbit.points
-    assert (cycle.word, cycle.multiplier) == (orbit.word, orbit.multiplier)
-    assert cycle.residual < RESIDUAL
 
 
 @pytest.mark.parametrize("guess", [-0.884773, -0.8847, -0.8848])
@@ -171,8 +165,9 @@ def test_a_toy_that_only_hangs_has_no_periodic_solution() -> None:
 
 def test_a_solution_without_a_finite_slope_is_no_success() -> None:
     """Whatever makes it so: a multiplier that is nan says nothing of stability."""
-    nowhere = Evaluation(0.5, math.nan, 0.0, "A")
-    orbit = _closed(TOY, Cycle(np.array([0.5]), 0.5, (nowhere,)))
+    (image,) = orbit_of([ToyPieces(TOY).at(-0.53, 0.5).piece], np.array([-0.53]), 0.5).images
+    nowhere = image._replace(value=-0.53, slope=math.nan)
+    orbit = _closed(TOY, Orbit(np.array([-0.53]), 0.5, (nowhere,)), DEFAULT)
     assert (orbit.status, orbit.success) == (ShootingStatus.NO_SLOPE, False)
     assert orbit.message == "the returns close, but the return map has no finite slope here: nan"
 

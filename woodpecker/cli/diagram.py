@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, Protocol
 
 import typer
 from rich.progress import Progress
@@ -27,14 +27,17 @@ from woodpecker.cli.options import (
     report,
     say,
 )
-from woodpecker.diagram import WINDOW, Found, continuation, find_all, saved_diagram
+from woodpecker.continued import WINDOW, continuation
+from woodpecker.diagram import Found, find_all, saved_diagram
 from woodpecker.engine.local import local_model
+from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.piecewise.explore import Stage
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Settings as SearchSettings
 from woodpecker.toypieces import ToyPieces
 
 RUN = "run.jsonl"
+PAPER = "A=0.111,-0.884 B=0.29,-0.884 C=0.185,-0.757"
+NAMED = "eps_n1"  # the parameter of these places
 CORES = os.cpu_count() or 1
 
 
@@ -59,6 +62,16 @@ def diagram(
         int | None,
         option("Processes for --orders; by default, and at most, one for each core.", min=1),
     ] = None,
+    names: Annotated[
+        str,
+        option(
+            "Names for the border collisions nearest to these places (eps_n1, phi_S); by default "
+            "those of the paper, read off its Figure 10."
+        ),
+    ] = PAPER,
+    words: Annotated[
+        bool, option("Mark in the picture where the sequence of events changes.", "--words")
+    ] = False,
     out: Out = Path("out"),
 ) -> None:  # fmt: skip
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
@@ -68,28 +81,32 @@ def diagram(
 
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
-    settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
+    sizes: dict[str, Any] = {
+        "span": span, "window": window, "step": min(0.005, step), "max_step": step,
+    }  # fmt: skip
+    settings = Settings(**sizes)
     known_parameter(parameter)
+    places = _places(names)
     wanted = _orders(orders) if orders is not None else None
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     target = folder(out)  # all else that can be wrong was looked at
-    keep: dict[str, Any] = {"settings": settings, "run": target / RUN, "resume": resume}
+    keep: dict[str, Any] = {"run": target / RUN, "resume": resume}
     if wanted is None:
-        search = _of_motion(toy, phi_s, order, parameter, keep)
+        search = _of_motion(toy, phi_s, order, parameter, keep | {"settings": settings})
     else:
+        keep["settings"] = SearchSettings(**sizes)
         search = _of_orders(toy, wanted, parameter, workers, keep)
     found = _searched(search, parameter, target / RUN)
-    names = _draw(toy, found.diagram, target)
-    write_results(found.diagram, target)
-    console.print(table_of_points(found.diagram))
+    shown = found.diagram.named(places) if parameter == NAMED else found.diagram
+    pictures = _draw(toy, shown, target, words)
+    write_results(shown, target)
+    console.print(table_of_points(shown))
     if found.summary:
         say(found.summary)
-    report(target, *names, *FILES)
+    report(target, *pictures, *FILES)
     if found.stopped:
-        complain(
-            f"Interrupted: {len(found.diagram.branches)} branches are kept; go on with --resume"
-        )
+        complain(f"Interrupted: {len(shown.branches)} branches are kept; go on with --resume")
         raise typer.Exit(INTERRUPTED)
 
 
@@ -101,7 +118,27 @@ class _Searched(NamedTuple):
     stopped: bool = False
 
 
-_Search = Callable[[Callable[[Stage], None]], _Searched]
+class _Stage(Protocol):
+    """How far a search has come: the stages of both engines."""
+
+    @property
+    def parameter(self) -> float:
+        """Where a branch was followed."""
+
+    @property
+    def order(self) -> int:
+        """The iterate."""
+
+    @property
+    def slices(self) -> int:
+        """How many were taken of this order."""
+
+    @property
+    def branches(self) -> int:
+        """How many are known, of all orders."""
+
+
+_Search = Callable[[Callable[[_Stage], None]], _Searched]
 
 
 def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
@@ -109,7 +146,7 @@ def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[st
     orbit = motion(toy, phi_s, order)
     summary = orbit.message if orbit.minimal_period < orbit.order else ""
 
-    def search(show: Callable[[Stage], None]) -> _Searched:
+    def search(show: Callable[[_Stage], None]) -> _Searched:
         span = keep["settings"].span
         return _Searched(continuation(toy, orbit, parameter, span, progress=show, **keep), summary)
 
@@ -122,7 +159,7 @@ def _of_orders(
     """How to find everything in the window."""
     span, window = keep["settings"].span, keep["settings"].window
 
-    def search(show: Callable[[Stage], None]) -> _Searched:
+    def search(show: Callable[[_Stage], None]) -> _Searched:
         everything = find_all(
             toy, parameter, span, orders, window, workers=workers, progress=show, **keep
         )
@@ -140,11 +177,11 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
             return _Searched(saved_diagram(run), stopped=True)
 
 
-def _shown(bar: Progress, parameter: str) -> Callable[[Stage], None]:
+def _shown(bar: Progress, parameter: str) -> Callable[[_Stage], None]:
     """Shows how far a search has come."""
     task = bar.add_task(parameter, total=None)
 
-    def show(stage: Stage) -> None:
+    def show(stage: _Stage) -> None:
         slices = f", slice {stage.slices}" if stage.slices else ""
         bar.update(
             task,
@@ -155,17 +192,17 @@ def _shown(bar: Progress, parameter: str) -> Callable[[Stage], None]:
     return show
 
 
-def _draw(toy: Toy, found: Diagram, target: Path) -> list[str]:
+def _draw(toy: Toy, found: Diagram, target: Path, words: bool) -> list[str]:
     """The diagram, each order on its own if there are several, and fold-flips with their models."""
     from pwmap.plot import plot_diagram
     from woodpecker.plot.figures import plot_local
 
     names = ["diagram.png"]
-    write_figure(target / names[0], plot_diagram(found).figure)
+    write_figure(target / names[0], plot_diagram(found, words=words).figure)
     orders = sorted({branch.order for branch in found.branches})
     for order in orders if len(orders) > 1 else ():
         names.append(f"order_{order}.png")
-        write_figure(target / names[-1], plot_diagram(found.of_order(order)).figure)
+        write_figure(target / names[-1], plot_diagram(found.of_order(order), words=words).figure)
     map_ = ToyPieces(toy, found.parameter_name)
     for point in found.points:
         if point.kind is PointKind.FF and point.order == 1:
@@ -184,6 +221,19 @@ def _summary(everything: Found) -> str:
         for report in everything.reports
     ]
     return "\n".join([*lines, f"P_1 was evaluated {everything.evaluations} times"])
+
+
+def _places(text: str) -> dict[str, tuple[float, float]]:
+    """Names and their places, such as ``A=0.111,-0.884``, separated by blanks."""
+    found = {}
+    for part in text.split():
+        name, _, place = part.partition("=")
+        try:
+            p, x = (float(number) for number in place.split(","))
+        except ValueError:
+            raise ValueError(f"--names needs name=eps_n1,phi_S for each, got {part!r}") from None
+        found[name] = p, x
+    return found
 
 
 def _orders(text: str) -> list[int]:

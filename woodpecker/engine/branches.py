@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pwmap.diagrams.diagram import BranchKind, PointKind
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.borders import STEEP, Border, BorderKind, beyond
 from woodpecker.engine.jumps import Jump
@@ -36,6 +36,7 @@ NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
 FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
 GROW = 10.0  # of a distance from a place where borders accumulate
+GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
@@ -120,6 +121,8 @@ class End:
         Parameter, and the points (n,) of the orbit; of a jump the first one only counts.
     precision
         How well the parameter is located.
+    status
+        Whether it is located, or the branch was given up here.
     collision
         The cycle that meets a jump, if one does.
     """
@@ -130,6 +133,7 @@ class End:
     note: str = ""
     cause: str = ""
     precision: float = 0.0
+    status: PointStatus = PointStatus.LOCATED
     collision: Collision | None = None
 
     def at(self, x: float) -> End:
@@ -291,11 +295,12 @@ class Cycles:
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
         if there is None:
-            lost = end_at(PointKind.EP, orbit, NOTHING_BEYOND, border.cause)
+            lost = end_at(PointKind.EP, orbit, NOTHING_BEYOND, border.cause, PointStatus.OPEN)
             return mark, lost, None
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
-        before, after = (abs(o.multiplier) < 1.0 for o in (orbit, there.orbit))
+        inside = stretch.samples[-2:][0].orbit if abs(border.inner.slope) >= STEEP else orbit
+        before, after = (abs(o.multiplier) < 1.0 for o in (inside, there.orbit))
         if kind is not BorderKind.SMOOTH and before != after:
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
@@ -308,9 +313,10 @@ class Cycles:
         end = stretch.samples[-1]
         x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
         sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
-        away = self.settings.min_step
-        while away <= self.settings.max_step and low <= end.orbit.p + sign * away * p_scale <= high:
-            p = end.orbit.p + sign * away * p_scale
+        away, limit = self.settings.min_step, high if sign > 0.0 else low
+        p = end.orbit.p
+        while away <= self.settings.max_step and p != limit:
+            p = min(max(end.orbit.p + sign * away * p_scale, low), high)
             images = tuple(self.map.at(float(x), p) for x in end.orbit.x)
             start = Orbit(end.orbit.x, p, images)
             away *= GROW
@@ -336,12 +342,13 @@ class Cycles:
         kinds = {
             Stop.FOLD: PointKind.LP, Stop.FLIP: PointKind.PD, Stop.BRANCHING: PointKind.BP,
         }  # fmt: skip
-        kind, note = kinds.get(stretch.stop, PointKind.EP), ""
+        kind = kinds.get(stretch.stop, PointKind.EP)
         if kind is PointKind.EP:
-            note = stretch.stop.value
-        elif self._halves(stretch):
-            kind = PointKind.PD  # a branch of doubled period folds where it began
-        return end_at(kind, stretch.end, note)
+            return given_up_or_left(stretch)
+        cause = stretch.stop.value
+        if self._halves(stretch):  # a branch of doubled period folds where it began
+            kind, cause = PointKind.PD, Stop.FLIP.value
+        return end_at(kind, stretch.end, cause=cause)
 
 
 def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:
@@ -462,7 +469,9 @@ class Jumps:
                 return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
             mark, there = self._beyond(stretch, early)
             if there is None:
-                end = end_at(PointKind.EP, stretch.end, "the jump ends", mark.cause)
+                end = end_at(
+                    PointKind.EP, stretch.end, "the jump ends", mark.cause, PointStatus.OPEN
+                )
                 return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
             marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there)
@@ -503,9 +512,9 @@ class Jumps:
 
     def _end(self, stretch: Stretch) -> End:
         if stretch.stop is not Stop.LIMIT:
-            kind = PointKind.LP if stretch.stop is Stop.FOLD else PointKind.EP
-            note = "" if kind is PointKind.LP else stretch.stop.value
-            return end_at(kind, stretch.end, note)
+            if stretch.stop is Stop.FOLD:
+                return end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
+            return given_up_or_left(stretch)
         assert stretch.meeting is not None
         margin = stretch.margins[0]
         border = border_at(self.map, stretch.meeting, margin, self.settings)
@@ -671,9 +680,19 @@ def collision(
     return replace(met, kinds=tuple(kinds))
 
 
-def end_at(kind: PointKind, orbit: Orbit, note: str = "", cause: str = "") -> End:
+def end_at(
+    kind: PointKind, orbit: Orbit, note: str = "", cause: str = "",
+    status: PointStatus = PointStatus.LOCATED,
+) -> End:  # fmt: skip
     """A special point that is no collision with a jump."""
-    return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=cause)
+    return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=cause, status=status)
+
+
+def given_up_or_left(stretch: Stretch) -> End:
+    """Where a branch leaves the span or the window, closes, or was given up."""
+    status = PointStatus.OPEN if stretch.stop in GIVEN_UP else PointStatus.LOCATED
+    stop = stretch.stop.value
+    return end_at(PointKind.EP, stretch.end, stop, stop, status)
 
 
 def end_of(met: Collision, orbit: Orbit) -> End:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field, replace
@@ -21,6 +22,7 @@ from woodpecker.engine.orbits import (
     solve,
 )
 from woodpecker.engine.pieces import Piece
+from woodpecker.engine.records import precision, stretches
 from woodpecker.engine.settings import Settings
 
 AT_FLIP = 1e-4  # in x, scaled: a doubled cycle leaves its flip like a square root
@@ -38,6 +40,16 @@ class Node:
     x: float
     order: int
     branches: list[str] = field(default_factory=list)
+
+    def as_point(self, name: str) -> SpecialPoint:
+        """The same as a diagram keeps it."""
+        end, away = self.end, self.end.precision
+        return SpecialPoint(
+            id=name, kind=end.kind, parameter=end.p, x=self.x, note=end.note, order=self.order,
+            branches=tuple(dict.fromkeys(self.branches)), cause=end.cause, precision=away,
+            interval=(end.p - away, end.p + away) if math.isfinite(away) else None,
+            status=end.status,
+        )  # fmt: skip
 
 
 class Network:
@@ -61,14 +73,7 @@ class Network:
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
         """Everything found so far."""
         names = self._names()
-        points = tuple(
-            SpecialPoint(
-                id=names[node.id], kind=node.end.kind, parameter=node.end.p, x=node.x,
-                branches=tuple(dict.fromkeys(node.branches)), order=node.order,
-                note=node.end.note,
-            )
-            for node in self.nodes
-        )  # fmt: skip
+        points = tuple(node.as_point(names[node.id]) for node in self.nodes)
         branches = tuple(
             replace(branch, ends=(names[branch.ends[0]], names[branch.ends[1]]))
             for branch in self.branches
@@ -95,12 +100,18 @@ class Network:
             if end.collision is not None and not self._is_known(end.collision):
                 self._collisions.append(end.collision)
                 self.waiting.append(end.collision)
+        last = len(curve.parameter) - 1
+        located = [
+            replace(end, precision=precision(end, curve, k, self.settings))
+            for end, k in zip(curve.ends, (0, last), strict=True)
+        ]
+        words = stretches(curve)
         columns = 1 if curve.kind is BranchKind.JUMP else curve.order
         for column in range(columns):
             x = np.array([points[column] for points in curve.points])
             ends = tuple(
                 self._node(end.at(float(x[k])), float(x[k]), curve.order)
-                for end, k in zip(curve.ends, (0, -1), strict=True)
+                for end, k in zip(located, (0, -1), strict=True)
             )
             name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
@@ -108,11 +119,12 @@ class Network:
                     id=name,
                     kind=curve.kind,
                     order=curve.order,
-                    word=curve.words[0].text,
+                    word=words[0].word,
                     parameter=curve.parameter,
                     x=x,
                     multiplier=curve.multiplier,
                     ends=(ends[0].id, ends[1].id),
+                    words=words,
                 )
             )
             for node in ends:

@@ -11,11 +11,11 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
-from woodpecker.engine.branches import keys_of
+from woodpecker.engine.branches import Collision, Curve, keys_of
 from woodpecker.engine.network import Known, Network
 from woodpecker.engine.orbits import Closed
 from woodpecker.engine.settings import Settings
@@ -54,6 +54,16 @@ class Stage(NamedTuple):
     branches: int
 
 
+class Recorder(Protocol):
+    """Keeps what is finished."""
+
+    def followed(self, curves: Sequence[Curve]) -> None:
+        """Keep the curves that a task has come to."""
+
+    def done(self, met: Collision) -> None:
+        """Keep that all that starts at the next collision was followed."""
+
+
 class Explorer:
     """Follows branches, and what starts at their ends.
 
@@ -65,13 +75,18 @@ class Explorer:
         Scales.
     orders
         Iterates whose branches are kept.
+    progress
+        Called with every branch.
+    recorder
+        Keeps what is finished, if anybody does.
     """
 
     def __init__(
         self, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
-        progress: Callable[[Stage], None] = lambda _: None,
+        progress: Callable[[Stage], None] = lambda _: None, recorder: Recorder | None = None,
     ) -> None:  # fmt: skip
         self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
+        self.recorder = recorder
         self.network, self.slices, self.evaluations = Network(settings), 0, 0
         self._known = {
             (kind, order): Known(self.network, kind, order)
@@ -96,6 +111,8 @@ class Explorer:
                     continue
                 if not known.explains(last.orbit, start.closing, keys_of(last.orbit, last.jump)):
                     self._keep(self.scheduler.submit(Tasks.ahead, start))
+            if self.recorder is not None:
+                self.recorder.done(met)
 
     def see(self, found: Slice) -> bool:
         """Follow what a slice shows and no branch explains; whether there was something."""
@@ -115,11 +132,13 @@ class Explorer:
         return done.value
 
     def _keep(self, pending: Pending) -> None:
-        for curve in self._done(pending):
-            if curve.order in self.orders:
-                self.network.add(curve)
-                stage = Stage(curve.ends[1].p, curve.order, self.slices, len(self.network.branches))
-                self.progress(stage)
+        curves = [curve for curve in self._done(pending) if curve.order in self.orders]
+        if self.recorder is not None:
+            self.recorder.followed(curves)
+        for curve in curves:
+            self.network.add(curve)
+            stage = Stage(curve.ends[1].p, curve.order, self.slices, len(self.network.branches))
+            self.progress(stage)
 
 
 def complete(explorer: Explorer, settings: Settings, search: Search) -> list[Slice]:

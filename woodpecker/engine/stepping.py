@@ -159,8 +159,13 @@ class Stepper:
         self.order = order
 
     def sample(self, orbit: Orbit, along: Floats) -> Sample:
-        """An orbit with its tangent, which points like another one."""
+        """An orbit with its tangent, which points like another one.
+
+        At a border beside a cube root it may have none: then the other one is taken for it.
+        """
         direction = tangent(orbit, self.closing, self.settings)
+        if not np.isfinite(direction).all():
+            return self._complete(Sample(orbit, along))
         forward = bool(direction @ along >= 0.0)
         return self._complete(Sample(orbit, direction if forward else -direction, forward))
 
@@ -205,6 +210,9 @@ class Stepper:
                 continue
             if events:
                 first = self._first(events)
+                if not self._is_first(first):
+                    step *= 0.5
+                    continue
                 return Stretch(
                     (*samples, first.sample), first.stop, first.margins, first.inner, first.meeting
                 )
@@ -238,6 +246,21 @@ class Stepper:
         near = [event for event in events if event.distance <= first + self.settings.same]
         ends = [event for event in near if event.stop in (Stop.SPAN, Stop.WINDOW)]
         return (ends or sorted(near, key=lambda event: event.distance))[0]
+
+    def _is_first(self, event: _Event) -> bool:
+        """Whether no margin but those of an event has vanished before it.
+
+        One that the far end of the step does not have is not seen to change its sign on the way.
+        """
+        least = THIN * self.settings.beside * self.settings.x_scale
+        own = {(margin.index, margin.code) for margin in event.margins}
+        for i, image in enumerate(event.sample.orbit.images):
+            if self._on_border(i):
+                continue
+            (code,) = [c for k, c in own if k == i] or [-1]
+            if depth(image, code) < -least:
+                return False
+        return True
 
     def advance(self, last: Sample, step: float, before: Sample | None = None) -> Sample | float:
         """The sample one step ahead, or a shorter step to try.

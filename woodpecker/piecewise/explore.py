@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pwmap.diagrams.diagram import BranchKind
+from woodpecker.base.checkpoint import Entry
 from woodpecker.base.executors import Done, Pending, Scheduler
-from woodpecker.piecewise.checkpoint import DONE, PATH, Entry, Journal, of_runs, to_runs
+from woodpecker.piecewise.checkpoint import DONE, PATH, Journal, of_runs, to_runs
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.maps import Cycle
 from woodpecker.piecewise.network import Atlas

@@ -18,8 +18,9 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind
 from woodpecker.base.arrays import Floats
+from woodpecker.base.checkpoint import Entry
 from woodpecker.base.executors import Pending, Scheduler
-from woodpecker.piecewise.checkpoint import SLICE, Entry
+from woodpecker.piecewise.checkpoint import SLICE
 from woodpecker.piecewise.explore import Explorer, Start
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.maps import minimal_period

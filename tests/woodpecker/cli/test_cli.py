@@ -158,6 +158,9 @@ def unframed(text: str) -> str:
         (["diagram", "--parameter", "eps_n9"], "unknown parameter 'eps_n9'"),
         (["diagram", "--span", "0.6", "0.9"], "span must hold eps_n1 = 0.5"),
         (["diagram", "--span", "0.9", "0.1"], "span must ascend"),
+        (["diagram", "--window", "-1", "-0.8"], "window must hold the orbit, phi_S = -0.529472"),
+        (["diagram", "--names", "A"], "--names needs name=eps_n1,phi_S for each, got 'A'"),
+        (["diagram", "--names", "A=1,x"], "--names needs name=eps_n1,phi_S for each, got 'A=1,x'"),
         (["map", "--window", "-0.2", "-0.3"], "window must ascend"),
         (["map", "--window", "-0.2", "0.3"], "where the beak touches the pole"),
         (["map", "--window", "-inf", "0.1"], "window must be finite, got (-inf, 0.1)"),
@@ -377,6 +380,50 @@ def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
     assert flips == pytest.approx([0.6485492], abs=1e-6)
     assert len({row["id"] for row in rows(tmp_path / "branches.csv")}) == len(first.edges)
     assert (tmp_path / "diagram.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes a minute without numba")
+def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
+    """A, B and C by default, others on request; the words of samples are those of stretches."""
+    status, text = run("diagram", "--span", "0.1", "0.5", "--words", "--out", str(tmp_path))
+    assert status == 0
+    points = {row["name"]: row for row in rows(tmp_path / "points.csv") if row["name"]}
+    assert {name: round(float(row["eps_n1"]), 8) for name, row in points.items()} == {
+        "A": 0.11197091, "B": 0.29152171, "C": 0.18512695,
+    }  # fmt: skip
+    for row in points.values():
+        assert row["cause"] == "the beak and the upper sleeve strike at once"
+        assert row["status"] == "located"
+        assert float(row["interval_min"]) < float(row["eps_n1"]) < float(row["interval_max"])
+    graph = read_graph(tmp_path / "graph.graphml")
+    assert {data["name"] for _, data in graph.nodes(data=True)} == {"A", "B", "C", ""}
+    branches = rows(tmp_path / "branches.csv")
+    for _, _, name, data in graph.edges(keys=True, data=True):
+        words = [row["word"] for row in branches if row["id"] == name]
+        stretches = [word for k, word in enumerate(words) if k == 0 or word != words[k - 1]]
+        assert "; ".join(stretches) == data["words"]
+    assert "(BC" in text
+    arguments = ("--span", "0.18", "0.5", "--names", "Q=0.184,-0.757", "--out", str(tmp_path))
+    status, text = run("diagram", *arguments)
+    assert status == 0
+    assert [row["name"] for row in rows(tmp_path / "points.csv") if row["name"]] == ["Q"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not COMPILED, reason="takes a minute without numba")
+def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:
+    arguments = ("diagram", "--span", "0.1", "0.5", "--out", str(tmp_path))
+    status, text = run(*arguments)
+    assert status == 0
+    lines = (tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
+    (tmp_path / "run.jsonl").write_text("".join(lines[:4]), encoding="utf-8")
+    status, again = run(*arguments, "--resume")
+    assert status == 0
+    assert again == text
+    status, text = run(*arguments[:3], "0.6", *arguments[4:], "--resume")
+    assert status == 2
+    assert "cannot resume" in " ".join(text.split())
 
 
 @pytest.mark.slow

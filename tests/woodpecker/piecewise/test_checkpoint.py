@@ -19,7 +19,7 @@ from maps import paper
 
 from pwmap import Branch, Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import BranchKind
-from woodpecker import Toy, bifurcation_diagram, continuation, find_all, saved_diagram, shoot
+from woodpecker import Toy, bifurcation_diagram, find_all, saved_diagram
 from woodpecker.base.compiled import COMPILED
 from woodpecker.diagram import whole_diagram
 from woodpecker.piecewise.borders import Edge
@@ -166,7 +166,7 @@ HEADER = {"run": TOY, "version": VERSION}
     ("header", "sentence"),
     [
         ({"run": TOY}, "in a format without a number, expected format 1: start the run anew"),
-        (HEADER | {"version": 2}, "in a format 2, expected format 1"),
+        (HEADER | {"version": 3}, "in a format 3, expected format 1"),
         (HEADER | {"version": "1"}, "in a format '1', expected format 1"),
         ({"version": 1}, "its first line does not say which"),
         (HEADER | {"run": []}, "its first line does not say which"),
@@ -227,7 +227,7 @@ def test_entries_that_do_not_follow_from_one_another(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
 def test_two_runs_do_not_write_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("woodpecker.piecewise.checkpoint.WAIT", 0.1)
+    monkeypatch.setattr("woodpecker.base.checkpoint.WAIT", 0.1)
     path = tmp_path / "run.jsonl"
     first = Journal(path, ABOUT)
     first.write(SLICE)
@@ -328,15 +328,3 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     whole = find_all(Toy(), "eps_n1", span, (1,), window, search=search)
     assert same(found, whole.diagram)
     assert whole.evaluations > 1000
-
-
-@pytest.mark.slow
-@NEEDS_NUMBA
-def test_continuation_keeps_a_journal_too(tmp_path: Path) -> None:
-    toy, path = Toy(), tmp_path / "run.jsonl"
-    orbit = shoot(toy, -0.53)
-    found = continuation(toy, orbit, span=(0.45, 0.7), run=path)
-    again = continuation(toy, orbit, span=(0.45, 0.7), run=path, resume=True)
-    assert same(found, again)
-    with pytest.raises(ValueError, match="resuming needs the file of a run"):
-        continuation(toy, orbit, span=(0.45, 0.7), resume=True)

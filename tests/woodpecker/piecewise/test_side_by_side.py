@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from pwmap import Diagram
-from woodpecker import Search, Settings, Toy, bifurcation_diagram, continuation, find_all, shoot
+from woodpecker import Search, Toy, bifurcation_diagram, continuation, find_all, shoot
 from woodpecker.base.compiled import COMPILED
-from woodpecker.diagram import WINDOW
+from woodpecker.engine.settings import Settings
 
 NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 FRICTIONS = (0.30, 0.31, 0.32, 0.33)
@@ -121,10 +121,9 @@ def test_a_continuation_that_is_refused_leaves_an_older_run_as_it_was(tmp_path: 
     orbit = shoot(Toy(), -0.53)
     with pytest.raises(ValueError, match="span must be finite"):
         continuation(Toy(pole=1.0), shoot(Toy(pole=1.0), -0.53), "pole", (0.01, math.inf), run=path)
-    flat = Settings(window=WINDOW, steepest=1.0 + 1e-9)
-    steep = shoot(Toy(eps_n1=0.66), -0.518)  # beyond its flip, multiplier below -1
-    with pytest.raises(ValueError, match="must multiply to 1 at most"):
-        continuation(Toy(eps_n1=0.66), steep, settings=flat, run=path)
+    low = Settings(window=(-1.0, -0.8))
+    with pytest.raises(ValueError, match="window must hold the orbit"):
+        continuation(Toy(), orbit, settings=low, run=path)
     assert path.read_text(encoding="utf-8") == "kept\n"
     continuation(Toy(), orbit, span=(0.499, 0.501), run=str(path))
     assert path.with_name("run.jsonl.old").read_text(encoding="utf-8") == "kept\n"

@@ -1,0 +1,73 @@
+"""The main job: what hangs together with the toy's stable motion, over the beak's restitution.
+
+    python studies/main_job.py [--fast] [--out DIR]
+
+The graph of its branches and special points, each with what happens there. A, B and C are those of
+the paper, by the places that its Figure 10 shows.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
+from record import Results, command
+from style import WIDTH
+
+from pwmap import Diagram
+from pwmap.plot import plot_diagram
+from woodpecker import Toy, continuation, shoot
+
+GUESS = -0.53  # rad, the paper's value of the stable cycle at eps_N1 = 0.5
+PAPER = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # read off Figure 10
+SPAN, NEAR_C = (0.0, 1.0), (0.1, 0.5)  # of eps_N1
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Follow everything, and draw it.
+
+    Parameters
+    ----------
+    fast
+        The neighbourhood of A, B and C only.
+    out
+        Folder for the picture ``main_job.png``.
+
+    Returns
+    -------
+    dict
+        Numbers of branches and of changes of word, and the special points: name, code, note,
+        eps_N1, phi_S, precision, cause, branches at smaller and at larger eps_N1.
+    """
+    toy = Toy()
+    found = continuation(toy, shoot(toy, GUESS), span=NEAR_C if fast else SPAN).named(PAPER)
+    if out is not None:
+        draw(found).savefig(out / "main_job.png", dpi=200)
+    return {
+        "branches": len(found.branches),
+        "changes": sum(len(branch.changes) for branch in found.branches),
+        "points": [
+            [
+                p.name or p.id, str(p.kind), p.note, p.parameter, p.x, p.precision, p.cause,
+                *(" ".join(side) for side in found.sides(p.id)),
+            ]
+            for p in sorted(found.points, key=lambda point: point.parameter)
+        ],
+    }  # fmt: skip
+
+
+def draw(found: Diagram) -> Figure:
+    """The diagram, and where its word changes in a panel of its own."""
+    figure = plt.figure(figsize=(WIDTH, 0.5 * WIDTH), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    plot_diagram(found, left)
+    plot_diagram(found, right, kinds=(), words=True)
+    right.set_ylabel("")
+    right.set_title("where the word changes", fontsize=9)
+    left.set_title("special points", fontsize=9)
+    return figure
+
+
+if __name__ == "__main__":
+    command(main, "main_job")

@@ -1,0 +1,462 @@
+"""What hangs together with the toy's stable motion: the paper's points, words, refusals, runs."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
+from woodpecker.base.compiled import COMPILED
+from woodpecker.base.executors import Serial
+from woodpecker.continued import DEFAULT, WINDOW, continuation, saved_continuation
+from woodpecker.diagram import saved_diagram
+from woodpecker.engine.checkpoint import Record, check_entry
+from woodpecker.engine.search import Explorer, Stage
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.tasks import Tasks, Worker
+from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.settings import Settings as OtherSettings
+from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.simulation.returns import first_return
+from woodpecker.toypieces import ToyPieces
+
+FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
+PRINTED = 5.1e-5  # reference values are known to four decimals
+AT_ONCE = "the beak and the upper sleeve strike at once"
+NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+
+
+@pytest.fixture(scope="module")
+def motion() -> PeriodicOrbit:
+    return shoot(Toy(), -0.53)
+
+
+@pytest.fixture(scope="module")
+def toy_diagram(motion: PeriodicOrbit) -> Diagram:
+    """Everything that is connected with the stable motion, over eps_n1 in (0, 1)."""
+    return continuation(Toy(), motion)
+
+
+@pytest.fixture(scope="module")
+def separate_diagram() -> Diagram:
+    """The same with Coulomb's law contact by contact in the expansion at two contacts."""
+    toy = Toy(expansion_friction="separate")
+    return continuation(toy, shoot(toy, -0.53))
+
+
+def near(diagram: Diagram, kind: PointKind, parameter: float, x: float = math.nan) -> SpecialPoint:
+    """The one special point of this kind there."""
+    found = [
+        point
+        for point in diagram.points
+        if point.kind is kind
+        and abs(point.parameter - parameter) <= PRINTED
+        and (math.isnan(x) or abs(point.x - x) <= PRINTED)
+    ]
+    assert len(found) == 1, found
+    return found[0]
+
+
+def branches_at(diagram: Diagram, point: SpecialPoint) -> list[str]:
+    return sorted(diagram.branch(name).kind.value for name in point.branches)
+
+
+SPECIAL = {  # C, the other end of C's jump, A, B: as (kind, eps_n1, phi_s)
+    "toy_diagram": [
+        (PointKind.BC, 0.1851, -0.7578),
+        (PointKind.FF, 0.1882, -0.7578),
+        (PointKind.FF, 0.1120, -0.8848),
+        (PointKind.BC, 0.2915, -0.8848),
+    ],
+    "separate_diagram": [
+        (PointKind.BC, 0.1851, -0.7578),
+        (PointKind.BC, 0.0698, -0.7578),
+        (PointKind.FF, 0.0422, -0.8848),
+        (PointKind.BC, 0.3210, -0.8848),
+    ],
+}
+both_laws = pytest.mark.parametrize("law", SPECIAL)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@both_laws
+def test_special_points(law: str, request: pytest.FixtureRequest) -> None:
+    """Points A, B, C of the paper, and the other end of the jump branch that starts at C."""
+    diagram: Diagram = request.getfixturevalue(law)
+    c, other, a, b = (near(diagram, *place) for place in SPECIAL[law])
+    for point in (a, b, c, other):
+        assert branches_at(diagram, point) == ["fixed-point", "jump"]
+        assert point.cause == AT_ONCE
+        assert point.status is PointStatus.LOCATED
+        assert point.interval is not None
+        assert point.interval[0] < point.parameter < point.interval[1]
+        assert point.precision < 1e-12
+    flip = near(diagram, PointKind.PD, 0.6485)
+    assert branches_at(diagram, flip) == ["fixed-point"] * 2
+    assert flip.cause == "the multiplier is -1"
+    ends = [point for point in diagram.points if point.kind is PointKind.EP]
+    at_ends = {point.parameter for point in ends if point.note == "end of the parameter span"}
+    assert at_ends == ({1.0, 0.0} if law == "toy_diagram" else {1.0})
+    assert {p.precision for p in ends if p.parameter in at_ends} == {0.0}
+    assert c.x == pytest.approx(-0.757787, abs=5.1e-7)
+    assert a.x == pytest.approx(-0.884773, abs=5.1e-7)
+    assert b.x == pytest.approx(a.x, abs=1e-12)  # the same jump of P1, which eps_n1 does not move
+    assert other.x == pytest.approx(c.x, abs=1e-12)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_person_can_read_the_graph(toy_diagram: Diagram) -> None:
+    """A chain: at most 20 branches, no node for a change of word, and a cause for each point."""
+    graph = toy_diagram.graph()
+    assert len(toy_diagram.branches) <= 20
+    assert nx.is_connected(graph)
+    assert nx.is_tree(nx.Graph(graph))
+    assert max(dict(graph.degree).values()) == 2
+    assert {point.kind for point in toy_diagram.points} == {
+        PointKind.BC, PointKind.FF, PointKind.PD, PointKind.EP,
+    }  # fmt: skip
+    assert all(point.cause for point in toy_diagram.points)
+    assert sum(len(branch.changes) for branch in toy_diagram.branches) > 50
+    assert all(change.cause for branch in toy_diagram.branches for change in branch.changes)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "expected"), [("toy_diagram", -1.30491), ("separate_diagram", -1.26515)]
+)
+def test_slope_at_point_a(law: str, expected: float, request: pytest.FixtureRequest) -> None:
+    """a = 5/4 in the paper's example."""
+    diagram: Diagram = request.getfixturevalue(law)
+    point = near(diagram, *SPECIAL[law][2])
+    (branch,) = (b for b in map(diagram.branch, point.branches) if b.kind is FIXED)
+    slope = branch.multiplier[0 if branch.ends[0] == point.id else -1]
+    assert slope == pytest.approx(expected, abs=5.1e-6)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@both_laws
+def test_branches_keep_to_span_and_window(law: str, request: pytest.FixtureRequest) -> None:
+    diagram: Diagram = request.getfixturevalue(law)
+    assert (diagram.parameter_name, diagram.x_name) == ("eps_n1", "phi_s")
+    for branch in diagram.branches:
+        assert 0.0 <= branch.parameter.min() <= branch.parameter.max() <= 1.0
+        assert WINDOW[0] - 1e-9 <= branch.x.min() <= branch.x.max() <= WINDOW[1] + 1e-9
+        steps = np.hypot(
+            np.diff(branch.parameter), np.diff(branch.x) / (WINDOW[1] - WINDOW[0])
+        )  # scaled
+        assert steps.max() <= DEFAULT.max_step * 1.01
+        for end, k in zip(branch.ends, (0, -1), strict=True):
+            point = diagram.point(end)
+            assert branch.id in point.branches
+            assert branch.parameter[k] == pytest.approx(point.parameter, abs=1e-9)
+            assert branch.x[k] == pytest.approx(point.x, abs=1e-9)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@both_laws
+def test_from_c_to_b(law: str, request: pytest.FixtureRequest) -> None:
+    """The stable branch, C, a jump, a fixed point, A, a jump, B: in this order, one branch each."""
+    diagram: Diagram = request.getfixturevalue(law)
+    flip = near(diagram, PointKind.PD, 0.6485).id
+    c, other, a, b = (near(diagram, *place).id for place in SPECIAL[law])
+    for first, last, kind in (
+        (flip, c, FIXED), (c, other, JUMP), (other, a, FIXED), (a, b, JUMP),
+    ):  # fmt: skip
+        between = [x for x in diagram.branches if set(x.ends) == {first, last}]
+        assert [branch.kind for branch in between] == [kind]
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_samples_are_motions_of_the_toy(toy_diagram: Diagram) -> None:
+    """Samples inside stretches: the searching kernel returns to them, with their word and slope."""
+    rng, count = np.random.default_rng(5), 0
+    for branch in toy_diagram.branches:
+        if branch.kind is not FIXED:
+            continue
+        firsts = [stretch.first for stretch in branch.words]
+        beside = {k + side for k in firsts for side in (-2, -1, 0, 1)} | {len(branch) - 1}
+        inner = [k for k in range(len(branch)) if k not in beside]
+        for k in rng.choice(inner, min(8, len(inner)), replace=False).tolist():
+            p, x = float(branch.parameter[k]), float(branch.x[k])
+            back = first_return(Toy(eps_n1=p), x)
+            # rounding of a return of slope m is some 20 spacings of doubles times m
+            assert back.phi_s == pytest.approx(x, abs=1e-14 * (1.0 + abs(back.slope)))
+            assert back.word == branch.word_at(k)
+            assert back.slope == pytest.approx(branch.multiplier[k], rel=1e-6, abs=1e-8)
+            count += 1
+    assert count > 30
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_jumps_cross_the_diagonal(toy_diagram: Diagram) -> None:
+    """1e-12 beside the jump the map lies strictly across the diagonal."""
+    count = 0
+    for branch in toy_diagram.branches:
+        # the samples next to a special point may lie where words are thinner than 1e-12
+        for k in range(2, len(branch) - 2, 5) if branch.kind is JUMP else ():
+            p, x = float(branch.parameter[k]), float(branch.x[k])
+            sides = [first_return(Toy(eps_n1=p), x + shift).phi_s for shift in (-1e-12, 1e-12)]
+            assert (sides[0] - x) * (sides[1] - x) < 0.0
+            assert abs(sides[0] - sides[1]) > 1e-6  # more than a square root makes of 1e-12
+            count += 1
+    assert count > 20
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_flips_have_their_multiplier_and_change_stability(toy_diagram: Diagram) -> None:
+    flips = [point for point in toy_diagram.points if point.kind is PointKind.PD]
+    assert len(flips) == 3
+    for point in flips:
+        for branch in map(toy_diagram.branch, point.branches):
+            k = 0 if branch.ends[0] == point.id else -1
+            assert branch.multiplier[k] == pytest.approx(-1.0, abs=1e-7)
+    before, beyond = (
+        toy_diagram.branch(name)
+        for name in sorted(
+            near(toy_diagram, PointKind.PD, 0.6485).branches,
+            key=lambda name: float(toy_diagram.branch(name).parameter.mean()),
+        )
+    )
+    assert before.stable[1:-1].all()
+    assert not beyond.stable[1:-1].any()
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_c_does_not_depend_on_the_span(motion: PeriodicOrbit) -> None:
+    """Other steps meet the borders before C in other ways; one of these appears on the way only."""
+    for span in ((0.0, 0.5), (0.15, 0.6), (0.1, 0.9)):
+        found = continuation(Toy(), motion, span=span)
+        c = near(found, PointKind.BC, 0.1851, -0.7578)
+        assert c.parameter == pytest.approx(0.1851269509309, abs=1e-12)
+        assert c.note == "fold"
+
+
+# --- Other parameters -----------------------------------------------------------------------------
+
+
+def test_over_the_mass(motion: PeriodicOrbit) -> None:
+    """A smooth branch: both ends of the span, and solutions of the changed toys."""
+    found = continuation(Toy(), motion, "m_s", (0.0044, 0.0046))
+    assert [str(point.kind) for point in found.points] == ["EP", "EP"]
+    (branch,) = found.branches
+    assert (branch.parameter.min(), branch.parameter.max()) == (0.0044, 0.0046)
+    for p, x in ((branch.parameter[k], branch.x[k]) for k in (0, -1)):
+        again = shoot(Toy(m_s=float(p)), float(x))
+        assert again.phi_s == pytest.approx(float(x), abs=1e-11)
+
+
+@pytest.mark.parametrize("parameter", ["eps_n2", "eps_n3"])
+def test_over_a_restitution_from_zero(motion: PeriodicOrbit, parameter: str) -> None:
+    """The motion lives on for eps > 0: small bounces, the same orbit in the limit."""
+    solution = shoot(Toy(**{parameter: 0.004}), motion.phi_s)
+    assert solution.success
+    found = continuation(Toy(), motion, parameter, (0.0, 0.004))
+    assert max(branch.parameter.max() for branch in found.branches) == 0.004
+    last = max(found.branches, key=lambda branch: float(branch.parameter.max()))
+    assert last.x[np.argmax(last.parameter)] == pytest.approx(solution.phi_s, abs=1e-10)
+
+
+def test_where_the_toy_ends_the_reason_is_said(motion: PeriodicOrbit) -> None:
+    """A restitution lies in [0, 1]."""
+    found = continuation(Toy(), motion, span=(0.45, 1.5))
+    end = max(found.points, key=lambda point: point.parameter)
+    assert (end.kind, end.parameter, end.precision) == (PointKind.EP, 1.0, 0.0)
+    assert end.note == "end of the values that the parameter can have"
+    assert end.cause == "eps_n1 must lie in [0, 1], got 1.5"
+    other = min(found.points, key=lambda point: point.parameter)
+    assert (other.parameter, other.note) == (0.45, "end of the parameter span")
+
+
+# --- Refusals -------------------------------------------------------------------------------------
+
+
+def test_a_failed_orbit_is_refused() -> None:
+    lost = shoot(Toy(), -0.05)
+    with pytest.raises(ValueError, match=r"needs a periodic solution, got one with: a start on"):
+        continuation(Toy(), lost)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "sentence"),
+    [
+        ({"span": (0.6, 1.0)}, ValueError, r"span must hold eps_n1 = 0.5 of the toy, got \(0.6, 1"),
+        ({"span": (0.0, 0.4)}, ValueError, r"span must hold eps_n1 = 0.5 of the toy, got \(0.0, 0"),
+        ({"span": (1.0, 0.0)}, ValueError, r"span must ascend, got \(1.0, 0.0\)"),
+        ({"span": (0.0, math.inf)}, ValueError, r"span must be finite, got \(0.0, inf\)"),
+        ({"parameter": "eps_n4"}, TypeError, "unknown parameter 'eps_n4'"),
+        (
+            {"settings": Settings(window=(-1.0, -0.8))}, ValueError,
+            r"window must hold the orbit, phi_S = -0.529472, got \(-1.0, -0.8\)",
+        ),
+        (
+            {"settings": OtherSettings()}, TypeError,
+            "settings must be those of woodpecker.engine.settings, got woodpecker.piecewise",
+        ),
+        ({"resume": True}, ValueError, "resuming needs the file of a run"),
+    ],
+)  # fmt: skip
+def test_wrong_requests_get_one_sentence(
+    arguments: dict[str, Any], error: type[Exception], sentence: str, motion: PeriodicOrbit
+) -> None:
+    with pytest.raises(error, match=sentence):
+        continuation(Toy(), motion, **arguments)
+
+
+def test_the_orbit_of_another_toy_is_refused(motion: PeriodicOrbit) -> None:
+    """At eps_n1 = 0.6 the orbit of 0.5 misses itself by 0.016 rad: it is no place to start."""
+    with pytest.raises(ValueError, match="needs an orbit of this toy, got one of another toy"):
+        continuation(Toy(eps_n1=0.6), motion, span=(0.58, 0.62))
+
+
+# --- Runs that are kept ---------------------------------------------------------------------------
+
+SPAN = (0.1, 0.5)
+
+
+def places(diagram: Diagram) -> list[Any]:
+    return [
+        (p.id, p.kind, p.note, p.cause, p.status, p.branches, p.parameter, p.x)
+        for p in diagram.points
+    ]
+
+
+def assert_same(one: Diagram, other: Diagram, exactly: bool = False) -> None:
+    """A run that went on asks the map for pieces anew, whose last bits depend on where from."""
+    assert len(one.points) == len(other.points)
+    for a, b in zip(places(one), places(other), strict=True):
+        assert a[:6] == b[:6]
+        assert a[6:] == (b[6:] if exactly else pytest.approx(b[6:], abs=1e-13))
+    assert [(b.id, b.ends, b.word) for b in one.branches] == [
+        (b.id, b.ends, b.word) for b in other.branches
+    ]
+
+
+@pytest.fixture(scope="module")
+def kept(motion: PeriodicOrbit, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Diagram]:
+    """A run with its file, and how often it said how far it was."""
+    path, stages = tmp_path_factory.mktemp("run") / "run.jsonl", list[Stage]()
+    found = continuation(Toy(), motion, span=SPAN, run=path, progress=stages.append)
+    assert [stage.branches for stage in stages] == list(range(1, len(found.branches) + 1))
+    return path, found
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_run_goes_on_from_every_line(
+    kept: tuple[Path, Diagram], motion: PeriodicOrbit, tmp_path: Path
+) -> None:
+    path, whole = kept
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    assert len(lines) > 8
+    for n in range(1, len(lines) + 1):
+        torn = tmp_path / "torn.jsonl"
+        rest = lines[n][:17] if n < len(lines) else ""
+        torn.write_text("".join(lines[:n]) + rest, encoding="utf-8")
+        assert_same(continuation(Toy(), motion, span=SPAN, run=torn, resume=True), whole)
+        assert torn.read_text(encoding="utf-8").count("\n") == len(lines)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_what_is_kept_is_what_was_found(kept: tuple[Path, Diagram]) -> None:
+    path, whole = kept
+    for saved in (saved_diagram(path), saved_continuation(str(path))):
+        assert_same(saved, whole, exactly=True)
+        assert saved.given == whole.given
+        for a, b in zip(saved.branches, whole.branches, strict=True):
+            np.testing.assert_array_equal(a.x, b.x)
+            np.testing.assert_array_equal(a.multiplier, b.multiplier)
+            assert a.words == b.words
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_only_the_same_run_goes_on(
+    kept: tuple[Path, Diagram], motion: PeriodicOrbit, tmp_path: Path
+) -> None:
+    path, _ = kept
+    with pytest.raises(ValueError, match=r"there span is \[0.1, 0.5\], now it is \[0.2, 0.5\]"):
+        continuation(Toy(), motion, span=(0.2, 0.5), run=path, resume=True)
+    toy = Toy(mu_3=0.31)
+    with pytest.raises(ValueError, match=r"cannot resume .* there toy is"):
+        continuation(toy, shoot(toy, -0.53), span=SPAN, run=path, resume=True)
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    other = tmp_path / "other.jsonl"
+    # a collision that is moved by 1e-4 rad is none of this map
+    entry = json.loads(lines[1])
+    met = next(end["collision"] for end in entry["curves"][0]["ends"] if end["collision"])
+    met["x"][met["index"]] += 1e-4
+    other.write_text("".join([lines[0], json.dumps(entry) + "\n"]), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line 2: expected a collision of this map, got one at x"):
+        saved_diagram(other)
+    # more collisions are done than were met
+    other.write_text(lines[0] + lines[-1], encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line 2: nothing is left to follow at 0\."):
+        saved_diagram(other)
+
+
+def entry_of(motion: PeriodicOrbit, path: Path) -> dict[str, Any]:
+    """The first curves of a short run, as they are written."""
+    settings = Settings(span=(0.49, 0.51), window=WINDOW)
+    map_ = ToyPieces(Toy())
+    record = Record(path, {"parameter": "eps_n1"})
+    explorer = Explorer(Serial(Worker(map_, settings)), settings, (1,), recorder=record)
+    from woodpecker.continued import _start
+
+    explorer.follow(Tasks.cycle, _start(map_, motion, settings))
+    record.close()
+    entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8").splitlines()[1])
+    return entry
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("kind",), "curve"), (("order",), 1.5), (("order",), True), (("parameter",), [0.5]),
+        (("parameter",), ["0.5"]), (("points",), []), (("words", 0, 0), "0"),
+        (("words", 0, 2), {"bytes": "not base 64!"}), (("words", 0, 2), {"list": []}),
+        (("words", 0), [0, "J2"]), (("ends", 0, "kind"), "XX"), (("ends", 0, "p"), None),
+        (("ends", 0, "status"), "found"), (("ends", 0, "note"), 1), (("ends",), []),
+        (("ends", 0, "collision"), {"x": [0.5]}), (("marks",), [[1, "a cause", "BREAK"]]),
+    ],
+)  # fmt: skip
+def test_lines_that_are_refused(
+    place: tuple[Any, ...], value: object, motion: PeriodicOrbit, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.jsonl"
+    entry = entry_of(motion, path)
+    check_entry(entry)
+    inner = entry["curves"][0]
+    for step in place[:-1]:
+        inner = inner[step]
+    inner[place[-1]] = value
+    header = path.read_text(encoding="utf-8").splitlines()[0]
+    path.write_text(f"{header}\n{json.dumps(entry)}\n", encoding="utf-8")
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 2: expected an entry of a run, got "):
+        saved_diagram(path)
+    assert path.read_bytes() == before
+
+
+def test_a_run_of_something_else_is_refused(tmp_path: Path, motion: PeriodicOrbit) -> None:
+    path = tmp_path / "run.jsonl"
+    entry_of(motion, path)
+    with pytest.raises(ValueError, match=r"line 1: expected a run of the toy, got one of \['param"):
+        saved_diagram(path)
+    with pytest.raises(ValueError, match="there is no saved run"):
+        saved_diagram(tmp_path / "none.jsonl")
