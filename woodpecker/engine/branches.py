@@ -31,6 +31,8 @@ from woodpecker.engine.pieces import PiecewiseMap
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
+TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
+# distance of a restart it changes by some 1e-4. A slope at a grazing itself can be rounding
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
@@ -297,8 +299,9 @@ class Cycles:
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
         inside = stretch.samples[-2:][0].orbit if abs(border.inner.slope) >= STEEP else orbit
-        before, after = (abs(o.multiplier) < 1.0 for o in (inside, there.orbit))
-        if kind is not BorderKind.SMOOTH and before != after:
+        before, after = inside.multiplier, there.orbit.multiplier
+        torn = kind is not BorderKind.SMOOTH or abs(after - before) > TORN * max(1.0, abs(before))
+        if torn and (abs(before) < 1.0) != (abs(after) < 1.0):
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
 
