@@ -31,6 +31,8 @@ from woodpecker.engine.pieces import Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
 
+TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
+# distance of a restart it changes by some 1e-4
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
@@ -271,7 +273,10 @@ class Cycles:
             mark, end, there = self._meet(stretch)
             if end is not None and end.note == NOTHING_BEYOND:
                 there = self._passed_over(stretch)
-                end = end if there is None else None
+                if there is not None:
+                    changes = _changes_stability(stretch, mark.kind, there)
+                    persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
+                    end = persists if changes else None
             if end is not None:
                 following = () if there is None else (samples[-1], there)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
@@ -299,9 +304,7 @@ class Cycles:
             return mark, lost, None
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
-        inside = stretch.samples[-2:][0].orbit if abs(border.inner.slope) >= STEEP else orbit
-        before, after = (abs(o.multiplier) < 1.0 for o in (inside, there.orbit))
-        if kind is not BorderKind.SMOOTH and before != after:
+        if _changes_stability(stretch, kind, there):
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
 
@@ -349,6 +352,19 @@ class Cycles:
         if self._halves(stretch):  # a branch of doubled period folds where it began
             kind, cause = PointKind.PD, Stop.FLIP.value
         return end_at(kind, stretch.end, cause=cause)
+
+
+def _changes_stability(stretch: Stretch, kind: BorderKind, there: Sample) -> bool:
+    """Whether a branch is stable on one side of a border only; not where it is smooth there.
+
+    A slope right at a square root can be rounding: then the sample before it tells, and multipliers
+    that differ by far say that the border is not smooth.
+    """
+    steep = any(abs(image.slope) >= STEEP for image in stretch.end.images)
+    inside = stretch.samples[-2:][0].orbit if steep else stretch.end
+    before, after = inside.multiplier, there.orbit.multiplier
+    torn = kind is not BorderKind.SMOOTH or abs(after - before) > TORN * max(1.0, abs(before))
+    return torn and (abs(before) < 1.0) != (abs(after) < 1.0)
 
 
 def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:
