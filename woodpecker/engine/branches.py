@@ -274,7 +274,8 @@ class Cycles:
             if end is not None and end.note == NOTHING_BEYOND:
                 there = self._passed_over(stretch)
                 if there is not None:
-                    changes = _changes_stability(stretch, mark.kind, there)
+                    before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
+                    changes = _changes_stability(before, mark.kind, after)
                     persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
                     end = persists if changes else None
             if end is not None:
@@ -304,7 +305,7 @@ class Cycles:
             return mark, lost, None
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
-        if _changes_stability(stretch, kind, there):
+        if _changes_stability(orbit.multiplier, kind, there.orbit.multiplier):
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
 
@@ -354,15 +355,11 @@ class Cycles:
         return end_at(kind, stretch.end, cause=cause)
 
 
-def _changes_stability(stretch: Stretch, kind: BorderKind, there: Sample) -> bool:
+def _changes_stability(before: float, kind: BorderKind, after: float) -> bool:
     """Whether a branch is stable on one side of a border only; not where it is smooth there.
 
-    A slope right at a square root can be rounding: then the sample before it tells, and multipliers
-    that differ by far say that the border is not smooth.
+    Multipliers that differ by far say that the border is not smooth.
     """
-    steep = any(abs(image.slope) >= STEEP for image in stretch.end.images)
-    inside = stretch.samples[-2:][0].orbit if steep else stretch.end
-    before, after = inside.multiplier, there.orbit.multiplier
     torn = kind is not BorderKind.SMOOTH or abs(after - before) > TORN * max(1.0, abs(before))
     return torn and (abs(before) < 1.0) != (abs(after) < 1.0)
 
@@ -723,14 +720,16 @@ def restart(
     """The orbit beyond a border, whose margin there is small and positive; None if there is none.
 
     That is well posed also where the piece beyond begins with a square root. It lies so close to
-    the border that no fold or flip is passed.
+    the border that no fold or flip is passed; beside a square root, where the multiplier at the
+    border is infinite, as close as rounding leaves the margin two digits.
     """
     images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
     at_border = Orbit(orbit.x, orbit.p, images).multiplier
     steep = any(abs(image.slope) >= STEEP for image in images)  # its sign may be rounding
     found: Sample | None = None
     away = settings.beside * settings.x_scale
-    while away >= settings.nearest * settings.x_scale:
+    least = settings.nearest * settings.x_scale / (SHRINK if steep else 1.0)
+    while away >= 0.5 * least:
         there = _restarted(orbit, closing, border, index, away, settings)
         found = there or found
         same = there is not None and _sides(there.orbit.multiplier) == _sides(at_border)

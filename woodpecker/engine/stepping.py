@@ -132,6 +132,7 @@ class _LostError(Exception):
 BLURRED = 1e-4  # a step on which a limit may change its pieces without a border being found: there
 # are infinitely many in such places
 
+RESOLVED = 100.0  # times the smallest distance from a border: there slopes have some digits left
 FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
 NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
 
@@ -415,7 +416,25 @@ class Stepper:
         solution = solve(orbit, (self.closing, margin), self.settings)
         if not solution.converged:
             return None
-        return self._event(a, step, Stop.BORDER, solution.orbit, (margin,))
+        softened = self._softened(solution.orbit, margin)
+        return self._event(a, step, Stop.BORDER, softened, (margin,))
+
+    def _softened(self, orbit: Orbit, margin: Margin) -> Orbit:
+        """An orbit at a border, with the slopes right beside it if those at it are others.
+
+        Where a time goes like a root of the distance the slope at the border is made of rounding,
+        even where the map is smooth.
+        """
+        i = margin.index
+        image = orbit.images[i]
+        side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
+        away = RESOLVED * self.settings.nearest * self.settings.x_scale
+        there = image.piece.at(float(orbit.x[i]) - side * away, orbit.p)
+        size = self.settings.kink * max(1.0, abs(image.slope), abs(there.slope))
+        if there.reason or abs(there.slope - image.slope) <= size:
+            return orbit
+        image = image._replace(slope=there.slope, d_parameter=there.d_parameter)
+        return Orbit(orbit.x, orbit.p, (*orbit.images[:i], image, *orbit.images[i + 1 :]))
 
     def _event(
         self, a: Sample, step: float, stop: Stop, orbit: Orbit, margins: tuple[Margin, ...] = ()
