@@ -92,8 +92,8 @@ class Network:
         return names
 
     def add(self, curve: Curve) -> None:
-        """Keep a branch, unless it was kept before: as many as its cycle has points."""
-        if any(self._draws(known, curve) for known in self.curves):
+        """Keep a branch, as many as its cycle has points, unless it was kept or is a point."""
+        if self._is_a_point(curve) or any(self._draws(known, curve) for known in self.curves):
             return
         self.curves.append(curve)
         for end in curve.ends:
@@ -129,6 +129,16 @@ class Network:
             )
             for node in ends:
                 node.branches.append(name)
+
+    def _is_a_point(self, curve: Curve) -> bool:
+        """Whether a branch is so short that its ends are one special point."""
+        if any(end.collision is not None for end in curve.ends):
+            return False
+        samples = np.column_stack([curve.parameter, np.array(curve.points)])
+        size = np.ptp(samples, axis=0) / [
+            self.settings.p_scale, *[self.settings.x_scale] * (samples.shape[1] - 1)
+        ]  # fmt: skip
+        return bool((size <= self.settings.same).all())
 
     def _draws(self, known: Curve, curve: Curve) -> bool:
         """Whether a branch has the ends of another one, and the middle of that lies on it too."""
