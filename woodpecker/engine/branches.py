@@ -317,7 +317,7 @@ class Cycles:
         end = stretch.samples[-1]
         x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
         sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
-        away, limit = self.settings.min_step, high if sign > 0.0 else low
+        away, limit = self.settings.same, high if sign > 0.0 else low
         p = end.orbit.p
         while away <= self.settings.max_step and p != limit:
             p = min(max(end.orbit.p + sign * away * p_scale, low), high)
@@ -721,15 +721,15 @@ def restart(
 
     That is well posed also where the piece beyond begins with a square root. It lies so close to
     the border that no fold or flip is passed; beside a square root, where the multiplier at the
-    border is infinite, as close as rounding leaves the margin two digits.
+    border is infinite, none that is not one point with the border.
     """
     images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
     at_border = Orbit(orbit.x, orbit.p, images).multiplier
     steep = any(abs(image.slope) >= STEEP for image in images)  # its sign may be rounding
     found: Sample | None = None
     away = settings.beside * settings.x_scale
-    least = settings.nearest * settings.x_scale / (SHRINK if steep else 1.0)
-    while away >= 0.5 * least:
+    least = (settings.same if steep else settings.nearest) * settings.x_scale
+    while away >= least:
         there = _restarted(orbit, closing, border, index, away, settings)
         found = there or found
         same = there is not None and _sides(there.orbit.multiplier) == _sides(at_border)
