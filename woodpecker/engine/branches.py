@@ -720,20 +720,16 @@ def restart(
     """The orbit beyond a border, whose margin there is small and positive; None if there is none.
 
     That is well posed also where the piece beyond begins with a square root. It lies so close to
-    the border that no fold or flip is passed; beside a square root, where the multiplier at the
-    border is infinite, none that is not one point with the border.
+    the border that no fold or flip is passed that is not one point with the border.
     """
     images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
     at_border = Orbit(orbit.x, orbit.p, images).multiplier
-    steep = any(abs(image.slope) >= STEEP for image in images)  # its sign may be rounding
     found: Sample | None = None
-    away = settings.beside * settings.x_scale
-    least = (settings.same if steep else settings.nearest) * settings.x_scale
-    while away >= least:
+    away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
+    while away >= settings.nearest * settings.x_scale and (found is None or away >= same):
         there = _restarted(orbit, closing, border, index, away, settings)
         found = there or found
-        same = there is not None and _sides(there.orbit.multiplier) == _sides(at_border)
-        if same and not steep:
+        if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
             return there
         away *= SHRINK
     return found
