@@ -134,11 +134,15 @@ class Network:
         """Whether a branch is so short that its ends are one special point."""
         if any(end.collision is not None for end in curve.ends):
             return False
-        samples = np.column_stack([curve.parameter, np.array(curve.points)])
-        size = np.ptp(samples, axis=0) / [
-            self.settings.p_scale, *[self.settings.x_scale] * (samples.shape[1] - 1)
-        ]  # fmt: skip
-        return bool((size <= self.settings.same).all())
+        if curve.kind is BranchKind.JUMP:  # the orbits up to the border may differ in length
+            points = np.array([points[:1] for points in curve.points])
+        else:
+            points = np.array(curve.points)
+        same = self.settings.same
+        return bool(
+            np.ptp(curve.parameter) <= same * self.settings.p_scale
+            and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
+        )
 
     def _draws(self, known: Curve, curve: Curve) -> bool:
         """Whether a branch has the ends of another one, and the middle of that lies on it too."""
