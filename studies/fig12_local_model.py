@@ -63,6 +63,9 @@ SCALES = Settings(window=(-2.5, -0.24), finest=1e-9)  # jumps are looked for in 
 DISTANCES = (2e-4, 1e-4, 5e-5, 2.5e-5)  # in eps_N1; the next change of word is 5e-4 away
 
 
+ROUNDING = 1e-14  # errors [rad] that are zero: some spacings of doubles at a phi_S of 1
+
+
 class Agreement(NamedTuple):
     """A branch that the local model predicts, and what the toy shows."""
 
@@ -71,7 +74,7 @@ class Agreement(NamedTuple):
     predicted: float  # d phi_S / d eps_N1 [rad]
     measured: float
     errors: tuple[float, ...]  # distance from the straight line at DISTANCES [rad]
-    power: float | None  # of q that the errors follow; None if they are all zero
+    power: float | None  # of q that the errors follow; None if they are rounding
 
     @property
     def name(self) -> str:
@@ -149,7 +152,7 @@ def agreement(model: LocalModel, start: Start) -> Agreement:
     q = np.array(DISTANCES)
     quotients = start.side * places / q
     errors = np.abs(places - start.side * start.slope * q)
-    power = np.polyfit(np.log(q), np.log(errors), 1)[0] if errors.all() else None
+    power = np.polyfit(np.log(q), np.log(errors), 1)[0] if errors.max() > ROUNDING else None
     return Agreement(
         start.kind, start.order, start.slope, float(2.0 * quotients[-1] - quotients[-2]),
         tuple(errors.tolist()), None if power is None else float(power),
