@@ -76,10 +76,9 @@ class Border:
         return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
 
 
-STEEP = (
-    1e6  # a slope beside a border above which it is that of a square root: the derivative of one,
-)
-# rounded at the border, is about 1e8
+# A slope beside a border above which it is that of a square root: the derivative of one, rounded at
+# the border, is about 1e8.
+STEEP = 1e6
 
 
 def reach(image: Image, side: float) -> tuple[float, int]:

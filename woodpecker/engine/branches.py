@@ -7,6 +7,7 @@ branches of jumps begin, and the other way round, so nothing is searched for the
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -199,6 +200,24 @@ class Leg:
     stop: Stop
 
 
+def _legs(
+    follow: Callable[[tuple[Sample, ...], Sample, Stop | None], Leg],
+    first: tuple[Sample, ...], origin: Sample, ignored: Stop | None, settings: Settings,
+) -> list[Leg]:  # fmt: skip
+    """Legs one after the other, each from the end of the one before, until none continues it.
+
+    A branch can come to run round without passing its origin: it is followed once round.
+    """
+    found = [follow(first, origin, ignored)]
+    while found[-1].following:
+        last = found[-1]
+        if any(_repeats(last, other, settings) for other in found[:-1]):
+            found[-1] = replace(last, following=())
+            break
+        found.append(follow(last.following, origin, last.stop))
+    return found
+
+
 def _repeats(leg: Leg, other: Leg, settings: Settings) -> bool:
     """Whether a leg ends where another one did, and goes on like it."""
     one, two = leg.following[-1], other.following[-1]
@@ -244,14 +263,7 @@ class Cycles:
         self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None = None
     ) -> list[Leg]:
         """Follow a branch one way, across special points that it passes."""
-        found = [self._leg(first, origin, ignored)]
-        while found[-1].following:
-            last = found[-1]
-            if any(_repeats(last, other, self.settings) for other in found[:-1]):
-                found[-1] = replace(last, following=())
-                break
-            found.append(self._leg(last.following, origin, last.stop))
-        return found
+        return _legs(self._leg, first, origin, ignored, self.settings)
 
     def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
         samples, marks = list(first), list[Mark]()
@@ -455,14 +467,7 @@ class Jumps:
 
     def legs(self, first: tuple[Sample, ...], origin: Sample) -> list[Leg]:
         """Follow a branch one way, across folds."""
-        found = [self._leg(first, origin, None)]
-        while found[-1].following:
-            last = found[-1]
-            if any(_repeats(last, other, self.settings) for other in found[:-1]):
-                found[-1] = replace(last, following=())
-                break
-            found.append(self._leg(last.following, origin, last.stop))
-        return found
+        return _legs(self._leg, first, origin, None, self.settings)
 
     def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
         samples, marks = list(first), list[Mark]()
