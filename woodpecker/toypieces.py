@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -21,8 +23,11 @@ from woodpecker.mechanics.toy import Toy, known_parameter
 from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
-from woodpecker.toymaps import RELATIVE_STEP, Table
+from woodpecker.toymaps import Table
 
+RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
+# to bounce: the cube root of the kernel's rounding
+KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
 TOO_FAR = "the path does not reach so far"
 NO_MARGINS, NO_GRADIENTS = np.zeros(0), np.zeros((0, 2))
 NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
@@ -64,9 +69,6 @@ class _PerThread(threading.local):
 
     room: _Room | None = None
 
-    def __reduce__(self) -> tuple[type[_PerThread], tuple[()]]:
-        return _PerThread, ()
-
 
 @dataclass(frozen=True, slots=True)
 class ToyPieces:
@@ -91,6 +93,9 @@ class ToyPieces:
 
     def __post_init__(self) -> None:
         known_parameter(self.parameter)
+
+    def __reduce__(self) -> tuple[Callable[[Toy, str], ToyPieces], tuple[Toy, str]]:
+        return _same, (self.toy, self.parameter)
 
     def at(self, x: float, p: float) -> Image:
         """The return from phi_S = x [rad] along the path that the toy takes there."""
@@ -119,6 +124,12 @@ class ToyPieces:
         if room is None:
             room = self._cache.room = _Room(self.toy, self.parameter)
         return room
+
+
+@lru_cache(maxsize=KEPT)
+def _same(toy: Toy, parameter: str) -> ToyPieces:
+    """The one copy of a map in this process: pieces that come one by one share its tables."""
+    return ToyPieces(toy, parameter)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple
 
 import typer
-from rich.progress import Progress
+from rich.progress import Progress as Bar
 
 from pwmap.diagrams.diagram import Diagram, PointKind
 from pwmap.diagrams.files import write_figure
@@ -27,12 +27,14 @@ from woodpecker.cli.options import (
     report,
     say,
 )
-from woodpecker.continued import WINDOW, continuation
-from woodpecker.diagram import Found, find_all, saved_diagram
+from woodpecker.continued import continuation
+from woodpecker.diagram import find_all
+from woodpecker.engine.diagrams import Found
 from woodpecker.engine.local import local_model
+from woodpecker.engine.search import Progress, Stage
 from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.piecewise.settings import Settings as SearchSettings
+from woodpecker.runs import WINDOW, saved_diagram
 from woodpecker.toypieces import ToyPieces
 
 RUN = "run.jsonl"
@@ -81,21 +83,17 @@ def diagram(
 
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
-    sizes: dict[str, Any] = {
-        "span": span, "window": window, "step": min(0.005, step), "max_step": step,
-    }  # fmt: skip
-    settings = Settings(**sizes)
+    settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     known_parameter(parameter)
     places = _places(names)
     wanted = _orders(orders) if orders is not None else None
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     target = folder(out)  # all else that can be wrong was looked at
-    keep: dict[str, Any] = {"run": target / RUN, "resume": resume}
+    keep: dict[str, Any] = {"run": target / RUN, "resume": resume, "settings": settings}
     if wanted is None:
-        search = _of_motion(toy, phi_s, order, parameter, keep | {"settings": settings})
+        search = _of_motion(toy, phi_s, order, parameter, keep)
     else:
-        keep["settings"] = SearchSettings(**sizes)
         search = _of_orders(toy, wanted, parameter, workers, keep)
     found = _searched(search, parameter, target / RUN)
     shown = found.diagram.named(places) if parameter == NAMED else found.diagram
@@ -118,27 +116,7 @@ class _Searched(NamedTuple):
     stopped: bool = False
 
 
-class _Stage(Protocol):
-    """How far a search has come: the stages of both engines."""
-
-    @property
-    def parameter(self) -> float:
-        """Where a branch was followed."""
-
-    @property
-    def order(self) -> int:
-        """The iterate."""
-
-    @property
-    def slices(self) -> int:
-        """How many were taken of this order."""
-
-    @property
-    def branches(self) -> int:
-        """How many are known, of all orders."""
-
-
-_Search = Callable[[Callable[[_Stage], None]], _Searched]
+_Search = Callable[[Progress], _Searched]
 
 
 def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
@@ -146,7 +124,7 @@ def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[st
     orbit = motion(toy, phi_s, order)
     summary = orbit.message if orbit.minimal_period < orbit.order else ""
 
-    def search(show: Callable[[_Stage], None]) -> _Searched:
+    def search(show: Progress) -> _Searched:
         span = keep["settings"].span
         return _Searched(continuation(toy, orbit, parameter, span, progress=show, **keep), summary)
 
@@ -159,7 +137,7 @@ def _of_orders(
     """How to find everything in the window."""
     span, window = keep["settings"].span, keep["settings"].window
 
-    def search(show: Callable[[_Stage], None]) -> _Searched:
+    def search(show: Progress) -> _Searched:
         everything = find_all(
             toy, parameter, span, orders, window, workers=workers, progress=show, **keep
         )
@@ -177,11 +155,11 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
             return _Searched(saved_diagram(run), stopped=True)
 
 
-def _shown(bar: Progress, parameter: str) -> Callable[[_Stage], None]:
+def _shown(bar: Bar, parameter: str) -> Progress:
     """Shows how far a search has come."""
     task = bar.add_task(parameter, total=None)
 
-    def show(stage: _Stage) -> None:
+    def show(stage: Stage) -> None:
         slices = f", slice {stage.slices}" if stage.slices else ""
         bar.update(
             task,
@@ -213,14 +191,15 @@ def _draw(toy: Toy, found: Diagram, target: Path, words: bool) -> list[str]:
 
 
 def _summary(everything: Found) -> str:
-    """What a search came to, in lines."""
-    lines = [
-        f"P_{report.order}: {len(report.slices)} slices, {len(report.found_at)} showed something "
-        f"new, {len(report.not_followed)} places could not be followed, at most {report.steep} "
-        f"cycles of a slice too steep and {report.unresolved:.1e} rad of it unresolved"
-        for report in everything.reports
-    ]
-    return "\n".join([*lines, f"P_1 was evaluated {everything.evaluations} times"])
+    """What a search came to, in a sentence or two."""
+    slices = everything.slices
+    unresolved = max(seen.unresolved for seen in slices)
+    left = sum(len(seen.left) for seen in slices)
+    return (
+        f"{len(slices)} slices, {sum(bool(seen.new) for seen in slices)} showed something new, "
+        f"{left} places could not be followed, at most {unresolved:.1e} rad of a slice unresolved\n"
+        f"The map was asked {everything.evaluations} times"
+    )
 
 
 def _places(text: str) -> dict[str, tuple[float, float]]:

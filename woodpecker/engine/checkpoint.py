@@ -1,4 +1,4 @@
-"""What the checkpoint of a run holds: curves as they are finished, and which collisions are done.
+"""What the checkpoint of a run holds: curves, and which collisions and slices are finished.
 
 A network is followed by what it has added, in order; adding it again puts it back where it was. The
 pieces of a cycle that meets a jump are no data: the map is asked for them, right inside the border.
@@ -23,10 +23,11 @@ from woodpecker.engine.branches import Collision, Curve, End, Mark, Word
 from woodpecker.engine.network import Network
 from woodpecker.engine.orbits import Margin, orbit_of
 from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.search import Seen
 from woodpecker.engine.settings import Settings
 
-CURVES, DONE = "curves", "done"  # kinds of entries, by their first key
-VERSION = 2  # of the lines below; raised when older code would misread them
+CURVES, DONE, SLICE = "curves", "done", "slice"  # kinds of entries, by their first key
+VERSION = 3  # of the lines below; raised when older code would misread them
 CLOSER = 0.1  # of a distance from a border at which the piece inside was not found
 Rebuild = Callable[[Entry], Collision | None]
 
@@ -42,7 +43,7 @@ class Record:
 
     def __init__(self, path: str | os.PathLike[str], run: Entry, *, resume: bool = False) -> None:
         self._file = Checkpoint(path, run, version=VERSION, check=check_entry, resume=resume)
-        self.entries = self._file.entries
+        self.entries, self.path = self._file.entries, self._file.path
 
     def followed(self, curves: Sequence[Curve]) -> None:
         """Keep the curves that a task has come to."""
@@ -51,6 +52,10 @@ class Record:
     def done(self, met: Collision) -> None:
         """Keep that all that starts at the next collision was followed."""
         self._file.write({DONE: met.orbit.p})
+
+    def seen(self, found: Seen) -> None:
+        """Keep that all that a slice shows was followed."""
+        self._file.write({SLICE: found._asdict()})
 
     def close(self) -> None:
         """Close the file."""
@@ -64,8 +69,12 @@ def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Entry]]:
 
 def restore(
     network: Network, entries: Sequence[Entry], map_: PiecewiseMap, path: str | os.PathLike[str]
-) -> None:
+) -> list[Seen]:
     """Put a network back to where a checkpoint says it was.
+
+    Returns
+    -------
+    The slices that were finished.
 
     Raises
     ------
@@ -76,8 +85,11 @@ def restore(
     def rebuild(data: Entry) -> Collision:
         return _collision(data, map_, network.settings)
 
+    slices = []
     for line, entry in enumerate(entries, 2):
-        if CURVES in entry:
+        if SLICE in entry:
+            slices.append(_slice(entry[SLICE]))
+        elif CURVES in entry:
             try:
                 curves = [_curve(data, rebuild) for data in entry[CURVES]]
             except _OtherMapError as error:
@@ -90,6 +102,7 @@ def restore(
             raise ValueError(
                 f"{Path(path)}, line {line}: nothing is left to follow at {entry[DONE]}"
             )
+    return slices
 
 
 def check_entry(entry: Entry) -> None:
@@ -97,8 +110,21 @@ def check_entry(entry: Entry) -> None:
     if DONE in entry:
         checked_number(entry[DONE])
         return
+    if SLICE in entry:
+        _slice(entry[SLICE])
+        return
     for data in entry[CURVES]:
         _curve(data, _parts_of_collision)
+
+
+def _slice(data: Entry) -> Seen:
+    left = tuple((order, checked_number(x)) for order, x in data["left"])
+    for value in (*data["new"], *(order for order, _ in left), data["evaluations"]):
+        checked_type(value, int)
+    return Seen(
+        p=checked_number(data["p"]), new=tuple(data["new"]), left=left,
+        unresolved=checked_number(data["unresolved"]), evaluations=data["evaluations"],
+    )  # fmt: skip
 
 
 # --- Curves ---------------------------------------------------------------------------------------

@@ -4,23 +4,28 @@ Branches are followed with all that hangs on their ends. A slice lists all cycle
 parameter; what lies on no branch known so far is followed too. First slices fill the span evenly;
 where one of them shows something new two more are taken, halfway to its neighbours, until nothing
 is new or the gaps are as small as was asked: how thin an island can be and stay unseen is known.
+
+Tasks are submitted some time before they are needed, and what was found meanwhile decides whether
+they still are: so the result does not depend on who carries them out, or on how many do.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left, insort
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
 from woodpecker.engine.branches import Collision, Curve, keys_of
+from woodpecker.engine.jumps import Jump
 from woodpecker.engine.network import Known, Network
-from woodpecker.engine.orbits import Closed
+from woodpecker.engine.orbits import Closed, Condition, Orbit
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.slices import Slice
-from woodpecker.engine.tasks import Tasks
+from woodpecker.engine.tasks import Start, Tasks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +38,11 @@ class Search:
         How many slices are taken first.
     finest
         Smallest gap between slices, as a part of the span.
+
+    Raises
+    ------
+    ValueError
+        If there is no slice, or the gap is no part of the span.
     """
 
     slices: int = 63
@@ -46,12 +56,49 @@ class Search:
 
 
 class Stage(NamedTuple):
-    """How far a search has come."""
+    """How far a search has come.
+
+    Attributes
+    ----------
+    parameter, order
+        Where a branch of P_order was followed to.
+    slices
+        How many were taken; 0 if none are.
+    branches
+        How many are known.
+    """
 
     parameter: float
     order: int
     slices: int
     branches: int
+
+
+Progress = Callable[[Stage], None]
+
+
+class Seen(NamedTuple):
+    """What a slice came to.
+
+    Attributes
+    ----------
+    p
+        Where it was taken.
+    new
+        The orders of which it showed something new.
+    unresolved
+        Total length of intervals in which there are more pieces than were looked for.
+    left
+        (order, x) of what it shows and no branch goes through, though one was followed from there.
+    evaluations
+        How often the map was asked.
+    """
+
+    p: float
+    new: tuple[int, ...]
+    unresolved: float
+    left: tuple[tuple[int, float], ...]
+    evaluations: int
 
 
 class Recorder(Protocol):
@@ -62,6 +109,40 @@ class Recorder(Protocol):
 
     def done(self, met: Collision) -> None:
         """Keep that all that starts at the next collision was followed."""
+
+    def seen(self, found: Seen) -> None:
+        """Keep that all that a slice shows was followed."""
+
+
+class _Place(NamedTuple):
+    """An orbit that a branch may go through, and the task that follows it."""
+
+    kind: BranchKind
+    order: int
+    orbit: Orbit
+    closing: Condition
+    keys: tuple[object, ...]
+    task: Callable[..., Any]
+    argument: object
+
+
+def _of_cycle(orbit: Orbit) -> _Place:
+    return _Place(
+        BranchKind.FIXED_POINT, len(orbit), orbit, Closed(), orbit.keys, Tasks.cycle, orbit
+    )
+
+
+def _of_jump(jump: Jump) -> _Place:
+    keys = keys_of(jump.head, jump)
+    return _Place(BranchKind.JUMP, jump.order, jump.head, jump.closing, keys, Tasks.jump, jump)
+
+
+def _of_start(start: Start) -> _Place:
+    last = start.samples[-1]
+    return _Place(
+        start.kind, start.order, last.orbit, start.closing, keys_of(last.orbit, last.jump),
+        Tasks.ahead, start,
+    )  # fmt: skip
 
 
 class Explorer:
@@ -83,7 +164,7 @@ class Explorer:
 
     def __init__(
         self, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
-        progress: Callable[[Stage], None] = lambda _: None, recorder: Recorder | None = None,
+        progress: Progress = lambda _: None, recorder: Recorder | None = None,
     ) -> None:  # fmt: skip
         self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
         self.recorder = recorder
@@ -94,45 +175,84 @@ class Explorer:
             for order in self.orders
         }
 
-    def follow(self, task: Callable[..., Any], *arguments: object) -> None:
-        """Carry out a task that yields branches, and go on from where they end."""
-        self._keep(self.scheduler.submit(task, *arguments))
+    def follow(self, orbit: Orbit) -> None:
+        """Follow the branch through a cycle, and go on from where it ends."""
+        self._keep(self._done(self.scheduler.submit(Tasks.cycle, orbit)))
         self.go_on()
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
-        while self.network.waiting:
-            met = self.network.waiting.popleft()
-            for start in self._done(self.scheduler.submit(Tasks.starts, met, self.orders)):
-                known = self._known[start.kind, start.order]
-                last = start.samples[-1]
-                low, high = self.network.settings.span
-                if not low <= last.orbit.p <= high:
-                    continue
-                if not known.explains(last.orbit, start.closing, keys_of(last.orbit, last.jump)):
-                    self._keep(self.scheduler.submit(Tasks.ahead, start))
-            if self.recorder is not None:
-                self.recorder.done(met)
+        waiting = self.network.waiting
+        low, high = self.network.settings.span
+        while waiting:
+            met = list(waiting)
+            asked = [self.scheduler.submit(Tasks.starts, each, self.orders) for each in met]
+            places = [
+                [
+                    _of_start(start)
+                    for start in self._done(pending)
+                    if low <= start.samples[-1].orbit.p <= high
+                ]
+                for pending in asked
+            ]
+            following = self._followed([place for own in places for place in own])
+            for each, own in zip(met, places, strict=True):
+                for _ in own:
+                    next(following)
+                waiting.popleft()
+                if self.recorder is not None:
+                    self.recorder.done(each)
 
-    def see(self, found: Slice) -> bool:
-        """Follow what a slice shows and no branch explains; whether there was something."""
-        before = len(self.network.curves)
-        cycles, jumps = (self._known[kind, found.order] for kind in BranchKind)
-        for orbit in found.cycles:
-            if not cycles.explains(orbit, Closed(), orbit.keys):
-                self.follow(Tasks.cycle, orbit)
-        for jump in found.jumps:
-            if not jumps.explains(jump.head, jump.closing, keys_of(jump.head, jump)):
-                self.follow(Tasks.jump, jump)
-        return len(self.network.curves) > before
+    def see(self, found: Sequence[Slice], evaluations: int) -> Seen:
+        """Follow what the slices of all orders at one parameter show and no branch explains."""
+        new, left = list[int](), list[tuple[int, float]]()
+        for each in found:
+            places = [*map(_of_cycle, each.cycles), *map(_of_jump, each.jumps)]
+            for place, was_new in self._followed(places):
+                if not was_new:
+                    continue
+                self.go_on()
+                new.append(place.order)
+                if not self._is_explained(place):
+                    left.append((place.order, float(place.orbit.x[0])))
+        unresolved = max(each.unresolved for each in found)
+        seen = Seen(found[0].p, tuple(sorted(set(new))), unresolved, tuple(left), evaluations)
+        if self.recorder is not None:
+            self.recorder.seen(seen)
+        return seen
+
+    def _followed(self, places: Sequence[_Place]) -> Iterator[tuple[_Place, bool]]:
+        """Follow what no branch explains when its turn comes; each place, and whether it was new.
+
+        What is submitted ahead is looked at once more if branches were found since.
+        """
+        ahead: deque[tuple[Pending | None, int]] = deque()
+        for k, place in enumerate(places):
+            while len(ahead) < min(self.scheduler.ahead, len(places) - k):
+                later, curves = places[k + len(ahead)], len(self.network.curves)
+                known = self._is_explained(later)
+                task = None if known else self.scheduler.submit(later.task, later.argument)
+                ahead.append((task, curves))
+            pending, curves = ahead.popleft()
+            grown = curves < len(self.network.curves)
+            if pending is not None and grown and self._is_explained(place):
+                pending.cancel()
+                pending = None
+            if pending is not None:
+                self._keep(self._done(pending))
+            yield place, pending is not None
+
+    def _is_explained(self, place: _Place) -> bool:
+        known = self._known[place.kind, place.order]
+        return known.explains(place.orbit, place.closing, place.keys)
 
     def _done(self, pending: Pending) -> Any:
         done = pending.result()
         self.evaluations += done.evaluations
         return done.value
 
-    def _keep(self, pending: Pending) -> None:
-        curves = [curve for curve in self._done(pending) if curve.order in self.orders]
+    def _keep(self, found: Sequence[Curve]) -> None:
+        curves = [curve for curve in found if curve.order in self.orders]
         if self.recorder is not None:
             self.recorder.followed(curves)
         for curve in curves:
@@ -141,34 +261,77 @@ class Explorer:
             self.progress(stage)
 
 
-def complete(explorer: Explorer, settings: Settings, search: Search) -> list[Slice]:
+def complete(
+    explorer: Explorer, settings: Settings, search: Search, taken: Sequence[Seen] = ()
+) -> list[Seen]:
     """Take slices until they show nothing new; follow what they show.
+
+    Parameters
+    ----------
+    explorer
+        Follows and keeps branches; the scheduler it has takes the slices.
+    settings
+        Span of the parameter.
+    search
+        How long to look.
+    taken
+        Slices that were taken before, in their order: those of an interrupted run.
 
     Returns
     -------
-    The slices.
+    All slices.
     """
+    plan, seen = _Plan(search), list(taken)
+    for each in taken:
+        plan.took(bool(each.new))
+    explorer.go_on()  # what an interrupted run has left
+    for found, evaluations in _slices(explorer, plan, settings):
+        explorer.slices = plan.done + 1
+        seen.append(explorer.see(found, evaluations))
+        plan.took(bool(seen[-1].new))
+    return seen
+
+
+def _slices(
+    explorer: Explorer, plan: _Plan, settings: Settings
+) -> Iterator[tuple[list[Slice], int]]:
+    """Slices of all orders as they are planned, submitted ahead; and evaluations."""
     low, high = settings.span
-    taken: list[Slice] = []
-    places = first_places(search)
-    arranged = sorted([0.0, *places, 1.0])
-    k = 0
-    while k < len(places):
-        place = places[k]
-        p = low + (high - low) * place
-        explorer.slices = k + 1
-        new = False
-        for found in explorer.scheduler.submit(Tasks.slice, p, explorer.orders).result().value:
-            taken.append(found)
-            new |= explorer.see(found)
-        k += 1
-        if new and k > search.slices // 4:
-            i = bisect_left(arranged, place)
-            for other in (arranged[i - 1], arranged[i + 1]):
-                if abs(other - place) >= 2.0 * search.finest:
-                    insort(arranged, 0.5 * (place + other))
-                    places.append(0.5 * (place + other))
-    return taken
+    scheduler = explorer.scheduler
+    ahead: deque[Pending] = deque()
+    try:
+        while plan.done < len(plan.places):
+            last = min(plan.done + scheduler.ahead, len(plan.places))
+            for k in range(plan.done + len(ahead), last):
+                p = low + (high - low) * plan.places[k]
+                ahead.append(scheduler.submit(Tasks.slice, p, explorer.orders))
+            done = ahead.popleft().result()
+            yield done.value, done.evaluations
+    finally:
+        for waiting in ahead:
+            waiting.cancel()
+
+
+class _Plan:
+    """Where slices are taken, as parts of the span; it grows where they show something new."""
+
+    def __init__(self, search: Search) -> None:
+        self.search, self.done = search, 0
+        self.places = first_places(search)
+        self._sorted = sorted([0.0, *self.places, 1.0])
+
+    def took(self, new: bool) -> None:
+        """The next slice was taken; whether it showed something new."""
+        place = self.places[self.done]
+        self.done += 1
+        if not new or self.done <= self.search.slices // 4:
+            return
+        i = bisect_left(self._sorted, place)
+        for other in (self._sorted[i - 1], self._sorted[i + 1]):
+            if abs(other - place) >= 2.0 * self.search.finest:
+                middle = 0.5 * (place + other)
+                insort(self._sorted, middle)
+                self.places.append(middle)
 
 
 def first_places(search: Search) -> list[float]:

@@ -1,0 +1,151 @@
+"""What runs of the toy share: the values a parameter can have, the file of a run, the diagram."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from typing import Any
+
+from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
+from woodpecker.base.checkpoint import Entry
+from woodpecker.base.checks import interval
+from woodpecker.engine.checkpoint import Record, read_record, restore
+from woodpecker.engine.network import Network
+from woodpecker.engine.settings import Settings
+from woodpecker.mechanics.toy import Toy, limits
+from woodpecker.toypieces import ToyPieces
+
+WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
+DEFAULT = Settings(window=WINDOW)
+OUT_OF_DOMAIN = "end of the values that the parameter can have"
+AT, SPAN = "at", "span"  # of a run: the toy's value of the parameter; the span that was asked for
+
+
+def settings_for(settings: Settings | None, **taken: Any) -> Settings:
+    """Settings with the intervals of a call.
+
+    Raises
+    ------
+    TypeError
+        If they are none.
+    """
+    if not isinstance(settings, Settings | None):
+        raise TypeError(
+            f"settings must be woodpecker.Settings, got {type(settings).__module__}."
+            f"{type(settings).__name__}"
+        )
+    return replace(settings or DEFAULT, **taken)
+
+
+def possible(toy: Toy, parameter: str, span: tuple[float, float]) -> tuple[float, float]:
+    """The part of a span that a parameter of the toy can have.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    low, high = limits(toy, parameter)
+    if not max(span[0], low) < min(span[1], high):
+        raise ValueError(f"span must hold values of {parameter} in ({low}, {high}), got {span}")
+    return max(span[0], low), min(span[1], high)
+
+
+def given(toy: Toy, parameter: str) -> tuple[str, str]:
+    """Under which law, and how derivatives in the parameter were found, for the diagram to say."""
+    law = str(toy.expansion_friction)
+    return f"friction in the expansion: {law}", f"derivatives in {parameter}: the variational flow"
+
+
+def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
+    """The branches that a run of the toy has finished so far.
+
+    Raises
+    ------
+    ValueError
+        If the file is not that of such a run.
+    """
+    run_of, entries = read_record(run)
+    try:
+        parameter, fixed = run_of["parameter"], run_of["toy"]
+        toy = Toy(**{name: _number(value) for name, value in fixed.items()})
+        toy = toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
+        settings = Settings(**{name: _pair(value) for name, value in run_of["settings"].items()})
+        wanted = interval("span", run_of[SPAN], finite=True)
+    except (KeyError, TypeError, AttributeError, ValueError):
+        raise ValueError(
+            f"{run}, line 1: expected a run of the toy, got one of {sorted(run_of)}"
+        ) from None
+    network = Network(settings)
+    restore(network, entries, ToyPieces(toy, parameter), run)
+    return finished(network.diagram(parameter, "phi_s"), toy, wanted, settings)
+
+
+def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Settings) -> Diagram:
+    """A diagram of the toy: ends of the parameter's own domain say so, and what was given."""
+    parameter = found.parameter_name
+    reasons = dict(_domain_ends(toy, parameter, wanted))
+    points = tuple(_of_domain(point, reasons, settings) for point in found.points)
+    return replace(found, points=points, given=given(toy, parameter))
+
+
+def _domain_ends(
+    toy: Toy, parameter: str, wanted: tuple[float, float]
+) -> Iterator[tuple[float, str]]:
+    """Ends of what a parameter can be that a span goes beyond, each with the toy's sentence."""
+    for end, possible_end in zip(wanted, limits(toy, parameter), strict=True):
+        try:
+            toy.replace(**{parameter: end})
+        except ValueError as error:
+            yield possible_end, str(error)
+
+
+def _of_domain(point: SpecialPoint, reasons: dict[float, str], settings: Settings) -> SpecialPoint:
+    """An end point with the reason why the parameter goes no further, if that is why."""
+    for end, reason in reasons.items():
+        away = abs(point.parameter - end)
+        if point.kind is PointKind.EP and away <= settings.same * settings.p_scale:
+            return replace(
+                point, note=OUT_OF_DOMAIN, cause=reason, status=PointStatus.LOCATED, precision=away,
+                interval=(point.parameter - away, point.parameter + away),
+            )  # fmt: skip
+    return point
+
+
+def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, float]) -> Entry:
+    """What two runs must have in common, so that one can go on with the other's file."""
+    fixed = {name: value for name, value in asdict(toy).items() if name != parameter}
+    finite = {n: str(v) if v in (math.inf, -math.inf) else v for n, v in fixed.items()}
+    return {SPAN: wanted, "toy": finite, "parameter": parameter, "settings": asdict(settings)}
+
+
+def _number(value: Any) -> Any:
+    return math.inf if value == "inf" else value
+
+
+def _pair(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def nothing(_: object) -> None:
+    """Takes what nobody wants to know."""
+
+
+@contextmanager
+def recorded(
+    run: str | os.PathLike[str] | None, run_of: Entry, resume: bool
+) -> Iterator[Record | None]:
+    """The record of a run for its time, or none."""
+    if run is None:
+        if resume:
+            raise ValueError("resuming needs the file of a run")
+        yield None
+        return
+    record = Record(run, run_of, resume=resume)
+    try:
+        yield record
+    finally:
+        record.close()
