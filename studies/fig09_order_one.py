@@ -54,7 +54,8 @@ from woodpecker import (
 )
 
 WINDOW = (-2.5, -0.24)  # rad
-MARKED = tuple(kind for kind in PointKind if kind not in (PointKind.WC, PointKind.EP))
+MARKED = tuple(kind for kind in PointKind if kind is not PointKind.EP)
+SPACINGS = (1e-6, 2e-3)  # rad: of tables that show the thinnest pieces, and most of them
 NAMED = {  # what the paper names in Figures 9 and 10, near (eps_N1, phi_S)
     SUMMED: {
         "A": (0.1120, -0.8848),
@@ -97,8 +98,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         ``collisions``: kind, note, eps_N1 and phi_S of every BC and FF; ``branches``, ``points``,
-        ``samples`` of the diagram; ``slices``: how many for each order; ``evaluations`` of P_1 in
-        all; ``not_followed``: eps_N1 and phi_S that a slice shows and no branch explains;
+        ``samples`` of the diagram; ``slices``: how many; ``evaluations`` of P_1 in
+        all; ``not_followed``: eps_N1, order and phi_S that a slice shows and no branch explains;
         ``shortest_branch``: in eps_N1; ``tables``: see :class:`Table`; ``seconds`` of wall and CPU;
         ``orbits``, ``chaotic``, ``lost``, ``unexplained``: what the orbits do. All of this under
         the toy's own law; ``separate``: the first of them under the other one, see
@@ -120,12 +121,11 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
             out / "fig09_laws.png", dpi=200
         )
         plt.close("all")
-    spacings = (search.resolution.smallest, search.resolution.spacing)
     return {
         **results[SUMMED],
         "samples": sum(map(len, diagram.branches)),
         "shortest_branch": min(lengths(diagram)),
-        "tables": [table(found, spacing)._asdict() for spacing in spacings],
+        "tables": [table(found, spacing)._asdict() for spacing in SPACINGS],
         "orbits": len(orbits.orbits),
         "chaotic": sum(orbit.period == 0 and orbit.exponent > 0.0 for orbit in orbits.orbits),
         "lost": orbits.lost,
@@ -145,7 +145,7 @@ def described(
         ``law``, ``first_slices``, ``seconds``, ``collisions``, ``branches``, ``points``,
         ``slices``, ``evaluations``, ``not_followed``: see :func:`main`.
     Found
-        The diagram and the reports.
+        The diagram, and what the slices came to.
     """
     kept: list[Found] = []
     taken = clocked(
@@ -163,9 +163,9 @@ def described(
         ],
         "branches": len(diagram.branches),
         "points": len(diagram.points),
-        "slices": {f"P_{report.order}": len(report.slices) for report in found.reports},
+        "slices": len(found.slices),
         "evaluations": found.evaluations,
-        "not_followed": [place for report in found.reports for place in report.not_followed],
+        "not_followed": [(seen.p, *place) for seen in found.slices for place in seen.left],
     }, found
 
 

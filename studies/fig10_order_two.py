@@ -176,7 +176,7 @@ def crossings(branch: Branch, eps_n1: float) -> list[float]:
 
 
 def leads(diagram: Diagram, place: tuple[float, float]) -> list[tuple[str, str, float, float]]:
-    """Where the jump branches of P_2 end that start at a collision, word changes left out.
+    """Where the jump branches of P_2 end that start at a collision.
 
     Returns
     -------
@@ -189,7 +189,7 @@ def leads(diagram: Diagram, place: tuple[float, float]) -> list[tuple[str, str, 
     if start is None or start.id not in graph:
         return []
     reached = nx.node_connected_component(graph, start.id) - {start.id}
-    points = [p for p in diagram.points if p.id in reached and p.kind is not PointKind.WC]
+    points = [p for p in diagram.points if p.id in reached]
     return [(str(p.kind), p.note, float(p.parameter), float(p.x)) for p in points]
 
 

@@ -1,8 +1,8 @@
 """Whole diagrams of some iterates, and checks that know nothing of how they were found.
 
-Fixed points are counted in slices between the parameters at which branches end, and every sample of
-every branch of fixed points is simulated once more. Cycles steeper than ``Settings.steepest`` are
-not part of a diagram: rounding alone moves them by more than 1e-11.
+Between the parameters at which branches end, slices count fixed points, and plain tabulation of P_j
+shows where P_j(x) - x changes its sign: at a fixed point or a jump that the diagram must have. And
+every sample of every branch of fixed points is simulated once more.
 """
 
 from __future__ import annotations
@@ -18,28 +18,22 @@ from record import Results
 
 from pwmap import Branch, BranchKind, Diagram
 from woodpecker import (
-    Cycle,
     ExpansionFriction,
     Found,
     Search,
     Settings,
     Toy,
+    ToyPieces,
     find_all,
     first_return,
-    iterated,
-    slice_of,
-    toy_map,
-    toy_samples,
+    slices_at,
 )
-from woodpecker.diagram import MARGIN
-from woodpecker.piecewise.maps import SEPARATOR, evaluate, minimal_period, windowed
-from woodpecker.piecewise.slices import Slicer
+from woodpecker.base.arrays import Floats
 
 ASKED = 1e-11  # rad: the residual that is asked for
 ROUNDING = 2.0**-52  # relative
 KERNEL = 1e-12, 1e-13  # rad: what the kernel promises, alone and for each unit of slope
-PAIRED = 1e-9  # rad: a cycle that was found from two of its points
-SAME = 1e-6  # rad: a cycle that goes round a shorter one; a point that was found twice
+CHORD = 1e-3  # rad: branches bend less between samples: max_step * max_turn / 8 of the window
 AWAY = 1e-6  # in eps_N1: how far a slice keeps from the ends of branches
 
 
@@ -50,6 +44,7 @@ class Part(NamedTuple):
     window: tuple[float, float]  # of phi_S [rad]
     search: Search
     slices: int  # in which fixed points are counted
+    table: int = 40_001  # starts of the tabulation in each of them
     law: ExpansionFriction = ExpansionFriction.SUMMED
 
     def toy(self, eps_n1: float = 0.5) -> Toy:
@@ -76,8 +71,9 @@ def examined(part: Part, order: int, found: Found, taken: Seconds) -> Results:
     -------
     dict
         ``law``; ``first_slices``: how many slices the search began with; ``span``, ``window``;
-        ``branches``, ``points``: how many by kind and order; ``slices``, ``steep``,
-        ``not_followed``, ``evaluations``, ``seconds``: of the search; ``seen``: see :class:`Seen`;
+        ``table``: starts of a tabulation; ``branches``, ``points``: how many by kind and order;
+        ``slices``, ``unresolved``, ``not_followed``, ``evaluations``, ``seconds``: of the search;
+        ``seen``: see :class:`Seen`;
         ``odd``: parameters of slices that do not agree with the diagram; ``residuals``,
         ``residuals_at_ends``: see :func:`summary`.
     """
@@ -87,6 +83,7 @@ def examined(part: Part, order: int, found: Found, taken: Seconds) -> Results:
         "first_slices": part.search.slices,
         "span": part.span,
         "window": part.window,
+        "table": part.table,
         "seconds": taken._asdict(),
         **tally(found),
         "seen": [slice_._asdict() for slice_ in seen],
@@ -104,9 +101,9 @@ def tally(found: Found) -> Results:
     return {
         "branches": dict(sorted(branches.items())),
         "points": dict(sorted(points.items())),
-        "slices": {f"P_{report.order}": len(report.slices) for report in found.reports},
-        "steep": {f"P_{report.order}": report.steep for report in found.reports},
-        "not_followed": [place for report in found.reports for place in report.not_followed],
+        "slices": len(found.slices),
+        "unresolved": max(seen.unresolved for seen in found.slices),
+        "not_followed": [(seen.p, *place) for seen in found.slices for place in seen.left],
         "evaluations": found.evaluations,
     }
 
@@ -115,21 +112,21 @@ def tally(found: Found) -> Results:
 
 
 class Seen(NamedTuple):
-    """Fixed points of P_j of minimal period j in one slice."""
+    """Fixed points of P_j of minimal period j at one parameter, and jumps of P_j."""
 
     eps_n1: float
-    fixed_points: int  # all points of each cycle
-    drawn: int  # of the diagram, at the same parameter
-    missing: int  # fixed points for which no branch of their word is left
-    sampled: int  # fixed points that a search of P_j itself finds, piece by piece of 1e-6 rad
-    only_sampled: int  # and that are not among the cycles
-    crossings: int  # jump crossings of P_j
+    fixed_points: int  # all points of each cycle, in a slice
+    drawn: int  # of the diagram
+    missing: int  # fixed points beside which the diagram has none
+    crossings: int  # jump crossings of P_j, in a slice
     drawn_crossings: int
+    changes: int  # of the sign of P_j(x) - x in the table
+    unexplained: int  # where the diagram has neither a fixed point nor a jump
 
     @property
     def agrees(self) -> bool:
         """Whether the diagram has every point of every cycle, and nothing else."""
-        return self.missing == 0 and self.fixed_points == self.drawn
+        return self.missing == self.unexplained == 0 and self.fixed_points == self.drawn
 
 
 def between(diagram: Diagram, count: int) -> list[float]:
@@ -141,36 +138,54 @@ def between(diagram: Diagram, count: int) -> list[float]:
 
 
 def counted(diagram: Diagram, part: Part, order: int, eps_n1: float) -> Seen:
-    """The fixed points of P_j at one parameter, from slices that know nothing of branches."""
-    toy, settings = part.toy(eps_n1), Settings(window=part.window)
-    low, high = part.window
-    labelled = windowed(toy_map(toy), (low - MARGIN, high + MARGIN))
-    samples = toy_samples(toy)
-    slicer = Slicer(labelled, samples, settings, part.search.resolution)
-    (slice_,) = slicer.take(eps_n1, (order,))
-    cycles = unique([c for c in slice_.cycles if minimal_period(c, SAME) == order])
-    points = [(float(cycle.x[k]), word_from(cycle, k)) for cycle in cycles for k in range(order)]
-    direct = slice_of(
-        iterated(samples, order, part.window), eps_n1, part.window, part.search.resolution
-    )
-    orbits = [evaluate(labelled, orbit(toy, x, order), eps_n1) for x, _ in direct.fixed_points]
-    sampled = [
-        float(cycle.x[0])
-        for cycle in orbits
-        if minimal_period(cycle, SAME) == order and cycle.steepness <= settings.steepest
-    ]
-    hits = [hit for hit in diagram.at(eps_n1) if hit.branch.order == order]
-    drawn = Counter(h.branch.word for h in hits if h.branch.kind is BranchKind.FIXED_POINT)
+    """The fixed points of P_j at one parameter, from a slice and a table."""
+    map_, settings = ToyPieces(part.toy()), Settings(window=part.window)
+    (slice_,) = slices_at(map_, eps_n1, (order,), settings)
+    points = np.sort(np.concatenate([np.empty(0), *(cycle.x for cycle in slice_.cycles)]))
+    hits = diagram.at(eps_n1)
+    drawn = np.array([
+        hit.x for hit in hits
+        if (hit.branch.kind, hit.branch.order) == (BranchKind.FIXED_POINT, order)
+    ])  # fmt: skip
+    jumps = [hit for hit in hits if (hit.branch.kind, hit.branch.order) == (BranchKind.JUMP, order)]
+    explained = np.array([hit.x for hit in hits if order % hit.branch.order == 0])
+    changes = sign_changes(map_, part, order, eps_n1)
     return Seen(
         eps_n1=eps_n1,
         fixed_points=len(points),
-        drawn=drawn.total(),
-        missing=(Counter(word for _, word in points) - drawn).total(),
-        sampled=len(sampled),
-        only_sampled=sum(all(abs(x - y) > SAME for y, _ in points) for x in sampled),
+        drawn=len(drawn),
+        missing=len(points) - paired(points, np.sort(drawn)),
         crossings=len(slice_.jumps),
-        drawn_crossings=sum(hit.branch.kind is BranchKind.JUMP for hit in hits),
+        drawn_crossings=len(jumps),
+        changes=len(changes),
+        unexplained=sum(np.abs(explained - x).min(initial=math.inf) > CHORD for x in changes),
     )
+
+
+def paired(points: Floats, drawn: Floats) -> int:
+    """How many of some points have one beside them that is theirs alone; both ascending."""
+    count = k = 0
+    for x in points:
+        while k < len(drawn) and drawn[k] < x - CHORD:
+            k += 1
+        if k < len(drawn) and drawn[k] <= x + CHORD:
+            count, k = count + 1, k + 1
+    return count
+
+
+def sign_changes(map_: ToyPieces, part: Part, order: int, eps_n1: float) -> Floats:
+    """Where P_j(x) - x changes its sign on a grid, of orbits that stay in the window."""
+    low, high = part.window
+    x = np.linspace(low, high, part.table)
+    image = x
+    for _ in range(order):
+        (inside,) = np.nonzero((low <= image) & (image <= high))
+        kept, image = image[inside], np.full(part.table, math.nan)
+        image[inside] = map_.sweep(kept, eps_n1).value
+    gap = image - x
+    (k,) = np.nonzero(gap[1:] * gap[:-1] < 0.0)
+    found: Floats = 0.5 * (x[k] + x[k + 1])
+    return found
 
 
 def orbit(toy: Toy, x: float, laps: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -179,22 +194,6 @@ def orbit(toy: Toy, x: float, laps: int) -> np.ndarray[tuple[int], np.dtype[np.f
     while len(points) < laps:
         points.append(first_return(toy, points[-1]).phi_s)
     return np.array(points)
-
-
-def unique(cycles: list[Cycle]) -> list[Cycle]:
-    """Each cycle once, whichever of its points it was found from."""
-    kept: list[tuple[float, str, Cycle]] = []
-    for cycle in cycles:
-        first = int(cycle.x.argmin())
-        x, word = float(cycle.x[first]), word_from(cycle, first)
-        if all(word != other or abs(x - y) > PAIRED for y, other, _ in kept):
-            kept.append((x, word, cycle))
-    return [cycle for *_, cycle in kept]
-
-
-def word_from(cycle: Cycle, k: int) -> str:
-    """The word of a cycle, started from one of its points."""
-    return SEPARATOR.join((*cycle.words[k:], *cycle.words[:k]))
 
 
 # --- Residuals ------------------------------------------------------------------------------------

@@ -70,7 +70,7 @@ def diagram_of(*branches: Branch) -> Diagram:
 def test_a_table_has_a_column_at_every_parameter(spacing: float, points: int) -> None:
     """2.26 rad hold 2260 spacings of 1e-3, and 113 of 2e-2; two of three parameters differ."""
     branches = flat("F1", 1, [0.0]), flat("F2", 1, [0.1]), flat("F3", 1, [0.2], 0.6)
-    found = Found(diagram=diagram_of(*branches), reports=(), evaluations=100)
+    found = Found(diagram=diagram_of(*branches), slices=(), evaluations=100)
     cost = fig09.table(found, spacing)
     assert cost.parameters == 2
     assert abs(cost.evaluations - 2 * points) <= 2  # floor of a quotient of doubles
@@ -97,8 +97,7 @@ def test_fixed_points_of_order_two_pair_up(second: tuple[dict[str, Any], Path]) 
     assert counts[0] == 0  # left of where the cycle of period 2 begins
     assert max(counts) == 2
     for seen in results["seen"]:
-        assert seen["sampled"] == seen["fixed_points"]
-        assert seen["only_sampled"] == seen["missing"] == 0
+        assert seen["unexplained"] == seen["missing"] == 0
 
 
 def test_a_branch_without_its_partner_is_seen() -> None:
@@ -185,11 +184,36 @@ def test_rounding_grows_with_the_slopes_that_are_left() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fixed_points", "drawn", "missing", "good"),
-    [(2, 2, 0, True), (4, 2, 0, False), (2, 4, 0, False), (2, 2, 1, False)],
-)
-def test_what_pairs_up(fixed_points: int, drawn: int, missing: int, good: bool) -> None:
-    assert whole.Seen(0.1, fixed_points, drawn, missing, 2, 0, 0, 0).agrees is good
+    ("fixed_points", "drawn", "missing", "unexplained", "good"),
+    [
+        (2, 2, 0, 0, True), (4, 2, 0, 0, False), (2, 4, 0, 0, False), (2, 2, 1, 0, False),
+        (2, 2, 0, 1, False),
+    ],
+)  # fmt: skip
+def test_what_agrees(
+    fixed_points: int, drawn: int, missing: int, unexplained: int, good: bool
+) -> None:
+    seen = whole.Seen(0.1, fixed_points, drawn, missing, 0, 0, 4, unexplained)
+    assert seen.agrees is good
+
+
+def test_each_branch_explains_one_fixed_point() -> None:
+    """Two fixed points beside one branch are one too many; 1e-3 rad is what a chord may bend."""
+    drawn = np.array([-1.0, -0.5])
+    assert whole.paired(np.array([-1.0009, -0.4991]), drawn) == 2
+    assert whole.paired(np.array([-1.0009, -0.9991]), drawn) == 1
+    assert whole.paired(np.array([-0.4989]), drawn) == 0
+    assert whole.paired(np.array([-0.5, -0.4]), np.empty(0)) == 0
+
+
+def test_a_table_finds_what_a_diagram_lacks() -> None:
+    """At eps_N1 = 0.5 P_1 - x changes its sign three times, at fixed points; P_2 - x also there."""
+    part = fig10.FULL._replace(table=2001)
+    (first,), second = (
+        [whole.counted(diagram_of(flat("F1", 1, [PHI_S])), part, order, 0.5)] for order in (1, 2)
+    )
+    assert (first.changes, first.unexplained, first.fixed_points, first.missing) == (3, 2, 3, 2)
+    assert second[0].changes > 3
 
 
 # --- Order three ----------------------------------------------------------------------------------
@@ -204,7 +228,7 @@ def test_order_three_in_a_part_without_cycles_of_period_three(tmp_path: Path) ->
     assert results["odd"] == []
     assert results["residuals"]["above"] == results["residuals"]["lost"] == 0
     for seen in results["seen"]:
-        assert seen["fixed_points"] == seen["sampled"] == 0
+        assert seen["fixed_points"] == seen["unexplained"] == 0
         assert seen["crossings"] == seen["drawn_crossings"]
     assert max(seen["crossings"] for seen in results["seen"]) > 0
 

@@ -118,6 +118,11 @@ class ToyPieces:
         """
         return self.room().sweep(x, p)
 
+    @property
+    def evaluations(self) -> int:
+        """How many returns this thread has computed one by one, found or followed."""
+        return self.room().follower.evaluations
+
     def room(self) -> _Room:
         """Table and follower of this thread."""
         room = self._cache.room

@@ -14,14 +14,14 @@ import pytest
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
-from woodpecker.continued import DEFAULT, WINDOW, continuation, saved_continuation
-from woodpecker.diagram import saved_diagram
+from woodpecker.continued import continuation
 from woodpecker.engine.checkpoint import Record, check_entry
-from woodpecker.engine.search import Explorer, Stage
+from woodpecker.engine.diagrams import cycle_near
+from woodpecker.engine.search import Explorer, Search, Stage
 from woodpecker.engine.settings import Settings
-from woodpecker.engine.tasks import Tasks, Worker
+from woodpecker.engine.tasks import Worker
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.settings import Settings as OtherSettings
+from woodpecker.runs import DEFAULT, WINDOW, saved_diagram
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
@@ -304,8 +304,8 @@ def test_a_failed_orbit_is_refused() -> None:
             r"window must hold the orbit, phi_S = -0.529472, got \(-1.0, -0.8\)",
         ),
         (
-            {"settings": OtherSettings()}, TypeError,
-            "settings must be those of woodpecker.engine.settings, got woodpecker.piecewise",
+            {"settings": Search()}, TypeError,
+            "settings must be woodpecker.Settings, got woodpecker.engine.search.Search",
         ),
         ({"resume": True}, ValueError, "resuming needs the file of a run"),
     ],
@@ -375,7 +375,7 @@ def test_a_run_goes_on_from_every_line(
 @pytest.mark.slow
 def test_what_is_kept_is_what_was_found(kept: tuple[Path, Diagram]) -> None:
     path, whole = kept
-    for saved in (saved_diagram(path), saved_continuation(str(path))):
+    for saved in (saved_diagram(path), saved_diagram(str(path))):
         assert_same(saved, whole, exactly=True)
         assert saved.given == whole.given
         for a, b in zip(saved.branches, whole.branches, strict=True):
@@ -416,9 +416,7 @@ def entry_of(motion: PeriodicOrbit, path: Path) -> dict[str, Any]:
     map_ = ToyPieces(Toy())
     record = Record(path, {"parameter": "eps_n1"})
     explorer = Explorer(Serial(Worker(map_, settings)), settings, (1,), recorder=record)
-    from woodpecker.continued import _start
-
-    explorer.follow(Tasks.cycle, _start(map_, motion, settings))
+    explorer.follow(cycle_near(map_, motion.points, 0.5, settings))
     record.close()
     entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8").splitlines()[1])
     return entry

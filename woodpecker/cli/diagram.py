@@ -198,7 +198,7 @@ def _summary(everything: Found) -> str:
     return (
         f"{len(slices)} slices, {sum(bool(seen.new) for seen in slices)} showed something new, "
         f"{left} places could not be followed, at most {unresolved:.1e} rad of a slice unresolved\n"
-        f"The map was asked {everything.evaluations} times"
+        f"P_1 was evaluated {everything.evaluations} times"
     )
 
 

@@ -32,8 +32,8 @@ class Found:
     slices
         What each slice came to, in the order they were taken.
     evaluations
-        How often the map was asked for the piece at a point in this run: by slices, and in
-        following branches.
+        How often the map was evaluated in this run, by slices and in following branches; if it
+        does not count its pieces, how often it was asked for one.
     """
 
     diagram: Diagram

@@ -91,7 +91,7 @@ class Seen(NamedTuple):
     left
         (order, x) of what it shows and no branch goes through, though one was followed from there.
     evaluations
-        How often the map was asked.
+        How often the map was evaluated for it.
     """
 
     p: float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Done
@@ -57,20 +57,30 @@ class Worker:
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
         """Carry out a task, a method of :class:`Tasks`."""
-        counted = _Counted(self.map)
+        counted = self.map if isinstance(self.map, Counting) else _Counted(self.map)
+        before = counted.evaluations
         value = task(Tasks(counted, self.settings), *arguments)
-        return Done(value, counted.calls)
+        return Done(value, counted.evaluations - before)
+
+
+@runtime_checkable
+class Counting(PiecewiseMap, Protocol):
+    """A map that knows how often it and its pieces were evaluated in this thread."""
+
+    @property
+    def evaluations(self) -> int:
+        """The number so far."""
 
 
 class _Counted:
-    """A map that counts how often it is asked."""
+    """A map that counts how often it is asked for a piece; what the piece does is its own."""
 
     def __init__(self, map_: PiecewiseMap) -> None:
-        self._map, self.calls = map_, 0
+        self._map, self.evaluations = map_, 0
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point."""
-        self.calls += 1
+        self.evaluations += 1
         return self._map.at(x, p)
 
 

@@ -197,10 +197,12 @@ class Follower:
         self._count = route["count"][0]
         self._notes = np.zeros((margins.NOTES, 0))
         self._texts: dict[bytes, str] = {}
+        self.evaluations = 0
         announce(calls.compute)
 
     def trace(self, phi_s: float) -> tuple[Status, Path]:
         """Let the toy go from the section at phi_S [rad]: what happens until it returns."""
+        self.evaluations += 1
         z, counts = self._z, self._counts
         z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
@@ -226,6 +228,7 @@ class Follower:
         times
             Durations of the phases at a neighbouring start; by default those of the path.
         """
+        self.evaluations += 1
         times = (path.times if times is None else times).copy()
         if self._notes.shape[1] < margins.MOST * len(times):
             self._notes = np.zeros((margins.NOTES, margins.MOST * len(times)))
