@@ -208,11 +208,14 @@ class Explorer:
         new, left = list[int](), list[tuple[int, float]]()
         for each in found:
             places = [*map(_of_cycle, each.cycles), *map(_of_jump, each.jumps)]
-            for place, was_new in self._followed(places):
-                if not was_new:
+            known = len(self.network.curves)
+            for place, was_followed in self._followed(places):
+                if not was_followed:
                     continue
                 self.go_on()
-                new.append(place.order)
+                if len(self.network.curves) > known:
+                    known = len(self.network.curves)
+                    new.append(place.order)
                 if not self._is_explained(place):
                     left.append((place.order, float(place.orbit.x[0])))
         unresolved = max(each.unresolved for each in found)
@@ -222,7 +225,7 @@ class Explorer:
         return seen
 
     def _followed(self, places: Sequence[_Place]) -> Iterator[tuple[_Place, bool]]:
-        """Follow what no branch explains when its turn comes; each place, and whether it was new.
+        """Follow what no branch explains when its turn comes; each place, and whether it was.
 
         What is submitted ahead is looked at once more if branches were found since.
         """

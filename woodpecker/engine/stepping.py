@@ -355,7 +355,10 @@ class Stepper:
             found.append(event)
         if not found and self._dips(a, b, step):
             return None
-        found += self._at_ends(a, b, step)
+        ends = self._at_ends(a, b, step)
+        if ends is None:
+            return None
+        found += ends
         crosses = a.forward != b.forward and not self.order
         for test in (FOLD, *self.tests):
             if test.stop is skipped or (crosses and test.stop is Stop.FOLD):
@@ -454,8 +457,9 @@ class Stepper:
         )
         return Orbit(x, p, images)
 
-    def _at_ends(self, a: Sample, b: Sample, step: float) -> Iterator[_Event]:
-        """Ends of the span and of the window."""
+    def _at_ends(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Ends of the span and of the window; None if one was passed and is not found."""
+        found = []
         for stop, index, (low, high) in self._limits(a.orbit):
             one, other = float(a.orbit.point[index]), float(b.orbit.point[index])
             for end, outward in ((low, -1.0), (high, 1.0)):
@@ -464,8 +468,10 @@ class Stepper:
                     condition = Coordinate(index, end)
                     solution = solve(orbit, (self.closing, condition), self.settings)
                     event = self._event(a, step, stop, solution.orbit)
-                    if solution.converged and event is not None:
-                        yield event
+                    if not solution.converged or event is None:
+                        return None
+                    found.append(event)
+        return found
 
     def _located(self, a: Sample, step: float, test: Test, finest: float) -> list[_Event] | None:
         """Where a test function vanishes; None if the branch is lost on the way.
