@@ -65,12 +65,15 @@ def island(law: ExpansionFriction) -> Diagram:
     return diagram_of(law, (0.27, 0.4), (-1.6, -0.45))
 
 
+STEEP = -1.2  # below it there are branches of slopes of thousands, with collisions of their own
+
+
 def collisions(diagram: Diagram) -> list[tuple[str, str, float, float]]:
     return sorted(
         (
             (str(p.kind), p.note, p.parameter, p.x)
             for p in diagram.points
-            if p.kind in (PointKind.BC, PointKind.FF)
+            if p.kind in (PointKind.BC, PointKind.FF) and p.x > STEEP
         ),
         key=lambda found: found[2],
     )
@@ -161,8 +164,9 @@ def test_fixed_points_are_fixed(law: ExpansionFriction) -> None:
                 for p, x in zip(branch.parameter[1:-1:7], branch.x[1:-1:7], strict=True):
                     toy = Toy(eps_n1=float(p), expansion_friction=law)
                     again = first_return(toy, float(x))
-                    spacing = 4.0 * np.spacing(1.0) * abs(again.slope)  # of images of doubles
-                    assert abs(again.phi_s - x) <= max(1e-11, spacing)
+                    # 16 spacings, what a Newton step leaves: a branch here is steeper than 1e8
+                    rounding = 16.0 * np.spacing(1.0) * abs(again.slope)
+                    assert abs(again.phi_s - x) <= max(1e-11, rounding)
 
 
 @pytest.mark.parametrize(("law", "p"), [(SUMMED, 0.15), (SEPARATE, 0.06)])
@@ -182,16 +186,18 @@ def test_queries_of_the_diagram(law: ExpansionFriction, p: float) -> None:
 
 
 def test_the_jump_branch_of_p2_from_a_leads_to_c() -> None:
-    """A jump, a real 2-cycle between 0.17506 and 0.18346, and again a jump, which ends at C."""
+    """A jump, a real 2-cycle between 0.17506 and 0.18346, and again a jump, which ends at C.
+
+    Where the upper point of the cycle begins its lower one does at the jump of P_1, and with it a
+    jump of P_2, one of whose limits comes from an orbit that leaves this window.
+    """
     diagram = bifurcation_diagram(
         Toy(), "eps_n1", (0.105, 0.195), (1, 2), (-0.9, -0.6), search=SEARCH
     )
 
     def special(p: float, x: float) -> set[tuple[BranchKind, int]]:
         (point,) = (
-            q
-            for q in diagram.points
-            if abs(q.parameter - p) < EXACT and abs(q.x - x) < 1e-7 and q.kind is not PointKind.WC
+            q for q in diagram.points if abs(q.parameter - p) < EXACT and abs(q.x - x) < 1e-7
         )
         return {(diagram.branch(b).kind, diagram.branch(b).order) for b in point.branches}
 
@@ -201,8 +207,9 @@ def test_the_jump_branch_of_p2_from_a_leads_to_c() -> None:
     assert special(0.1834584111, UPPER) == {(fixed, 2), (jump, 2)}
     assert special(0.1851269509, UPPER) == {(jump, 1), (fixed, 1), (jump, 2)}  # C
     inside = [hit for hit in diagram.at(0.179) if hit.branch.order == 2]
-    assert {hit.branch.kind for hit in inside} == {fixed}
-    low, high = sorted(hit.x for hit in inside)
+    low, high = sorted(hit.x for hit in inside if hit.branch.kind is fixed)
+    (other,) = (hit.x for hit in inside if hit.branch.kind is jump)
+    assert other == pytest.approx(LOWER, abs=1e-9)
     cycle = shoot(Toy(eps_n1=0.179), low, 2)
     assert cycle.success
     # The diagram interpolates between samples; the cycle itself is exact.
