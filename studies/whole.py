@@ -130,11 +130,14 @@ class Seen(NamedTuple):
 
 
 def between(diagram: Diagram, count: int) -> list[float]:
-    """Parameters in the middle between neighbouring special points, evenly chosen."""
-    marks = sorted({point.parameter for point in diagram.points})
-    middles = [0.5 * (a + b) for a, b in pairwise(marks) if b - a > 2.0 * AWAY]
-    chosen = np.linspace(0, len(middles) - 1, min(count, len(middles))).round().astype(int)
-    return [middles[k] for k in chosen]
+    """Parameters between neighbouring special points: as many in each gap, or in every n-th gap."""
+    marks = np.unique([point.parameter for point in diagram.points])
+    gaps = [(a, b) for a, b in pairwise(marks.tolist()) if b - a > 2.0 * AWAY]
+    places = (np.arange(count) + 0.5) * len(gaps) / count  # in gaps, counted from the left
+    low, high = np.array(gaps)[places.astype(int)].T
+    part = AWAY / (high - low)
+    found: list[float] = (low + np.clip(places % 1.0, part, 1.0 - part) * (high - low)).tolist()
+    return found
 
 
 def counted(diagram: Diagram, part: Part, order: int, eps_n1: float) -> Seen:

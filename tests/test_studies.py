@@ -121,13 +121,18 @@ def test_work_and_precision_of_the_peer() -> None:
 def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
     whole = importlib.import_module("fig09_order_one")
     results = whole.main(fast=True, out=tmp_path)
-    kinds = sorted(kind for kind, *_ in results["collisions"])
+    gentle = [found for found in results["collisions"] if found[3] > -1.2]  # rad: steep ones below
+    kinds = sorted(kind for kind, *_ in gentle)
     assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
-    at = sorted(p for _, _, p, _ in results["collisions"])
+    at = sorted(p for _, _, p, _ in gentle)
     assert at == pytest.approx([0.29152171, 0.34192345, 0.38834959], abs=5e-9)
     other = results["separate"]
     assert other["law"] == "separate"
-    at = [p for kind, note, p, _ in other["collisions"] if (kind, note) == ("BC", "fold")]
+    at = [
+        p
+        for kind, note, p, x in other["collisions"]
+        if (kind, note, x > -1.2) == ("BC", "fold", True)
+    ]
     assert at == pytest.approx([0.32103615], abs=5e-9)
     assert results["unexplained"] == []
     assert results["orbits"] + results["lost"] == 10 * 12

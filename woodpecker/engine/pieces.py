@@ -57,6 +57,13 @@ class Image(NamedTuple):
         k = self._place(code)
         return np.full(2, math.nan) if k < 0 else self.gradients[k]
 
+    def without(self, code: int) -> Image:
+        """The same but for one margin."""
+        kept = self.causes != code
+        return self._replace(
+            margins=self.margins[kept], gradients=self.gradients[kept], causes=self.causes[kept]
+        )
+
     def _place(self, code: int) -> int:
         k = int(np.searchsorted(self.causes, code))
         return k if k < len(self.causes) and self.causes[k] == code else -1

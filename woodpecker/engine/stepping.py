@@ -406,6 +406,8 @@ class Stepper:
         ends = a.tangent * scale, b.tangent * scale
         for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
             along, there = (np.array([end[i], end[-1]]) for end in ends)
+            if isinstance(self.closing, Margin) and self.closing.index == i:
+                one, other = one.without(self.closing.code), other.without(self.closing.code)
             if lowest_dip(one, other, step, along, there) is not None:
                 return True
         return False
