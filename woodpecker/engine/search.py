@@ -16,7 +16,8 @@ from typing import Any, NamedTuple, Protocol
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
 from woodpecker.engine.branches import Collision, Curve, keys_of
-from woodpecker.engine.network import Known, Network
+from woodpecker.engine.known import Known
+from woodpecker.engine.network import Network
 from woodpecker.engine.orbits import Closed
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.slices import Slice
