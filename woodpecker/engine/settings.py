@@ -57,6 +57,9 @@ class Settings:
         The same for pieces that lead out of the window.
     same
         Orbits this close at one parameter are one: far above rounding, far below their distances.
+    closer
+        Part of its distance that a Newton step leaves at most if it leads to an orbit: from a point
+        of the same branch it leaves next to nothing, from elsewhere most.
 
     Raises
     ------
@@ -81,6 +84,7 @@ class Settings:
     finest: float = 1e-6
     coarse: float = 1e-4
     same: float = 1e-9
+    closer: float = 0.5
 
     def __post_init__(self) -> None:
         for name in ("span", "window"):
@@ -88,7 +92,7 @@ class Settings:
             object.__setattr__(self, name, ends)
         for name in (
             "step", "max_step", "min_step", "max_turn", "converged", "stalled", "beside",
-            "nearest", "jump", "kink", "finest", "coarse", "same",
+            "nearest", "jump", "kink", "finest", "coarse", "same", "closer",
         ):  # fmt: skip
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         if not self.min_step <= self.step <= self.max_step:
