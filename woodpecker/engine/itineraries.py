@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from woodpecker.base.arrays import Bools, Floats, Ints
-from woodpecker.engine.borders import Border, bracketed
+from woodpecker.engine.borders import Border
+from woodpecker.engine.bracketing import bracketed
 from woodpecker.engine.orbits import Closed, Coordinate, Orbit, solve
 from woodpecker.engine.partition import Partition, Stretch
 from woodpecker.engine.pieces import Image

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.borders import THIN, depth, lowest_dip
+from woodpecker.engine.borders import THIN, depth
 from woodpecker.engine.jumps import Jump, jump_of
 from woodpecker.engine.orbits import (
     Closed,
@@ -33,6 +33,7 @@ from woodpecker.engine.orbits import (
     tangent,
 )
 from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.reaches import lowest_dip
 from woodpecker.engine.settings import Settings
 
 
