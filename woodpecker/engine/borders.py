@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-
+from woodpecker.engine.margins import depth, nearest_code
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settings import Settings
 
@@ -73,47 +72,6 @@ class Border:
 # A slope beside a border above which it is that of a square root: the derivative of one, rounded at
 # the border, is about 1e8.
 STEEP = 1e6
-
-
-def reach(image: Image, side: float) -> tuple[float, int]:
-    """How far the margins of an image let x move to a side, to first order, and which stops it."""
-    rate = side * image.gradients[:, 0]
-    falling = (rate < -FLAT).nonzero()[0]
-    if not len(falling):
-        return math.inf, -1
-    away = image.margins[falling] / -rate[falling]
-    k = away.argmin()
-    return (float(away[k]), int(image.causes[falling[k]])) if away[k] < FAR else (math.inf, -1)
-
-
-def depth(image: Image, ignored: int = -1) -> float:
-    """Distance in x by which an image lies inside its piece; negative if it lies outside.
-
-    To first order, by the margin that is nearest to its border.
-    """
-    rate = np.abs(image.gradients[:, 0])
-    varies = rate > FLAT
-    if (~varies & (image.margins < 0.0) & (image.causes != ignored)).any():
-        return -math.inf
-    if ignored >= 0:
-        varies &= image.causes != ignored
-    away = image.margins[varies] / rate[varies]
-    return float(away[away.argmin()]) if len(away) else math.inf
-
-
-def nearest_code(image: Image, side: int) -> int:
-    """The margin nearest to vanishing of those that fall to a side; -1 if none does."""
-    rate = side * image.gradients[:, 0]
-    falling = (rate < -FLAT).nonzero()[0]
-    if not len(falling):
-        return -1
-    away = np.abs(image.margins[falling] / rate[falling])
-    k = away.argmin()
-    return int(image.causes[falling[k]]) if away[k] < FAR else -1
-
-
-FAR = 2.0**52  # a distance that is infinite for all purposes
-FLAT = 1e-200  # a slope of a margin that is zero for all purposes
 
 
 def beyond(

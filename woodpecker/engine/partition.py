@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from woodpecker.engine.borders import THIN, Border, beyond, depth, reach
+from woodpecker.engine.borders import THIN, Border, beyond
+from woodpecker.engine.margins import depth, reach
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.reaches import Reach, reach_of
 from woodpecker.engine.settings import Settings

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.borders import limit, reach
+from woodpecker.engine.borders import limit
+from woodpecker.engine.margins import IN_X, STEEPENED, first_part, is_within, lowest_dip, reach
 from woodpecker.engine.pieces import Image
 from woodpecker.engine.settings import Settings
 
 BEYOND = 1.25  # a step over a border that is ahead is this part of the way to it
 INSIDE, NO_VALUE = -1, -2  # instead of a margin that vanishes
-IN_X = np.array([1.0, 0.0])  # the direction of x, in (x, p)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,12 +121,6 @@ def _next(here: _Sample, to: float, p: float, least: float) -> _Sample | None:
             return None
 
 
-def is_within(image: Image) -> bool:
-    """Whether there is a value, and no margin is negative."""
-    margins = image.margins
-    return not image.reason and (not len(margins) or bool(margins[margins.argmin()] >= 0.0))
-
-
 # --- Where a margin vanishes ----------------------------------------------------------------------
 
 ROOT_STEPS = 60  # after some all halve, so that 50 halvings are left where cubics mislead
@@ -159,7 +150,7 @@ def _first_root(low: _Sample, high: _Sample, p: float, tolerance: float) -> _Sam
         elif lost:
             part = _short_of(before, low, code, way, left, tolerance)
         else:
-            part, first = _first_part(low.image, high.image, way)
+            part, first = first_part(low.image, high.image, way)
             if first < 0:
                 return None
             if ahead < LOST or (ahead < 1.0 and not high.image.margin(code) < 0.0):
@@ -210,117 +201,3 @@ def _short_of(
             short = min(SHORT, 4.0 * (distance / straight - 1.0) ** 2)
     short = min(0.5, left * max(short, 0.25 * tolerance / distance))
     return min(0.5 if distance >= abs(way) else 1.0, distance / abs(way)) * (1.0 - short)
-
-
-def _first_part(low: Image, high: Image, length: float) -> tuple[float, int]:
-    """Where the first margin vanishes, as a part of the way between two images, and which."""
-    best, code = 1.0, -1
-    for k in np.flatnonzero(high.margins < 0.0):
-        c = int(high.causes[k])
-        a, da = low.margin(c), length * float(low.gradient(c)[0])
-        b, db = float(high.margins[k]), length * float(high.gradients[k, 0])
-        if a <= 0.0:
-            continue
-        s = 1.0 - b / db if b > db else 0.5  # for one that is not there at the near end
-        if a > 0.0:
-            s = _root_of_cubic(a, da, b, db)
-        if s <= best:
-            best, code = s, c
-    return best, code
-
-
-def _root_of_cubic(a: float, da: float, b: float, db: float) -> float:
-    """The root in (0, 1) of a cubic with these values, a > 0 > b, and slopes at 0 and 1."""
-    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
-    low, high, s = 0.0, 1.0, a / (a - b)
-    for _ in range(ROOT_STEPS):
-        f, slope = a + s * (da + s * (c2 + s * c3)), da + s * (2.0 * c2 + 3.0 * s * c3)
-        low, high = (s, high) if f > 0.0 else (low, s)
-        after = s - f / slope if slope != 0.0 else 0.5 * (low + high)
-        if not low < after < high:
-            after = 0.5 * (low + high)
-        if abs(after - s) <= 1e-15:
-            break
-        s = after
-    return s
-
-
-# --- Where a margin comes close to zero -----------------------------------------------------------
-
-WORTH = 0.25  # a margin that falls below this part of its smaller end is looked at
-STEEPENED = 100.0  # a slope this much larger than the other is one beside a square root
-BENT = 10.0  # and a margin's there, against what the margin changes
-
-
-def lowest_dip(
-    here: Image, there: Image, step: float, along: Floats, along_there: Floats
-) -> float | None:
-    """Where between two points a margin may come closest to zero, as a part of the way; or None.
-
-    Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
-    between; a minimum that takes away most of it is worth a look. So is the middle if a margin that
-    only one of the points has leads below zero.
-    """
-    a, b = here.margins, there.margins
-    da, db = step * (here.gradients @ along), step * (there.gradients @ along_there)
-    if len(a) != len(b) or not (here.causes == there.causes).all():
-        one, other = _common(here.causes, there.causes)
-        alone, alone_there = np.ones(len(a), dtype=bool), np.ones(len(b), dtype=bool)
-        alone[one], alone_there[other] = False, False
-        if (alone & (a > 0.0) & (a + da < 0.0)).any():
-            return 0.5
-        if (alone_there & (b > 0.0) & (b - db < 0.0)).any():
-            return 0.5
-        a, b, da, db = a[one], b[other], da[one], db[other]
-    may = ((da < 0.0) & (db > 0.0)).nonzero()[0]
-    if not len(may):
-        return None
-    a, b, da, db = a[may], b[may], da[may], db[may]
-    # a cubic lies above the lowest of its control points
-    may = (np.minimum(a + da / 3.0, b - db / 3.0) < WORTH * np.minimum(a, b)).nonzero()[0]
-    ends = abs(here.slope), abs(there.slope)
-    steep = (ends[0] > STEEPENED * max(1.0, ends[1])), (ends[1] > STEEPENED * max(1.0, ends[0]))
-    best, where = 0.0, None
-    for k in may.tolist():
-        margin = float(a[k]), float(da[k]), float(b[k]), float(db[k])
-        s, least = _least(*margin, *steep)
-        least -= WORTH * min(margin[0], margin[2])
-        if least < best:
-            best, where = least, s
-    return where
-
-
-def _common(one: Ints, other: Ints) -> tuple[Ints, Ints]:
-    """Where ascending numbers are that two arrays have in common."""
-    if not len(other):
-        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    place = np.minimum(np.searchsorted(other, one), len(other) - 1)
-    same = (other[place] == one).nonzero()[0]
-    return same, place[same]
-
-
-def _least(
-    a: float, da: float, b: float, db: float, steep: bool, steep_there: bool
-) -> tuple[float, float]:
-    """Where on the way a margin with these values, da < 0 < db, is least, and how large.
-
-    It is a cubic; or, where its slope at one end is that beside a square root, a parabola in the
-    root of the distance from there.
-    """
-    if steep_there and db > BENT * (abs(b - a) - da):
-        s, least = _of_parabola(a, 2.0 * da, b)
-        return 1.0 - (1.0 - s) ** 2, least
-    if steep and -da > BENT * (abs(b - a) + db):
-        s, least = _of_parabola(b, -2.0 * db, a)
-        return (1.0 - s) ** 2, least
-    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
-    root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
-    s = min(1.0, -da / max(c2 + root, -da))  # where the cubic's slope vanishes
-    return s, a + s * (da + s * (c2 + s * c3))
-
-
-def _of_parabola(a: float, da: float, b: float) -> tuple[float, float]:
-    """Where a parabola with these values at 0 and 1, falling at 0, is least, and how large."""
-    bend = b - a - da
-    s = min(1.0, -da / (2.0 * bend)) if bend > 0.0 else 1.0
-    return s, a + s * (da + s * bend)

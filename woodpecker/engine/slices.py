@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.engine.borders import Border, BorderKind, depth
+from woodpecker.engine.borders import Border, BorderKind
 from woodpecker.engine.bracketing import bracketed
 from woodpecker.engine.branches import is_inside
 from woodpecker.engine.itineraries import Itineraries
 from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.margins import depth
 from woodpecker.engine.orbits import (
     Closed,
     Coordinate,

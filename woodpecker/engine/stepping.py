@@ -16,8 +16,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.borders import THIN, depth
+from woodpecker.engine.borders import THIN
 from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.margins import depth, lowest_dip
 from woodpecker.engine.orbits import (
     Closed,
     Condition,
@@ -33,7 +34,6 @@ from woodpecker.engine.orbits import (
     tangent,
 )
 from woodpecker.engine.pieces import PiecewiseMap
-from woodpecker.engine.reaches import lowest_dip
 from woodpecker.engine.settings import Settings
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from woodpecker.base.checks import interval, number, positive
-from woodpecker.engine.borders import Border, beyond, reach
+from woodpecker.engine.borders import Border, beyond
+from woodpecker.engine.margins import reach
 from woodpecker.engine.orbits import Coordinate, Margin, Orbit, solve
 from woodpecker.engine.partition import partition
 from woodpecker.engine.pieces import Image, PiecewiseMap, map_of_pieces
