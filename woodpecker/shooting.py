@@ -9,7 +9,6 @@ from enum import Enum
 import numpy as np
 
 from woodpecker.base.checks import whole
-from woodpecker.engine.borders import reach_of
 from woodpecker.engine.jumps import Jump, jump_of
 from woodpecker.engine.orbits import (
     Closed,
@@ -22,6 +21,7 @@ from woodpecker.engine.orbits import (
     residuals,
     solve,
 )
+from woodpecker.engine.reaches import reach_of
 from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.returns import first_return

@@ -14,16 +14,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.borders import Border, bracketed
+from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.engine.borders import Border
+from woodpecker.engine.bracketing import bracketed
 from woodpecker.engine.orbits import Closed, Coordinate, Orbit, solve
 from woodpecker.engine.partition import Partition, Stretch
 from woodpecker.engine.pieces import Image
 from woodpecker.engine.settings import Settings
-
-Bools = npt.NDArray[np.bool_]
 
 HALVINGS = 32  # of an interval of values in which a cycle lies
 LOOSE = 0.02  # how far beyond a piece a cycle may seem to lie, as a part of it

@@ -21,7 +21,8 @@ from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
 from woodpecker.engine.branches import Collision, Curve, keys_of
 from woodpecker.engine.jumps import Jump
-from woodpecker.engine.network import Known, Network
+from woodpecker.engine.known import Known
+from woodpecker.engine.network import Network
 from woodpecker.engine.orbits import Closed, Condition, Orbit
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.slices import Slice

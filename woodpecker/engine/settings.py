@@ -54,9 +54,16 @@ class Settings:
         Pieces shorter than this are not looked for one by one: a part of the window. Where they
         accumulate, their total length is reported.
     coarse
-        The same for pieces that lead out of the window.
+        The same for pieces that lead elsewhere: if fixed points of P_1 are looked for, away from
+        the diagonal; if cycles of iterates are, out of the window.
     same
         Orbits this close at one parameter are one: far above rounding, far below their distances.
+    closer
+        Part of its distance that a Newton step leaves at most if it leads to an orbit: from a point
+        of the same branch it leaves next to nothing, from elsewhere most.
+    near
+        A value this close to the diagonal may have a fixed point near it: neighbouring pieces of a
+        map that accumulate differ by a few hundredths of the window.
 
     Raises
     ------
@@ -81,6 +88,8 @@ class Settings:
     finest: float = 1e-6
     coarse: float = 1e-4
     same: float = 1e-9
+    closer: float = 0.5
+    near: float = 0.1
 
     def __post_init__(self) -> None:
         for name in ("span", "window"):
@@ -88,7 +97,7 @@ class Settings:
             object.__setattr__(self, name, ends)
         for name in (
             "step", "max_step", "min_step", "max_turn", "converged", "stalled", "beside",
-            "nearest", "jump", "kink", "finest", "coarse", "same",
+            "nearest", "jump", "kink", "finest", "coarse", "same", "closer", "near",
         ):  # fmt: skip
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         if not self.min_step <= self.step <= self.max_step:

@@ -9,10 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.engine.borders import Border, BorderKind, bracketed, depth
+from woodpecker.engine.borders import Border, BorderKind
+from woodpecker.engine.bracketing import bracketed
 from woodpecker.engine.branches import is_inside
 from woodpecker.engine.itineraries import Itineraries
 from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.margins import depth
 from woodpecker.engine.orbits import (
     Closed,
     Coordinate,
@@ -22,7 +24,13 @@ from woodpecker.engine.orbits import (
     orbit_of,
     solve,
 )
-from woodpecker.engine.partition import Partition, Stretch, partition
+from woodpecker.engine.partition import (
+    Partition,
+    Stretch,
+    beside_diagonal,
+    beside_window,
+    partition,
+)
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settings import Settings
 
@@ -64,7 +72,8 @@ def slices_at(
     settings
         The window, finite; orbits of which a point leaves it do not count.
     """
-    pieces = partition(map_, p, settings.window, settings)
+    side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
+    pieces = partition(map_, p, settings.window, settings, side)
     borders = [b for b in pieces.borders() if b.kind(settings) is BorderKind.JUMP]
     found = []
     orbits = Itineraries(pieces, settings) if max(orders) > 1 else None

@@ -16,8 +16,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.borders import THIN, depth, lowest_dip
+from woodpecker.engine.borders import THIN
 from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.margins import depth, lowest_dip
 from woodpecker.engine.orbits import (
     Closed,
     Condition,

@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from woodpecker.base.checks import interval, number, positive
-from woodpecker.engine.borders import Border, beyond, reach, reach_of
+from woodpecker.engine.borders import Border, beyond
+from woodpecker.engine.margins import reach
 from woodpecker.engine.orbits import Coordinate, Margin, Orbit, solve
 from woodpecker.engine.partition import partition
 from woodpecker.engine.pieces import Image, PiecewiseMap, map_of_pieces
+from woodpecker.engine.reaches import reach_of
 from woodpecker.engine.settings import Settings
 
 
