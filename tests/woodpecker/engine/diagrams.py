@@ -1,0 +1,104 @@
+"""What tests of the engine ask of diagrams: graphs, places, branches without gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, SpecialPoint
+from woodpecker.engine.settings import Settings
+
+FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
+
+# Border collisions and folds of the solved maps solve equations whose coefficients are about 1, so
+# they are located to some roundings of them.
+LOCATED = 1e-13
+BENT = 1.01  # a step of continuation against its length: it leaves the chord by max_turn^2/2
+
+
+def chain(codes: str) -> nx.MultiGraph:
+    """Graph of a chain such as ``EP F BC J BC``: points and, between them, branches."""
+    symbols = codes.split()
+    kinds = {"F": str(FIXED), "J": str(JUMP)}
+    graph = nx.MultiGraph()
+    for k, code in enumerate(symbols[::2]):
+        graph.add_node(k, kind=code)
+    for k, code in enumerate(symbols[1::2]):
+        graph.add_edge(k, k + 1, kind=kinds[code])
+    return graph
+
+
+def assert_graph(diagram: Diagram, expected: nx.MultiGraph) -> None:
+    """Points and branches are connected as in a graph of their kinds."""
+    assert nx.is_isomorphic(
+        diagram.graph(),
+        expected,
+        node_match=nx.algorithms.isomorphism.categorical_node_match("kind", ""),
+        edge_match=nx.algorithms.isomorphism.categorical_multiedge_match("kind", ""),
+    ), [(branch.kind.value, branch.ends) for branch in diagram.branches]
+
+
+def places(diagram: Diagram) -> dict[str, list[tuple[float, float]]]:
+    """(parameter, x) of the special points by code, in ascending order."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    for point in diagram.points:
+        found.setdefault(point.kind.value, []).append((point.parameter, point.x))
+    return {code: sorted(where) for code, where in found.items()}
+
+
+def assert_places(
+    diagram: Diagram, expected: dict[str, list[tuple[float, float]]], within: float = LOCATED
+) -> None:
+    """All special points, by code and place."""
+    found = places(diagram)
+    assert found.keys() == expected.keys()
+    for code, where in expected.items():
+        assert np.array(found[code]) == pytest.approx(np.array(sorted(where)), abs=within), code
+
+
+def assert_curve(branch: Branch, x: Callable[[float], float]) -> None:
+    """All samples of a branch lie on a curve x(p)."""
+    expected = [x(p) for p in branch.parameter.tolist()]
+    np.testing.assert_allclose(branch.x, expected, atol=LOCATED, rtol=0.0)
+
+
+def of_kind(diagram: Diagram, kind: BranchKind) -> list[Branch]:
+    """Its branches of a kind."""
+    return [branch for branch in diagram.branches if branch.kind is kind]
+
+
+def points_of(diagram: Diagram, code: str) -> list[SpecialPoint]:
+    """Its special points of a code, by their parameter."""
+    found = [point for point in diagram.points if point.kind.value == code]
+    return sorted(found, key=lambda point: (point.parameter, point.x))
+
+
+def notes(diagram: Diagram, code: str) -> list[str]:
+    """What the special points of a code leave open, by their parameter."""
+    return [point.note for point in points_of(diagram, code)]
+
+
+def assert_sound(diagram: Diagram, settings: Settings) -> None:
+    """What holds for every diagram: names, ends, causes, and curves without gaps."""
+    names = [branch.id for branch in diagram.branches] + [point.id for point in diagram.points]
+    assert len(set(names)) == len(names)
+    for point in diagram.points:
+        assert point.branches
+        for name in point.branches:
+            assert point.id in diagram.branch(name).ends
+        if point.interval is not None:
+            assert point.interval[0] <= point.parameter <= point.interval[1]
+    for branch in diagram.branches:
+        for end, sample in zip(branch.ends, (0, -1), strict=True):
+            point = diagram.point(end)
+            assert branch.id in point.branches
+            away = abs(branch.parameter[sample] - point.parameter) / settings.p_scale
+            assert max(away, abs(branch.x[sample] - point.x) / settings.x_scale) <= settings.same
+        assert branch.word
+        steps = np.hypot(
+            np.diff(branch.parameter) / settings.p_scale, np.diff(branch.x) / settings.x_scale
+        )
+        assert steps.max(initial=0.0) <= BENT * settings.max_step, (branch.id, branch.ends)
