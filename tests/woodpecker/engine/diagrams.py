@@ -8,7 +8,8 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, SpecialPoint
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker.engine.network import AT_FLIP
 from woodpecker.engine.settings import Settings
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
@@ -82,7 +83,7 @@ def notes(diagram: Diagram, code: str) -> list[str]:
 
 
 def assert_sound(diagram: Diagram, settings: Settings) -> None:
-    """What holds for every diagram: names, ends, causes, and curves without gaps."""
+    """What holds for every diagram: names, ends, and curves without gaps that turn in points."""
     names = [branch.id for branch in diagram.branches] + [point.id for point in diagram.points]
     assert len(set(names)) == len(names)
     for point in diagram.points:
@@ -95,9 +96,14 @@ def assert_sound(diagram: Diagram, settings: Settings) -> None:
         for end, sample in zip(branch.ends, (0, -1), strict=True):
             point = diagram.point(end)
             assert branch.id in point.branches
+            near = AT_FLIP if point.kind is PointKind.PD else settings.same
             away = abs(branch.parameter[sample] - point.parameter) / settings.p_scale
-            assert max(away, abs(branch.x[sample] - point.x) / settings.x_scale) <= settings.same
+            assert away <= settings.same
+            assert abs(branch.x[sample] - point.x) / settings.x_scale <= near
         assert branch.word
+        turns = np.sign(np.diff(branch.parameter))
+        assert (turns == turns[:1]).all(), f"{branch.id} {branch.ends} turns, or stays"
+        assert turns.all() or len(branch) == 1
         steps = np.hypot(
             np.diff(branch.parameter) / settings.p_scale, np.diff(branch.x) / settings.x_scale
         )
