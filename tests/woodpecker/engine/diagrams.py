@@ -116,3 +116,32 @@ def _turns(branch: Branch) -> int:
         corners = [stretch.first + k for stretch in branch.changes for k in (-2, -1)]
         changes[[k for k in corners if 0 <= k < len(changes)]] = False
     return int(changes.sum()) + int((ways == 0.0).sum())
+
+
+def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
+    """All of a diagram, in its order."""
+    return [
+        *(
+            (
+                b.id, b.kind, b.order, b.words, b.ends,
+                b.parameter.tobytes(), b.x.tobytes(), b.multiplier.tobytes(),
+            )
+            for b in diagram.branches
+        ),
+        *(
+            (p.id, p.kind, p.parameter, p.x, p.branches, p.order, p.note, p.cause, p.status)
+            for p in diagram.points
+        ),
+    ]  # fmt: skip
+
+
+def assert_alike(one: Diagram, other: Diagram, within: float) -> None:
+    """Two diagrams agree in all that is said, and in their numbers up to rounding."""
+    for a, b in zip(one.branches, other.branches, strict=True):
+        assert (a.id, a.kind, a.order, a.words, a.ends) == (b.id, b.kind, b.order, b.words, b.ends)
+        assert a.parameter == pytest.approx(b.parameter, abs=within)
+        assert a.x == pytest.approx(b.x, abs=within)
+    for p, q in zip(one.points, other.points, strict=True):
+        assert (p.id, p.kind, p.branches, p.order) == (q.id, q.kind, q.branches, q.order)
+        assert (p.note, p.cause, p.status) == (q.note, q.cause, q.status)
+        assert (p.parameter, p.x) == pytest.approx((q.parameter, q.x), abs=within)
