@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagrams import to_the_last_bit
+from diagrams import assert_alike, to_the_last_bit
 from maps import moving, paper
 
 from pwmap import Diagram
@@ -101,7 +101,7 @@ def test_a_run_interrupted_at_any_line_goes_on_to_the_same_result(
     written = path.read_bytes().count(b"\n") - 1
     assert stops >= written // lines - 1
     assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
-    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
+    assert [seen.p for seen in found.slices] == [seen.p for seen in whole.slices]
 
 
 def recorded(path: Path) -> Found:
@@ -219,9 +219,7 @@ def test_entries_that_are_refused(
     path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
     before = path.read_bytes()
     for call in (lambda: read_record(path), lambda: Record(path, ABOUT, resume=True)):
-        with pytest.raises(
-            ValueError, match=r"run\.jsonl, line 3: expected an entry of a run, got"
-        ):
+        with pytest.raises(ValueError, match=r"run\.jsonl, line 3: expected an entry of a run"):
             call()
     assert path.read_bytes() == before
 
@@ -340,7 +338,11 @@ def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
-    """SIGKILL leaves no time to tidy up; what was finished is there all the same."""
+    """SIGKILL leaves no time to tidy up; what was finished is there all the same.
+
+    A collision that was to be followed is rebuilt from its places. The toy's pieces are then met
+    from elsewhere, and the last bits of what starts there are others: some 1e-14 of rounding.
+    """
     path = tmp_path / "run.jsonl"
     code = (
         "from pathlib import Path\nfrom woodpecker import *\n"
@@ -359,7 +361,7 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     assert len(kept.branches) >= 1
     found = of_toy(run=path, resume=True)
     whole = find_all(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW)
-    assert to_the_last_bit(found) == to_the_last_bit(whole.diagram)
+    assert_alike(found, whole.diagram, within=1e-12)
     assert whole.evaluations > 1000
 
 
