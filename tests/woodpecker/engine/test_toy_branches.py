@@ -14,7 +14,7 @@ from woodpecker.engine.orbits import Closed, Coordinate, orbit_of, solve
 from woodpecker.engine.partition import partition
 from woodpecker.engine.search import Explorer
 from woodpecker.engine.settings import Settings
-from woodpecker.engine.tasks import Tasks, Worker
+from woodpecker.engine.tasks import Worker
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
@@ -35,7 +35,7 @@ def network() -> Network:
     assert stable.converged
     assert stable.orbit.x[0] == pytest.approx(-0.52947197, abs=1e-8)
     explorer = Explorer(Serial(Worker(map_, SETTINGS)), SETTINGS, (1,))
-    explorer.follow(Tasks.cycle, stable.orbit)
+    explorer.follow(stable.orbit)
     return explorer.network
 
 
