@@ -10,7 +10,6 @@ from typing import Any
 import networkx as nx
 import numpy as np
 import pytest
-from woodpecker.piecewise.settings import Settings as OtherSettings
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.compiled import COMPILED
@@ -22,6 +21,7 @@ from woodpecker.engine.search import Explorer, Stage
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.tasks import Tasks, Worker
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.settings import Settings as OtherSettings
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
