@@ -1,165 +1,115 @@
-"""Labelled maps of the line that can be solved by hand, for the tests of continuation.
+"""Piecewise-smooth maps of the line that can be solved by hand, for tests of the engine.
 
-Each maker returns a map (x, p) -> :class:`woodpecker.piecewise.maps.Evaluation`. Its docstring
-gives the solution; words are "L" (left of the edge) and "R" (right of it) unless said otherwise.
+Each docstring gives the solution. Two pieces are named "L" (left of the border) and "R" (right of
+it), and on the border itself R holds; a single piece is named "S". All of them pickle.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
-from woodpecker.piecewise.maps import Cycle, Evaluation, LabelledMap, correct
-
-Formula = Callable[[float, float], tuple[float, float, float]]  # value, slope, rate
+from woodpecker.engine.formulas import FormulaMap, FormulaPiece, Smooth
 
 A = 1.25  # the constant a of the paper's example
-
-
-def pieces(left: Formula, right: Formula, edge: float = 0.0, owner: str = "R") -> LabelledMap:
-    """Two formulas that meet at a fixed edge, whose own value the piece ``owner`` gives."""
-
-    return _Pieces(left, right, edge, owner)
+BORDER = "x reaches the border"  # the cause of all borders here
 
 
 @dataclass(frozen=True)
-class _Pieces:
-    left: Formula
-    right: Formula
-    edge: float
-    owner: str
+class Line:
+    """by_x * x + by_p * p + constant."""
 
-    def __call__(self, x: float, p: float) -> Evaluation:
-        if x < self.edge or (x == self.edge and self.owner == "L"):
-            return Evaluation(*self.left(x, p), "L")
-        return Evaluation(*self.right(x, p), "R")
+    by_x: float
+    by_p: float
+    constant: float = 0.0
 
+    def smooth(self) -> Smooth:
+        """With its derivatives."""
+        return Smooth(self._value, self._dx, self._dp)
 
-def line(slope: float, rate: float, constant: float = 0.0) -> Formula:
-    """slope * x + rate * p + constant."""
-    return _Line(slope, rate, constant)
+    def _value(self, x: float, p: float) -> float:
+        return self.by_x * x + self.by_p * p + self.constant
 
+    def _dx(self, _x: float, _p: float) -> float:
+        return self.by_x
 
-@dataclass(frozen=True)
-class _Line:
-    slope: float
-    rate: float
-    constant: float
-
-    def __call__(self, x: float, p: float) -> tuple[float, float, float]:
-        return self.slope * x + self.rate * p + self.constant, self.slope, self.rate
+    def _dp(self, _x: float, _p: float) -> float:
+        return self.by_p
 
 
-def paper(a: float = A) -> LabelledMap:
-    """P1^L: -2 + r for x <= 0, -a x + r for x > 0 [Leine2001, Eq. 14]; the parameter is r.
+def two_pieces(left: Smooth, right: Smooth, at: float = 0.0, speed: float = 0.0) -> FormulaMap:
+    """Two formulas with a border at ``at`` + speed * p."""
+    below, above = Line(-1.0, speed, at), Line(1.0, -speed, -at)
+    return FormulaMap(
+        [
+            FormulaPiece("R", right, {BORDER: above.smooth()}),
+            FormulaPiece("L", left, {BORDER: below.smooth()}),
+        ]
+    )
+
+
+def one_piece(formula: Smooth) -> FormulaMap:
+    """One formula everywhere."""
+    return FormulaMap([FormulaPiece("S", formula)])
+
+
+# --- Two lines ------------------------------------------------------------------------------------
+
+
+def lines(left: Line, right: Line, speed: float = 0.0, at: float = 0.0) -> FormulaMap:
+    """Two lines with a border at ``at`` + speed * p, of one map or of two."""
+    return two_pieces(left.smooth(), right.smooth(), at, speed)
+
+
+def paper(a: float = A) -> FormulaMap:
+    """P1^L: -2 + r for x < 0, -a x + r for x >= 0 [Leine2001, Eq. 14]; the parameter is r.
 
     Fixed points r - 2 (r < 2) and r/(1 + a) (r > 0); the jump at 0 crosses for 0 < r < 2. The
-    second iterate has the jumps 0 and r/a, of which only r/a crosses [Eq. 15].
+    second iterate has the jumps 0 and r/a, of which only r/a crosses, up to r = 10 for a = 5/4,
+    where its right limit r - 2 meets it [Eq. 15].
     """
-    return pieces(line(0.0, 1.0, -2.0), line(-a, 1.0), owner="L")
+    return lines(Line(0.0, 1.0, -2.0), Line(-a, 1.0))
 
 
-def two_lines() -> LabelledMap:
+def two_lines() -> FormulaMap:
     """x/2 + p for x < 0, -x/2 + p + 1 for x >= 0.
 
     Fixed points 2 p (p < 0) and 2 (p + 1)/3 (p >= -1); the jump at 0 crosses for -1 < p < 0.
     """
-    return pieces(line(0.5, 1.0), line(-0.5, 1.0, 1.0))
+    return lines(Line(0.5, 1.0), Line(-0.5, 1.0, 1.0))
 
 
-def staircase() -> LabelledMap:
+def staircase() -> FormulaMap:
     """x/2 + p for x < 0, x/2 + p - 1 for x >= 0.
 
     Fixed points 2 p (p < 0) and 2 (p - 1) (p >= 1); the jump at 0 crosses in between.
     """
-    return pieces(line(0.5, 1.0), line(0.5, 1.0, -1.0))
+    return lines(Line(0.5, 1.0), Line(0.5, 1.0, -1.0))
 
 
-def skew_tent(a: float, b: float) -> LabelledMap:
+def moving(speed: float, a: float = A) -> FormulaMap:
+    """The paper's map in y = x - speed * p: every solution moves by speed * p."""
+    return lines(Line(0.0, 1.0 + speed, -2.0), Line(-a, 1.0 + speed * (1.0 + a)), speed)
+
+
+def moving_border() -> FormulaMap:
+    """A jump at b = p/2, of limits b + p - 1 and b + p + 1, slopes 1/2 and -1/2.
+
+    It crosses the diagonal for -1 < p < 1; fixed points b + 2 (p - 1) and b + 2 (p + 1)/3.
+    """
+    return lines(Line(0.5, 1.25, -1.0), Line(-0.5, 1.75, 1.0), speed=0.5)
+
+
+def skew_tent(a: float, b: float) -> FormulaMap:
     """Continuous: a x + p for x < 0, b x + p for x >= 0.
 
     Fixed points p/(1 - a) on the left and p/(1 - b) on the right; they meet at (0, 0).
     """
-    return pieces(line(a, 1.0), line(b, 1.0))
+    return lines(Line(a, 1.0), Line(b, 1.0))
 
 
-def logistic(x: float, p: float) -> Evaluation:
-    """p x (1 - x): fixed point 1 - 1/p with multiplier 2 - p.
-
-    The orbit of period two, for p > 3, is (p + 1 +- sqrt((p - 3)(p + 1)))/(2 p), its multiplier
-    4 + 2 p - p^2: it flips at 1 + sqrt(6).
-    """
-    return Evaluation(p * x * (1.0 - x), p * (1.0 - 2.0 * x), x * (1.0 - x), "S")
-
-
-def logistic_pair(p: float) -> tuple[float, float]:
-    """The lower and upper point of the logistic map's orbit of period two."""
-    root = math.sqrt((p - 3.0) * (p + 1.0))
-    return (p + 1.0 - root) / (2.0 * p), (p + 1.0 + root) / (2.0 * p)
-
-
-def relabelled_logistic(edge: float) -> LabelledMap:
-    """The logistic map with a word that changes at ``edge`` and nothing else."""
-    return lambda x, p: logistic(x, p)._replace(word="L" if x < edge else "R")
-
-
-def fold(x: float, p: float) -> Evaluation:
-    """x + p - x^2: fixed points +-sqrt(p) with multiplier 1 -+ 2 sqrt(p), a fold at p = 0."""
-    return Evaluation(x + p - x * x, 1.0 - 2.0 * x, 1.0, "S")
-
-
-def grazing(c: float) -> LabelledMap:
-    """x/2 + p for x < 0, x/2 + p + c sqrt(x) for x >= 0: continuous, of infinite slope at 0+.
-
-    Fixed points 2 p (p < 0) and, with s = sqrt(x), s^2 - 2 c s - 2 p = 0: for c < 0 the branch
-    goes on to p > 0 and flips at s = -c/3; for c > 0 it turns back and folds at s = c, p = -c^2/2.
-    """
-
-    def right(x: float, p: float) -> tuple[float, float, float]:
-        s = math.sqrt(x)
-        slope = 0.5 + 0.5 * c / s if s > 0.0 else math.copysign(math.inf, c)
-        return 0.5 * x + p + c * s, slope, 1.0
-
-    return pieces(line(0.5, 1.0), right)
-
-
-def moving_edge(x: float, p: float) -> Evaluation:
-    """A jump at x_e = p/2, of limits x_e + p - 1 and x_e + p + 1, slopes 1/2 and -1/2.
-
-    It crosses the diagonal for -1 < p < 1; fixed points x_e + 2 (p - 1) and x_e + 2 (p + 1)/3.
-    """
-    edge = 0.5 * p
-    if x < edge:
-        return Evaluation(edge + p - 1.0 + 0.5 * (x - edge), 0.5, 1.25, "L")
-    return Evaluation(edge + p + 1.0 - 0.5 * (x - edge), -0.5, 1.75, "R")
-
-
-def lost_beyond(limit: float) -> LabelledMap:
-    """x/2 + p for x < limit, no value beyond: the fixed point 2 p is lost at p = limit/2."""
-
-    def labelled(x: float, p: float) -> Evaluation:
-        if x < limit:
-            return Evaluation(0.5 * x + p, 0.5, 1.0, "L")
-        return Evaluation(math.nan, math.nan, math.nan, "lost", False)
-
-    return labelled
-
-
-def island(x_0: float, p_0: float, radius: float) -> LabelledMap:
-    """x - ((x - x_0)^2 + (p - p_0)^2 - radius^2): its fixed points form a circle."""
-
-    def labelled(x: float, p: float) -> Evaluation:
-        dx, dp = x - x_0, p - p_0
-        return Evaluation(x - (dx * dx + dp * dp - radius * radius), 1.0 - 2.0 * dx, -2.0 * dp, "S")
-
-    return labelled
-
-
-def two_cycle(x: float, p: float) -> Evaluation:
-    """x/2 + 1 for x < 0, x/2 - 1 + p for x >= 0, with an orbit of period two.
+def two_cycle() -> FormulaMap:
+    """x/2 + 1 for x < 0, x/2 - 1 + p for x >= 0, with a cycle of period two.
 
     Its points are 4/3 (p - 1/2) < 0 and 1 + 2/3 (p - 1/2) >= 0: it lives for -1 <= p < 1/2, and at
     either end one of its points meets the jump. Multiplier 1/4. Fixed points 2 (p - 1), p >= 1.
@@ -168,11 +118,131 @@ def two_cycle(x: float, p: float) -> Evaluation:
     preimages of 0, which are -2 and, for p <= 1, 2 - 2 p, from 1 to p - 1. So it crosses at -2 for
     p < -1, at 0 for -1 < p < 1/2 and at 2 - 2 p for 1/2 < p < 1.
     """
-    return pieces(line(0.5, 0.0, 1.0), line(0.5, 1.0, -1.0))(x, p)
+    return lines(Line(0.5, 0.0, 1.0), Line(0.5, 1.0, -1.0))
 
 
-def start(labelled_map: LabelledMap, x: float | list[float], p: float) -> Cycle:
-    """The cycle near x at p, which must exist."""
-    cycle, good, _ = correct(labelled_map, np.atleast_1d(np.array(x, dtype=float)), p)
-    assert good, cycle
-    return cycle
+def tent() -> FormulaMap:
+    """2 x for x < 1/2, 2 - 2 x beyond, for every p: 2**j fixed points of P_j, k / (2**j -+ 1)."""
+    return lines(Line(2.0, 0.0), Line(-2.0, 0.0, 2.0), at=0.5)
+
+
+def doubling() -> FormulaMap:
+    """2 x mod 1 on (0, 1): P_j jumps from 1 to 0 at odd multiples of 2**-j, and where P_i did."""
+    return lines(Line(2.0, 0.0), Line(2.0, 0.0, -1.0), at=0.5)
+
+
+def lost_beyond(limit: float) -> FormulaMap:
+    """x/2 + p up to a limit, no value beyond: the fixed point 2 p is lost at p = limit/2."""
+    inside = {BORDER: Line(-1.0, 0.0, limit).smooth()}
+    return FormulaMap([FormulaPiece("L", Line(0.5, 1.0).smooth(), inside)])
+
+
+# --- Curves ---------------------------------------------------------------------------------------
+
+
+def logistic() -> FormulaMap:
+    """p x (1 - x): fixed point 1 - 1/p with multiplier 2 - p.
+
+    The cycle of period two, for p > 3, is (p + 1 +- sqrt((p - 3)(p + 1)))/(2 p), its multiplier
+    4 + 2 p - p^2: it flips at 1 + sqrt(6).
+    """
+    return one_piece(_PARABOLA)
+
+
+def renamed_logistic(at: float) -> FormulaMap:
+    """The logistic map with a word that changes at a place, and nothing else."""
+    return two_pieces(_PARABOLA, _PARABOLA, at)
+
+
+def logistic_pair(p: float) -> tuple[float, float]:
+    """The lower and upper point of the logistic map's cycle of period two."""
+    root = math.sqrt((p - 3.0) * (p + 1.0))
+    return (p + 1.0 - root) / (2.0 * p), (p + 1.0 + root) / (2.0 * p)
+
+
+def _parabola(x: float, p: float) -> float:
+    return p * x * (1.0 - x)
+
+
+def _parabola_dx(x: float, p: float) -> float:
+    return p * (1.0 - 2.0 * x)
+
+
+def _parabola_dp(x: float, _p: float) -> float:
+    return x * (1.0 - x)
+
+
+_PARABOLA = Smooth(_parabola, _parabola_dx, _parabola_dp)
+
+
+@dataclass(frozen=True)
+class Circle:
+    """x less the amount by which (x, p) lies outside of a circle; the circle is fixed."""
+
+    x_0: float
+    p_0: float
+    radius: float
+
+    def smooth(self) -> Smooth:
+        """With its derivatives."""
+        return Smooth(self._value, self._dx, self._dp)
+
+    def _value(self, x: float, p: float) -> float:
+        return x - ((x - self.x_0) ** 2 + (p - self.p_0) ** 2 - self.radius**2)
+
+    def _dx(self, x: float, _p: float) -> float:
+        return 1.0 - 2.0 * (x - self.x_0)
+
+    def _dp(self, _x: float, p: float) -> float:
+        return -2.0 * (p - self.p_0)
+
+
+def island(x_0: float, p_0: float, radius: float) -> FormulaMap:
+    """x - ((x - x_0)^2 + (p - p_0)^2 - radius^2): its fixed points form a circle.
+
+    Their multiplier is 1 - 2 (x - x_0): folds at p = p_0 -+ radius, and flips where x = x_0 + 1.
+    """
+    return one_piece(Circle(x_0, p_0, radius).smooth())
+
+
+def fold() -> FormulaMap:
+    """x + p - x^2: fixed points +-sqrt(p) with multiplier 1 -+ 2 sqrt(p), a fold at p = 0."""
+    return one_piece(Smooth(_fold, _fold_dx, _fold_dp))
+
+
+def _fold(x: float, p: float) -> float:
+    return x + p - x * x
+
+
+def _fold_dx(x: float, _p: float) -> float:
+    return 1.0 - 2.0 * x
+
+
+def _fold_dp(_x: float, _p: float) -> float:
+    return 1.0
+
+
+@dataclass(frozen=True)
+class Root:
+    """x/2 + p + c sqrt(x)."""
+
+    c: float
+
+    def smooth(self) -> Smooth:
+        """With its derivatives."""
+        return Smooth(self._value, self._dx, _fold_dp)
+
+    def _value(self, x: float, p: float) -> float:
+        return 0.5 * x + p + self.c * math.sqrt(x)
+
+    def _dx(self, x: float, _p: float) -> float:
+        return 0.5 + 0.5 * self.c / math.sqrt(x)
+
+
+def grazing(c: float) -> FormulaMap:
+    """x/2 + p for x < 0, x/2 + p + c sqrt(x) for x >= 0: continuous, of infinite slope at 0+.
+
+    Fixed points 2 p (p < 0) and, with s = sqrt(x), s^2 - 2 c s - 2 p = 0: for c < 0 the branch
+    goes on to p > 0 and flips at s = -c/3; for c > 0 it turns back and folds at s = c, p = -c^2/2.
+    """
+    return two_pieces(Line(0.5, 1.0).smooth(), Root(c).smooth())

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, bifurcation_diagram, continuation, parameters, shoot
+from woodpecker.engine.search import Search
 from woodpecker.mechanics.modes import (
     CHANGE,
     FORCE,
@@ -17,8 +18,7 @@ from woodpecker.mechanics.modes import (
     model,
 )
 from woodpecker.mechanics.toy import ExpansionFriction, limits
-from woodpecker.piecewise.search import Search
-from woodpecker.toymaps import toy_map, toy_samples
+from woodpecker.toypieces import ToyPieces
 
 LAWS = list(ExpansionFriction)
 NAMES = [name for name in parameters() if name != "pole"]  # the map does not know its length
@@ -39,12 +39,12 @@ def test_derivatives_agree_with_differences(name: str, law: ExpansionFriction) -
     They cannot be better than rounding, 1e-15 over a step of 1e-4: 1e-11 in units of p.
     """
     toy, rng, compared = toy_of(name, law), np.random.default_rng(7), 0
-    f, p = toy_map(toy, name), float(getattr(toy, name))
+    f, p = ToyPieces(toy, name).at, float(getattr(toy, name))
     for x in rng.uniform(-2.4, -0.3, 80).tolist():
         here, differences = f(x, p), []
         for step in (2e-4 * p, 1e-4 * p):
             around = [f(x, p + k * step) for k in (-2, -1, 1, 2)]
-            if any(each.word != here.word for each in around):
+            if any(each.piece.key != here.piece.key for each in around):
                 break
             a, b, c, d = (each.value for each in around)
             differences.append((a - 8.0 * b + 8.0 * c - d) / (12.0 * step))
@@ -52,7 +52,7 @@ def test_derivatives_agree_with_differences(name: str, law: ExpansionFriction) -
             continue
         size = abs(differences[1]) + 1e-2 / p
         if abs(differences[1] - differences[0]) <= 1e-8 * size:
-            assert abs(here.rate - differences[1]) <= 1e-7 * size, (x, here)
+            assert abs(here.d_parameter - differences[1]) <= 1e-7 * size, (x, here)
             compared += 1
     assert compared >= 30
 
@@ -77,14 +77,19 @@ def test_derivative_of_the_table(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [*NAMES, "pole"])
-def test_samples_carry_the_same_derivative(name: str) -> None:
+def test_many_points_at_once_are_the_map(name: str) -> None:
     toy = toy_of(name, ExpansionFriction.SUMMED)
-    p = 1.0 if name == "pole" else float(getattr(toy, name))
-    one, many = toy_map(toy, name), toy_samples(toy, name)
+    p, map_ = 1.0 if name == "pole" else float(getattr(toy, name)), ToyPieces(toy, name)
     x = np.array([-2.1, -0.9, -0.53])
-    samples = many.sweep(x, p)
-    assert samples.rate.tolist() == [one(value, p).rate for value in x.tolist()]
-    assert name != "pole" or not samples.rate.any()
+    found, images = map_.sweep(x, p), [map_.at(value, p) for value in x.tolist()]
+    # searched and followed: see test_toypieces
+    assert found.value == pytest.approx([image.value for image in images], abs=1e-13)
+    assert found.slope == pytest.approx([image.slope for image in images], rel=1e-9)
+
+
+def test_the_map_does_not_depend_on_the_length_of_the_pole() -> None:
+    for x in (-2.1, -0.9, -0.53):
+        assert ToyPieces(Toy(), "pole").at(x, 1.0).d_parameter == 0.0
 
 
 @pytest.mark.parametrize("name", parameters())
@@ -101,10 +106,11 @@ def test_limits_are_those_of_the_toy(name: str) -> None:
 
 
 def test_a_value_that_the_toy_cannot_have_is_not_defined() -> None:
-    beyond = toy_map(Toy(), "r_m")(-0.53, 0.002)
-    assert not beyond.defined
-    assert beyond.word.startswith("r_m must exceed r_0 = 0.0025")
-    assert not toy_map(Toy(), "l_s")(0.119, 0.0202).defined  # a longer beak touches the pole there
+    beyond = ToyPieces(Toy(), "r_m").at(-0.53, 0.002)
+    assert math.isnan(beyond.value)
+    assert beyond.reason.startswith("r_m must exceed r_0 = 0.0025")
+    longer = ToyPieces(Toy(), "l_s").at(0.119, 0.0202)
+    assert longer.reason == "the beak touches the pole"
 
 
 @pytest.mark.slow

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-import lines
 import numpy as np
 import pytest
 import sympy
+from maps import logistic, paper, two_lines
 
 from pwmap import PiecewiseLinearMap
 from woodpecker import (
@@ -46,7 +46,7 @@ def formulas() -> list[FormulaMap]:
     x, p = sympy.symbols("x p", real=True)
     piecewise = sympy.Piecewise((x / 2 + p, x < 0), (sympy.sqrt(x) - 1, True))
     exact = PiecewiseLinearMap.from_sympy(sympy.Piecewise((x / 2 + p, x < 0), (p - x, True)), x)
-    return [lines.paper(), lines.logistic(), from_sympy(piecewise, x, p), from_pwmap(exact, "p")]
+    return [paper(), logistic(), from_sympy(piecewise, x, p), from_pwmap(exact, "p")]
 
 
 def seen(map_: PiecewiseMap) -> str:
@@ -93,7 +93,7 @@ def test_pieces_go_on_from_where_they_were(way: Way) -> None:
 
 @WAYS
 def test_local_models(way: Way) -> None:
-    model = local_model(lines.two_lines(), 0.0, 0.0, orders=(1, 2))
+    model = local_model(two_lines(), 0.0, 0.0, orders=(1, 2))
     again: LocalModel = way(model)
     assert (again.x, again.p, again.speed) == (model.x, model.p, model.speed)
     assert (again.starts, again.point) == (model.starts, model.point)

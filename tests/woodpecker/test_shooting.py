@@ -1,4 +1,4 @@
-"""Periodic solutions of the toy, and its return map as a labelled map."""
+"""Periodic solutions of the toy, and its return map as a map of one parameter."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from pwmap.diagrams.diagram import PointKind
-from woodpecker.diagram import continuation
+from woodpecker.continued import continuation
+from woodpecker.engine.iterates import Iterate
 from woodpecker.engine.orbits import Orbit, orbit_of
 from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.maps import iterate
 from woodpecker.shooting import DEFAULT, ShootingStatus, _closed, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.simulation.status import Status
-from woodpecker.toymaps import toy_map
 from woodpecker.toypieces import ToyPieces
 
 TOY = Toy()
 CYCLE = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"  # of the stable motion at eps_n1 = 0.5
+FOLLOWED = 1e-13  # a return by search and by following its path: rounding of eleven events
 RESIDUAL = 1e-12  # the map is good to 1e-14 or so; two orders more leave room for steep slopes
 
 
@@ -202,37 +202,42 @@ def test_shoot_refuses(guess: float, order: int, message: str) -> None:
         shoot(TOY, guess, order)
 
 
-# --- the labelled map ----------------------------------------------------------------------------
+# --- the map of one parameter --------------------------------------------------------------------
 
 
 def image(phi_s: float = -0.53, **changes: float) -> float:
     return first_return(TOY.replace(**changes), phi_s).phi_s
 
 
-def test_labelled_map_is_the_return_map() -> None:
+def test_the_map_is_the_return_map() -> None:
     """Value, slope, derivative and word are those of first_return, in every parameter."""
     back = first_return(TOY, -0.53)
     for name in ("eps_n1", "eps_n2", "mu_2", "m_s"):
-        here = toy_map(TOY, name)(-0.53, getattr(TOY, name))
-        assert (here.value, here.slope, here.word) == (back.phi_s, back.slope, back.word)
-        assert here.defined
-    assert toy_map(TOY)(-0.53, 0.5).rate == back.d_eps_n1
+        here = ToyPieces(TOY, name).at(-0.53, getattr(TOY, name))
+        assert (here.piece.word, here.reason) == (back.word, "")
+        assert here.value == pytest.approx(back.phi_s, abs=FOLLOWED)
+        assert here.slope == pytest.approx(back.slope, rel=1e-12)
+    assert ToyPieces(TOY).at(-0.53, 0.5).d_parameter == pytest.approx(back.d_eps_n1, rel=1e-12)
 
 
-def test_labelled_map_moves_with_its_parameter() -> None:
+def test_the_map_moves_with_its_parameter() -> None:
     """Two maps of different toys share nothing: calls may alternate."""
-    first, second = toy_map(TOY), toy_map(TOY.replace(mu_2=0.32))
+    first, second = ToyPieces(TOY), ToyPieces(TOY.replace(mu_2=0.32))
     for p in (0.1, 0.5, 0.9):
-        assert first(-0.6, p).value == image(-0.6, eps_n1=p)
-        assert second(-0.6, p).value == image(-0.6, eps_n1=p, mu_2=0.32)
-        assert toy_map(TOY, "mu_2")(-0.6, 0.3 + 0.01 * p).value == image(-0.6, mu_2=0.3 + 0.01 * p)
+        mu_2 = 0.3 + 0.01 * p
+        for found, expected in (
+            (first.at(-0.6, p), image(-0.6, eps_n1=p)),
+            (second.at(-0.6, p), image(-0.6, eps_n1=p, mu_2=0.32)),
+            (ToyPieces(TOY, "mu_2").at(-0.6, mu_2), image(-0.6, mu_2=mu_2)),
+        ):
+            assert found.value == pytest.approx(expected, abs=FOLLOWED)
 
 
-def test_iterate_of_the_labelled_map_is_the_return_map_of_higher_order() -> None:
-    here, back = iterate(toy_map(TOY), 3)(-0.6, 0.5), first_return(TOY, -0.6, 3)
-    assert here.value == pytest.approx(back.phi_s, abs=1e-14)
-    assert here.slope == pytest.approx(back.slope, rel=1e-12)
-    assert here.rate == pytest.approx(back.d_eps_n1, rel=1e-12)
+def test_an_iterate_of_the_map_is_the_return_map_of_higher_order() -> None:
+    here, back = Iterate(ToyPieces(TOY), 3).at(-0.6, 0.5), first_return(TOY, -0.6, 3)
+    assert here.value == pytest.approx(back.phi_s, abs=FOLLOWED)
+    assert here.slope == pytest.approx(back.slope, rel=1e-11)
+    assert here.d_parameter == pytest.approx(back.d_eps_n1, rel=1e-11)
 
 
 # Relative step 1e-5: h^2 of the third derivative (relative 1e-9 where measured), and rounding
@@ -242,7 +247,8 @@ def test_iterate_of_the_labelled_map_is_the_return_map_of_higher_order() -> None
 def test_derivative_in_a_parameter(name: str, phi_s: float) -> None:
     p = getattr(TOY, name)
     rate = central(lambda value: image(phi_s, **{name: value}), p, 1e-5 * p)
-    assert toy_map(TOY, name)(phi_s, p).rate == pytest.approx(rate, rel=1e-6, abs=1e-9)
+    found = ToyPieces(TOY, name).at(phi_s, p).d_parameter
+    assert found == pytest.approx(rate, rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["eps_n2", "eps_n3"])
@@ -251,7 +257,8 @@ def test_derivative_in_a_restitution_that_is_zero(name: str) -> None:
     h = 1e-5
     f = [image(**{name: k * h}) for k in range(3)]
     rate = (-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * h)
-    assert toy_map(TOY, name)(-0.53, 0.0).rate == pytest.approx(rate, rel=1e-5)
+    found = ToyPieces(TOY, name).at(-0.53, 0.0).d_parameter
+    assert found == pytest.approx(rate, rel=1e-5)
 
 
 @pytest.mark.parametrize(("law", "left"), [("summed", -110.89), ("separate", -50.5)])
@@ -261,21 +268,22 @@ def test_derivative_next_to_a_jump_is_taken_on_its_side(law: str, left: float) -
     1e-10 before and beyond it, nearer than the step of 4.5e-9, the neighbour across does not count.
     """
     toy = TOY.replace(expansion_friction=law)
-    labelled = toy_map(toy, "m_s")
+    map_ = ToyPieces(toy, "m_s")
     low, high = 0.0045, 0.0045009
-    word = labelled(-0.7578, low).word
-    assert labelled(-0.7578, high).word != word
+    here = map_.at(-0.7578, low).piece
+    assert map_.at(-0.7578, high).piece.key != here.key
     for _ in range(50):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if labelled(-0.7578, middle).word == word else (low, middle)
+        inside = map_.at(-0.7578, middle).piece.key == here.key
+        low, high = (middle, high) if inside else (low, middle)
     for side, slope in ((-1.0, left), (1.0, -74.8)):
         p = low + side * 1e-10
         away = central(
             lambda value: first_return(toy.replace(m_s=value), -0.7578).phi_s, p + side * 2e-7, 1e-7
         )
         assert away == pytest.approx(slope, rel=0.02)  # as the two pieces have it 1e-6 away
-        # the rate itself changes by 1e-3 over 2e-7; rounding 1e-15/4.5e-9 is smaller
-        assert labelled(-0.7578, p).rate == pytest.approx(away, rel=1e-2)
+        # the derivative itself changes by 1e-3 over 2e-7; rounding 1e-15/4.5e-9 is smaller
+        assert map_.at(-0.7578, p).d_parameter == pytest.approx(away, rel=1e-2)
 
 
 def test_a_word_names_one_smooth_piece() -> None:
@@ -293,17 +301,16 @@ def test_a_word_names_one_smooth_piece() -> None:
         ("mu_2", -0.53, -0.1, "mu_2 must be at least 0 and finite, got -0.1"),
         ("m_s", -0.53, 0.0, "m_s must be positive and finite, got 0.0"),
         ("eps_n1", 0.2, 0.5, "the beak touches the pole"),
-        ("eps_n1", math.nan, 0.5, "the beak touches the pole"),
+        ("eps_n1", math.nan, 0.5, "phi_s must be finite, got nan"),
         ("eps_n1", -0.05, 0.5, Status.FREE_FALL.value),
     ],
 )
 def test_no_value_and_why(name: str, phi_s: float, p: float, reason: str) -> None:
-    here = toy_map(TOY, name)(phi_s, p)
-    assert not here.defined
-    assert here.word == reason
+    here = ToyPieces(TOY, name).at(phi_s, p)
+    assert here.reason == reason
     assert math.isnan(here.value)
 
 
 def test_unknown_parameter() -> None:
     with pytest.raises(TypeError, match="unknown parameter 'eps', expected one of m_m, j_m"):
-        toy_map(TOY, "eps")
+        ToyPieces(TOY, "eps")

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from woodpecker.base.checks import interval, number, positive, real_array, whole
-from woodpecker.diagram import bifurcation_diagram, continuation
+from woodpecker.continued import continuation
+from woodpecker.diagram import bifurcation_diagram
 from woodpecker.engine.iterates import Iterate
 from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from lines import A, logistic, paper, two_lines
+from maps import A, logistic, paper, two_lines
 
 from woodpecker import Iterate, Toy, ToyPieces, borders_in, check_derivatives, crosses
 

@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 
 import pytest
-from lines import A, Line, lines, moving, paper, skew_tent, two_lines
+from maps import A, Line, lines, moving, paper, skew_tent, two_lines
 
 from pwmap import BranchKind
 from woodpecker import Iterate, Start, Toy, ToyPieces, borders_in, crosses, local_model

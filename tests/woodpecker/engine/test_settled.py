@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from lines import logistic, paper
+from maps import logistic, paper
 
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker import (

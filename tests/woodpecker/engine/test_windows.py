@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from lines import moving, paper, skew_tent, two_lines
+from maps import moving, paper, skew_tent, two_lines
 
 from woodpecker import (
     BorderKind,

@@ -1,0 +1,215 @@
+"""Files that grow line by line: locks, what is kept of an older run, what is no such file."""
+
+from __future__ import annotations
+
+import json
+import math
+import multiprocessing
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from woodpecker.base.checkpoint import (
+    Checkpoint,
+    Entry,
+    checked_number,
+    checked_type,
+    read,
+    version_of,
+)
+
+ABOUT: Entry = {"parameter": "p", "span": [-2.0, 2.0]}
+VERSION = 7
+ONE: Entry = {"number": 1.0}
+LOCKED = pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
+
+
+def check(entry: Entry) -> None:
+    checked_number(entry["number"])
+
+
+def opened(path: Path, run: Entry = ABOUT, *, resume: bool = False) -> Checkpoint:
+    return Checkpoint(path, run, version=VERSION, check=check, resume=resume)
+
+
+def entries(path: Path) -> list[Entry]:
+    return read(path, version=VERSION, check=check)[1]
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    file = opened(path)
+    for value in (0.1, -1e-300, math.inf):
+        file.write({"number": value})
+        assert entries(path)[-1] == {"number": value}  # while the run goes on
+    file.close()
+    again = opened(path, resume=True)
+    assert again.entries == [{"number": 0.1}, {"number": -1e-300}, {"number": math.inf}]
+    again.write(ONE)
+    again.close()
+    assert read(path, version=VERSION, check=check) == (ABOUT, [*again.entries, ONE])
+    assert version_of(path) == VERSION
+
+
+def test_half_a_line_is_forgotten(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    file = opened(path)
+    file.write(ONE)
+    file.close()
+    whole = path.read_bytes()
+    path.write_bytes(whole + b'{"number": 2')
+    assert entries(path) == [ONE]
+    opened(path, resume=True).close()
+    assert path.read_bytes() == whole
+
+
+def test_an_old_run_is_kept_when_a_new_one_starts(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    opened(path).close()
+    before = path.read_text(encoding="utf-8")
+    opened(path, ABOUT | {"span": [0.0, 1.0]}).close()
+    assert (tmp_path / "run.jsonl.old").read_text(encoding="utf-8") == before
+    assert read(path, version=VERSION, check=check)[0]["span"] == [0.0, 1.0]
+
+
+def test_only_the_same_run_is_resumed(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    with pytest.raises(ValueError, match="there is no saved run"):
+        opened(path, resume=True)
+    assert not path.exists()
+    opened(path).close()
+    with pytest.raises(ValueError, match=r"there span is \[-2.0, 2.0\], now it is \[0.0, 1.0\]"):
+        opened(path, ABOUT | {"span": [0.0, 1.0]}, resume=True)
+    opened(path, {"span": (-2, 2.0), "parameter": "p"}, resume=True).close()  # as JSON has it
+    path.write_text("phi_s,eps_n1\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="line 1: not the journal of a run"):
+        opened(path, resume=True)
+
+
+def test_a_start_is_the_same_up_to_rounding(tmp_path: Path) -> None:
+    """Another machine finds the same solution with other last bits."""
+    path, about = tmp_path / "run.jsonl", ABOUT | {"start": [-0.5, -0.25]}
+    opened(path, about).close()
+    near = [math.nextafter(-0.5, 0.0), -0.25 + 9e-10]
+    opened(path, ABOUT | {"start": near}, resume=True).close()
+    for other in ([-0.5, -0.25 + 2e-9], [-0.5], [math.nan, -0.25], "a", None):
+        with pytest.raises(ValueError, match=r"there start is \[-0.5, -0.25\], now it is"):
+            opened(path, ABOUT | {"start": other}, resume=True)
+
+
+def lines_of(path: Path, *lines: object) -> Path:
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    return path
+
+
+HEADER = {"run": ABOUT, "version": VERSION}
+
+
+@pytest.mark.parametrize(
+    ("header", "sentence"),
+    [
+        ({"run": ABOUT}, "in a format without a number, expected format 7: start the run anew"),
+        (HEADER | {"version": 3}, "in a format 3, expected format 7"),
+        (HEADER | {"version": "7"}, "in a format '7', expected format 7"),
+        ({"version": 7}, "its first line does not say which"),
+        (HEADER | {"run": []}, "its first line does not say which"),
+        ([], r"line 1: expected an entry of a run, got \[\]"),
+        (3, "line 1: expected an entry of a run, got 3"),
+    ],
+)
+def test_first_lines_that_are_refused(tmp_path: Path, header: object, sentence: str) -> None:
+    path = lines_of(tmp_path / "run.jsonl", header)
+    before = path.read_bytes()
+    for call in (lambda: entries(path), lambda: opened(path, resume=True)):
+        with pytest.raises(ValueError, match=r"run\.jsonl.*" + sentence):
+            call()
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("entry", [{}, {"number": "1"}, {"number": True}, [], 1.0, "text", None])
+def test_entries_that_are_refused(tmp_path: Path, entry: object) -> None:
+    path = lines_of(tmp_path / "run.jsonl", HEADER, ONE, entry)
+    before = path.read_bytes()
+    for call in (lambda: entries(path), lambda: opened(path, resume=True)):
+        with pytest.raises(ValueError, match=r"run\.jsonl, line 3: expected an entry of a run"):
+            call()
+    assert path.read_bytes() == before
+
+
+def test_a_long_entry_is_shown_in_part(tmp_path: Path) -> None:
+    path = lines_of(tmp_path / "run.jsonl", HEADER, {"text": "a" * 1000})
+    with pytest.raises(ValueError, match=r'got \{"text": "a+\.\.\.$') as caught:
+        entries(path)
+    assert len(str(caught.value)) < 200 + len(str(path))
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\n", b"no end of the line"])
+def test_files_that_are_none(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "run.jsonl"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"run\.jsonl.* not the journal of a run"):
+        entries(path)
+    assert version_of(path) is None
+
+
+def test_types_are_checked() -> None:
+    assert (checked_number(1), checked_number(-0.5)) == (1.0, -0.5)
+    checked_type(1, int)
+    checked_type(True, bool)
+    for value, kind in ((True, int), (1.0, int), ("1", (int, float)), (None, str)):
+        with pytest.raises(TypeError, match="expected"):
+            checked_type(value, kind)
+    for value in (True, "1", None, [1.0]):
+        with pytest.raises(TypeError, match="expected a number"):
+            checked_number(value)
+
+
+# --- Locks ----------------------------------------------------------------------------------------
+
+
+@LOCKED
+def test_two_runs_do_not_write_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("woodpecker.base.checkpoint.WAIT", 0.1)
+    path = tmp_path / "run.jsonl"
+    first = opened(path)
+    first.write(ONE)
+    before = path.read_bytes()
+    for resume in (False, True):
+        with pytest.raises(ValueError, match=r"another run is writing .*run\.jsonl: wait"):
+            opened(path, resume=resume)
+    assert path.read_bytes() == before
+    assert not path.with_name("run.jsonl.old").exists()
+    assert entries(path) == [ONE]  # reading is for everyone
+    first.close()
+    first.close()
+    opened(path, resume=True).close()
+
+
+@LOCKED
+def test_a_copy_of_the_process_does_not_keep_the_lock(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    file = opened(path)
+    context = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(1, context) as pool:
+        assert pool.submit(int).result() == 0  # it has the file open
+        file.close()
+        opened(path, resume=True).close()
+
+
+@pytest.mark.slow
+@LOCKED
+def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    code = "from woodpecker.base.checkpoint import Checkpoint\n"
+    code += f"c = Checkpoint({str(path)!r}, {ABOUT!r}, version={VERSION}, check=len)\n"
+    code += "print('written', flush=True)\nimport time; time.sleep(60.0)"
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "written\n"
+    process.kill()
+    process.wait()
+    process.stdout.close()
+    opened(path, resume=True).close()
