@@ -23,7 +23,7 @@ from woodpecker.engine.branches import Collision, Curve, End, Mark, Word
 from woodpecker.engine.network import Network
 from woodpecker.engine.orbits import Margin, orbit_of
 from woodpecker.engine.pieces import PiecewiseMap
-from woodpecker.engine.search import Seen
+from woodpecker.engine.search import Past, Seen
 from woodpecker.engine.settings import Settings
 
 CURVES, DONE, SLICE = "curves", "done", "slice"  # kinds of entries, by their first key
@@ -69,12 +69,12 @@ def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Entry]]:
 
 def restore(
     network: Network, entries: Sequence[Entry], map_: PiecewiseMap, path: str | os.PathLike[str]
-) -> list[Seen]:
+) -> Past:
     """Put a network back to where a checkpoint says it was.
 
     Returns
     -------
-    The slices that were finished.
+    The slices that were finished, and what was found since.
 
     Raises
     ------
@@ -85,10 +85,11 @@ def restore(
     def rebuild(data: Entry) -> Collision:
         return _collision(data, map_, network.settings)
 
-    slices = []
+    slices, known = list[Seen](), 0
     for line, entry in enumerate(entries, 2):
         if SLICE in entry:
             slices.append(_slice(entry[SLICE]))
+            known = len(network.curves)
         elif CURVES in entry:
             try:
                 curves = [_curve(data, rebuild) for data in entry[CURVES]]
@@ -102,7 +103,7 @@ def restore(
             raise ValueError(
                 f"{Path(path)}, line {line}: nothing is left to follow at {entry[DONE]}"
             )
-    return slices
+    return Past(tuple(slices), tuple(curve.order for curve in network.curves[known:]))
 
 
 def check_entry(entry: Entry) -> None:

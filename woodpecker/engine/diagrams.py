@@ -16,7 +16,7 @@ from woodpecker.base.executors import Serial, scheduler
 from woodpecker.engine.checkpoint import Record, restore
 from woodpecker.engine.orbits import Closed, Coordinate, Orbit, orbit_of, solve
 from woodpecker.engine.pieces import PiecewiseMap, map_of_pieces
-from woodpecker.engine.search import Explorer, Progress, Search, Seen, complete
+from woodpecker.engine.search import Explorer, Past, Progress, Search, Seen, complete
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.tasks import Worker
 
@@ -163,19 +163,20 @@ def whole_diagram(
     finite_window(settings)
     with scheduler(Worker(map_, settings), workers, executor) as tasks:
         explorer = Explorer(tasks, settings, wanted, progress or _nothing, record)
-        taken = restored(explorer, record, map_)
-        seen = complete(explorer, settings, search or Search(), taken)
+        past = restored(explorer, record, map_)
+        seen = complete(explorer, settings, search or Search(), past)
     return Found(
         diagram=explorer.network.diagram(parameter_name, x_name),
         slices=tuple(seen),
-        evaluations=explorer.evaluations + sum(each.evaluations for each in seen[len(taken) :]),
+        evaluations=explorer.evaluations
+        + sum(each.evaluations for each in seen[len(past.slices) :]),
     )
 
 
-def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> list[Seen]:
-    """Put an explorer back to where a record says it was; the slices that were taken."""
+def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> Past:
+    """Put an explorer back to where a record says it was."""
     if record is None:
-        return []
+        return Past()
     return restore(explorer.network, record.entries, map_, record.path)
 
 

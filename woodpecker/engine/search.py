@@ -86,7 +86,7 @@ class Seen(NamedTuple):
     p
         Where it was taken.
     new
-        The orders of which it showed something new.
+        Orders of the branches that were found from it.
     unresolved
         Total length of intervals in which there are more pieces than were looked for.
     left
@@ -100,6 +100,21 @@ class Seen(NamedTuple):
     unresolved: float
     left: tuple[tuple[int, float], ...]
     evaluations: int
+
+
+class Past(NamedTuple):
+    """What an interrupted run had come to.
+
+    Attributes
+    ----------
+    slices
+        Those that were finished.
+    since
+        Orders of branches that were found after the last of them: the next slice showed these.
+    """
+
+    slices: tuple[Seen, ...] = ()
+    since: tuple[int, ...] = ()
 
 
 class Recorder(Protocol):
@@ -204,9 +219,12 @@ class Explorer:
                 if self.recorder is not None:
                     self.recorder.done(each)
 
-    def see(self, found: Sequence[Slice], evaluations: int) -> Seen:
-        """Follow what the slices of all orders at one parameter show and no branch explains."""
-        new, left = list[int](), list[tuple[int, float]]()
+    def see(self, found: Sequence[Slice], evaluations: int, before: Sequence[int] = ()) -> Seen:
+        """Follow what the slices of all orders at one parameter show and no branch explains.
+
+        What was followed ``before`` the slice was taken again, orders of branches, counts as new.
+        """
+        new, left = list(before), list[tuple[int, float]]()
         for each in found:
             places = [*map(_of_cycle, each.cycles), *map(_of_jump, each.jumps)]
             known = len(self.network.curves)
@@ -214,9 +232,8 @@ class Explorer:
                 if not was_followed:
                     continue
                 self.go_on()
-                if len(self.network.curves) > known:
-                    known = len(self.network.curves)
-                    new.append(place.order)
+                new += [curve.order for curve in self.network.curves[known:]]
+                known = len(self.network.curves)
                 if not self._is_explained(place):
                     left.append((place.order, float(place.orbit.x[0])))
         unresolved = max(each.unresolved for each in found)
@@ -266,7 +283,7 @@ class Explorer:
 
 
 def complete(
-    explorer: Explorer, settings: Settings, search: Search, taken: Sequence[Seen] = ()
+    explorer: Explorer, settings: Settings, search: Search, past: Past | None = None
 ) -> list[Seen]:
     """Take slices until they show nothing new; follow what they show.
 
@@ -278,21 +295,25 @@ def complete(
         Span of the parameter.
     search
         How long to look.
-    taken
-        Slices that were taken before, in their order: those of an interrupted run.
+    past
+        What an interrupted run had come to.
 
     Returns
     -------
     All slices.
     """
-    plan, seen = _Plan(search), list(taken)
-    for each in taken:
+    past = past or Past()
+    plan, seen, since = _Plan(search), list(past.slices), past.since
+    for each in seen:
         plan.took(bool(each.new))
-    explorer.go_on()  # what an interrupted run has left
+    known = len(explorer.network.curves)
+    explorer.go_on()
+    since += tuple(curve.order for curve in explorer.network.curves[known:])
     for found, evaluations in _slices(explorer, plan, settings):
         explorer.slices = plan.done + 1
-        seen.append(explorer.see(found, evaluations))
+        seen.append(explorer.see(found, evaluations, since))
         plan.took(bool(seen[-1].new))
+        since = ()
     return seen
 
 
