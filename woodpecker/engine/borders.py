@@ -60,9 +60,11 @@ class Border:
         """What the map does there."""
         if math.isnan(self.jump):
             return BorderKind.LOST
-        if abs(self.jump) > settings.jump * settings.x_scale:
-            return BorderKind.JUMP
         one, other = self.inner.slope, self.outer.slope
+        steepest = max([abs(slope) for slope in (one, other) if math.isfinite(slope)], default=0.0)
+        same = max(settings.jump, settings.nearest * steepest)  # x itself is no closer to the border
+        if abs(self.jump) > same * settings.x_scale:
+            return BorderKind.JUMP
         if not (abs(one) < STEEP and abs(other) < STEEP):
             return BorderKind.GRAZING
         size = max(1.0, abs(one), abs(other))
