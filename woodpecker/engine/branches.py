@@ -16,6 +16,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.borders import STEEP, Border, BorderKind, beyond
+from woodpecker.engine.corners import leaving
 from woodpecker.engine.jumps import Jump
 from woodpecker.engine.orbits import (
     Closed,
@@ -30,7 +31,7 @@ from woodpecker.engine.orbits import (
 )
 from woodpecker.engine.pieces import Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
-from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
+from woodpecker.engine.stepping import BLURRED, FLIP, Sample, Stepper, Stop, Stretch
 
 TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
 # distance of a restart it changes by some 1e-4
@@ -39,7 +40,9 @@ NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
 FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
 GROW = 10.0  # of a distance from a place where borders accumulate
+SAME_WAY = 0.9  # cosine of the angle within which a jump at a corner is the one that led there
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
+LIMIT_LOST = "a limit of the jump is lost"
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
@@ -123,7 +126,7 @@ class End:
     p, x
         Parameter, and the points (n,) of the orbit; of a jump the first one only counts.
     precision
-        How well the parameter is located.
+        How well the parameter is located, if that is known already; else 0.
     status
         Whether it is located, or the branch was given up here.
     collision
@@ -330,11 +333,11 @@ class Cycles:
         x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
         sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
         away, limit = self.settings.same, high if sign > 0.0 else low
-        p = end.orbit.p
+        p, slope = end.orbit.p, end.tangent[:-1] * x_scale / (end.tangent[-1] * p_scale)
         while away <= self.settings.max_step and p != limit:
             p = min(max(end.orbit.p + sign * away * p_scale, low), high)
-            images = tuple(self.map.at(float(x), p) for x in end.orbit.x)
-            start = Orbit(end.orbit.x, p, images)
+            x = end.orbit.x + (p - end.orbit.p) * slope
+            start = Orbit(x, p, tuple(self.map.at(float(each), p) for each in x))
             away *= GROW
             if not start.defined:
                 continue
@@ -487,7 +490,7 @@ class Jumps:
                 return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
             mark, there = self._beyond(stretch, early)
             if there is None:
-                end = end_at(
+                end = self._lost(stretch) or end_at(
                     PointKind.EP, stretch.end, "the jump ends", mark.cause, PointStatus.OPEN
                 )
                 return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
@@ -532,12 +535,29 @@ class Jumps:
         if stretch.stop is not Stop.LIMIT:
             if stretch.stop is Stop.FOLD:
                 return end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
-            return given_up_or_left(stretch)
+            lost = self._lost(stretch) if stretch.stop in GIVEN_UP else None
+            return lost or given_up_or_left(stretch)
         assert stretch.meeting is not None
         margin = stretch.margins[0]
         border = border_at(self.map, stretch.meeting, margin, self.settings)
         met = collision(self.map, stretch.meeting, margin, border, self.settings)
         return end_of(met, stretch.end)
+
+    def _lost(self, stretch: Stretch) -> End | None:
+        """Where a limit of a jump has no value any more; None if it has one.
+
+        Its orbit goes through more and more pieces before, so that no border is the last: the place
+        is known as well as the nearest orbit beyond that is lost.
+        """
+        end, away = stretch.samples[-1], self.settings.same
+        while away <= self.settings.beside:
+            found = self._at(end, away)
+            reason = "" if found is None or found.jump is None else found.jump.lost
+            if found is not None and reason:
+                lost = end_at(PointKind.FALL, stretch.end, reason, LIMIT_LOST)
+                return replace(lost, precision=abs(found.orbit.p - lost.p))
+            away *= GROW
+        return None
 
     def _closed_early(self, stretch: Stretch) -> _Return | None:
         """Where the orbit of a jump comes back to its own border; None if it does not."""
@@ -579,7 +599,7 @@ class Jumps:
             there = self._beside(end)
         elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
             there = self._restarted(end, border, margin.index)
-        if there is None and margin.index != end.jump.closing.index:
+        if there is None:
             there = self._round_corner(end, meeting, margin)
         return mark, there or self._passed_over(end)
 
@@ -594,10 +614,11 @@ class Jumps:
         return there if there.jump is not None and there.jump.crosses else None
 
     def _passed_over(self, end: Sample) -> Sample | None:
-        """The same jump beyond a place where one of its pieces ends, the nearest there is.
+        """The jump beyond a place where one of its pieces ends, the nearest there is.
 
-        The piece on the other side of the border still defines it there. Infinitely many borders
-        can accumulate at such a place, so the distance grows.
+        The piece on the other side of the border still defines the same jump there, or another jump
+        leaves the corner. Infinitely many borders can accumulate at such a place, so the distance
+        grows.
         """
         assert end.jump is not None
         jump, k = end.jump, end.jump.closing.index
@@ -610,10 +631,34 @@ class Jumps:
         while away <= self.settings.max_step:
             for base in bases:
                 found = self._at(base, away)
-                if found is not None and self._is_good(found):
-                    return found
+                jump_there = None if found is None else found.jump
+                if found is None or jump_there is None:
+                    continue
+                if is_inside(found.orbit, jump_there.closing):
+                    if jump_there.crosses:
+                        return found
+                    bases = []  # it ends here
+                    break
+            found = self._from_corner(end, away) if away <= BLURRED else None
+            if found is not None:
+                return found
             away *= GROW
         return None
+
+    def _from_corner(self, end: Sample, away: float) -> Sample | None:
+        """The other jump where just two meet that cross the diagonal."""
+        corner = float(end.orbit.x[0]), end.orbit.p
+        back = -end.tangent[[0, -1]]
+        found = leaving(self.map, corner, self.order, back, away, self.settings)
+        if len(found) != 2:
+            return None
+        one, other = sorted(found, key=lambda each: float(each.direction @ back))
+        if not float(other.direction @ back) >= SAME_WAY * float(np.linalg.norm(back)):
+            return None
+        along = np.zeros(len(one.head) + 1)
+        along[[0, -1]] = one.direction
+        there = self._sample(one.head, one.closing, along)
+        return there if self._is_good(there) else None
 
     def _round_cycle(self, end: Sample, early: _Return) -> Sample | None:
         """Where jumps meet whose orbits lead to a cycle on a border: the one that goes on.
@@ -660,6 +705,10 @@ def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settin
     image, x = orbit.images[i], float(orbit.x[i])
     side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
     outer, code = beyond(map_, x, orbit.p, side, settings)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = abs(outer.margin(code) / outer.gradient(code)[0])
+    if away > settings.beside * settings.x_scale:
+        code = -1  # the piece that was found beyond does not begin here: there are others between
     return Border(x, orbit.p, image, margin.code, side, outer, code)
 
 
