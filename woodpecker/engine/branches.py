@@ -38,8 +38,10 @@ TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
+MEET = "borders meet, closer than can be resolved"
 FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
 GROW = 10.0  # of a distance from a place where borders accumulate
+TIGHT = 0.01  # of the distance from a border at which a piece is asked for: a corner's first circle
 SAME_WAY = 0.9  # cosine of the angle within which a jump at a corner is the one that led there
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
 LIMIT_LOST = "a limit of the jump is lost"
@@ -286,7 +288,7 @@ class Cycles:
                 here, on = self._end(stretch), (samples[-1],) if passes else ()
                 return Leg(tuple(samples), tuple(marks), here, on, stretch.stop)
             mark, end, there = self._meet(stretch)
-            if end is not None and end.note == NOTHING_BEYOND:
+            if end is not None and end.status is PointStatus.OPEN:
                 there = self._passed_over(stretch)
                 if there is not None:
                     before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
@@ -316,7 +318,8 @@ class Cycles:
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
         if there is None:
-            lost = end_at(PointKind.EP, orbit, NOTHING_BEYOND, border.cause, PointStatus.OPEN)
+            note = NOTHING_BEYOND if border.outer_code >= 0 else PASSED_OVER
+            lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
@@ -480,6 +483,12 @@ class Jumps:
             stretch = self._stepper(last.jump.closing).follow(last, ignored, origin)
             ignored = None
             samples += stretch.samples[1:]
+            if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+                there = self._passed_over(samples[-1])
+                if there is not None:
+                    marks.append(Mark(len(samples) - 1, MEET, BorderKind.SMOOTH))
+                    samples.append(there)
+                    continue
             if stretch.stop not in (Stop.BORDER, Stop.TAIL):
                 following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
                 end = self._end(stretch)
@@ -620,30 +629,32 @@ class Jumps:
         leaves the corner. Infinitely many borders can accumulate at such a place, so the distance
         grows.
         """
-        assert end.jump is not None
-        jump, k = end.jump, end.jump.closing.index
-        bases = [end]
-        if jump.outer_code >= 0:
-            images = (*end.orbit.images[:-1], jump.outer.images[0])
-            head = Orbit(end.orbit.x, end.orbit.p, images)
-            bases.insert(0, self._sample(head, Margin(k, jump.outer_code), end.tangent))
-        away = self.settings.beside
+        away, bases = TIGHT * self.settings.beside, self._bases(end)
         while away <= self.settings.max_step:
-            for base in bases:
-                found = self._at(base, away)
-                jump_there = None if found is None else found.jump
-                if found is None or jump_there is None:
-                    continue
-                if is_inside(found.orbit, jump_there.closing):
-                    if jump_there.crosses:
-                        return found
-                    bases = []  # it ends here
-                    break
             found = self._from_corner(end, away) if away <= BLURRED else None
             if found is not None:
                 return found
+            for base in bases if away >= self.settings.beside else ():
+                found = self._at(base, away)
+                if found is None or found.jump is None:
+                    continue
+                if is_inside(found.orbit, found.jump.closing):
+                    if found.jump.crosses:
+                        return found
+                    bases = []  # it ends here
+                    break
             away *= GROW
         return None
+
+    def _bases(self, end: Sample) -> list[Sample]:
+        """A jump as the pieces on both of its sides define it, that beyond its border first."""
+        assert end.jump is not None
+        jump, k = end.jump, end.jump.closing.index
+        if jump.outer_code < 0:
+            return [end]
+        images = (*end.orbit.images[:-1], jump.outer.images[0])
+        head = Orbit(end.orbit.x, end.orbit.p, images)
+        return [self._sample(head, Margin(k, jump.outer_code), end.tangent), end]
 
     def _from_corner(self, end: Sample, away: float) -> Sample | None:
         """The other jump where just two meet that cross the diagonal."""
