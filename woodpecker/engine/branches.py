@@ -318,6 +318,9 @@ class Cycles:
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
         if there is None:
+            met = collision(self.map, orbit, margin, border, self.settings)
+            if any(note for _, note in met.kinds):  # the jump vanishes just where a cycle meets it
+                return mark, end_of(met, orbit), None
             note = NOTHING_BEYOND if border.outer_code >= 0 else PASSED_OVER
             lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
