@@ -7,6 +7,7 @@ branches of jumps begin, and the other way round, so nothing is searched for the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -29,7 +30,7 @@ from woodpecker.engine.orbits import (
     solve,
     tangent,
 )
-from woodpecker.engine.pieces import Piece, PiecewiseMap
+from woodpecker.engine.pieces import Image, Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import BLURRED, FLIP, Sample, Stepper, Stop, Stretch
 
@@ -43,6 +44,8 @@ FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accu
 GROW = 10.0  # of a distance from a place where borders accumulate
 TIGHT = 0.01  # of the distance from a border at which a piece is asked for: a corner's first circle
 SAME_WAY = 0.9  # cosine of the angle within which a jump at a corner is the one that led there
+ROOTED = 10.0  # times the slope beyond a border, that of a square root next to it is larger
+ALIKE = 1e-7  # distance, scaled, of a border as located from a square root and from beyond it
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
 LIMIT_LOST = "a limit of the jump is lost"
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
@@ -275,6 +278,7 @@ class Cycles:
         while True:
             stretch = self.stepper.follow(samples[-1], ignored, origin)
             ignored = None
+            stretch = self._sharpened(_at_nearest(stretch, self.settings))
             samples += stretch.samples[1:]
             if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
                 there = self._passed_over(stretch)
@@ -330,6 +334,35 @@ class Cycles:
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
 
+    def _sharpened(self, stretch: Stretch) -> Stretch:
+        """A stretch that ends at a square root, with its end as the piece beyond locates it.
+
+        The map is continuous there, and the piece beyond is not steep: it is not rounding of the
+        root that decides.
+        """
+        orbit = stretch.end
+        if stretch.stop is not Stop.BORDER:
+            return stretch
+        margin = stretch.margins[0]
+        i, image = margin.index, orbit.images[margin.index]
+        if abs(image.slope) <= ROOTED:
+            return stretch
+        border = border_at(self.map, orbit, margin, self.settings)
+        kind = border.kind(self.settings)
+        if kind in (BorderKind.JUMP, BorderKind.LOST) or border.outer_code < 0:
+            return stretch
+        if abs(image.slope) <= ROOTED * max(1.0, abs(border.outer.slope)):
+            return stretch
+        beyond_it = Orbit(orbit.x, orbit.p, _replaced(orbit.images, i, border.outer))
+        root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
+        away = np.abs((root.orbit.point - orbit.point) / scales(len(orbit), self.settings)).max()
+        if not (root.converged and away <= ALIKE):
+            return stretch
+        inner = image._replace(value=root.orbit.images[i].value)
+        end = Orbit(root.orbit.x, root.orbit.p, _replaced(root.orbit.images, i, inner))
+        last = replace(stretch.samples[-1], orbit=end)
+        return replace(stretch, samples=(*stretch.samples[:-1], last))
+
     def _passed_over(self, stretch: Stretch) -> Sample | None:
         """The branch beyond a place where borders accumulate, the nearest there is.
 
@@ -351,8 +384,7 @@ class Cycles:
             found = solution.orbit
             aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
             if solution.converged and is_inside(found, Closed()) and aside <= FASTEST * away:
-                along = np.append(found.x - end.orbit.x, p - end.orbit.p)
-                return self.stepper.sample(found, along / scales(len(found), self.settings))
+                return self.stepper.sample(found, sign * np.eye(len(found) + 1)[-1])
         return None
 
     def _halves(self, stretch: Stretch) -> bool:
@@ -374,6 +406,28 @@ class Cycles:
         if self._halves(stretch):  # a branch of doubled period folds where it began
             kind, cause = PointKind.PD, Stop.FLIP.value
         return end_at(kind, stretch.end, cause=cause)
+
+
+def _replaced(images: tuple[Image, ...], i: int, image: Image) -> tuple[Image, ...]:
+    return (*images[:i], image, *images[i + 1 :])
+
+
+def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:
+    """A stretch whose steps have become too short beside a border, as one that ends there."""
+    if stretch.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
+        return stretch
+    found = list[tuple[float, Margin]]()
+    for i, image in enumerate(stretch.end.images):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away = image.margins / np.abs(image.gradients[:, 0])
+        found += [
+            (abs(d), Margin(i, code))
+            for d, code in zip(away.tolist(), image.causes.tolist(), strict=True)
+        ]
+    least, margin = min(found, key=lambda each: each[0], default=(math.inf, None))
+    if margin is None or not least <= settings.same * settings.x_scale:
+        return stretch
+    return replace(stretch, stop=Stop.BORDER, margins=(margin,))
 
 
 def _changes_stability(before: float, kind: BorderKind, after: float) -> bool:

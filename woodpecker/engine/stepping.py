@@ -423,7 +423,8 @@ class Stepper:
         orbit = self._between(a, b, part)
         solution = solve(orbit, (self.closing, margin), self.settings)
         if solution.converged and not self._joins(a, solution.orbit, margin):
-            solution = solve(orbit, (self.closing, self._just_inside(a, margin)), self.settings)
+            inside = self._just_inside(a, margin)
+            solution = solve(a.orbit, (self.closing, inside), self.settings)
             if not self._joins(a, solution.orbit, margin):
                 return None
         if not solution.converged:
