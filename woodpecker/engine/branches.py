@@ -32,7 +32,7 @@ from woodpecker.engine.orbits import (
 )
 from woodpecker.engine.pieces import Image, Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
-from woodpecker.engine.stepping import BLURRED, FLIP, Sample, Stepper, Stop, Stretch
+from woodpecker.engine.stepping import BLURRED, FLIP, RESOLVED, Sample, Stepper, Stop, Stretch
 
 TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
 # distance of a restart it changes by some 1e-4
@@ -44,6 +44,7 @@ FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accu
 GROW = 10.0  # of a distance from a place where borders accumulate
 TIGHT = 0.01  # of the distance from a border at which a piece is asked for: a corner's first circle
 SAME_WAY = 0.9  # cosine of the angle within which a jump at a corner is the one that led there
+HELD = 0.1  # part of a distance from a border by which an orbit moves at most when it is corrected
 ROOTED = 10.0  # times the slope beyond a border, that of a square root next to it is larger
 ALIKE = 1e-7  # distance, scaled, of a border as located from a square root and from beyond it
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
@@ -844,17 +845,25 @@ def restart(
     That is well posed also where the piece beyond begins with a square root. It lies so close to
     the border that no fold or flip is passed that is not one point with the border.
     """
-    images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
-    at_border = Orbit(orbit.x, orbit.p, images).multiplier
+    tiny = border.side * RESOLVED * settings.nearest * settings.x_scale
+    right_beside = border.outer.piece.at(border.x + tiny, border.p)  # at a root only there is one
+    outer = border.outer if right_beside.reason else right_beside  # slope that rounding leaves
+    at_border = Orbit(orbit.x, orbit.p, _replaced(orbit.images, index, outer)).multiplier
     found: Sample | None = None
     away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
     while away >= settings.nearest * settings.x_scale and (found is None or away >= same):
         there = _restarted(orbit, closing, border, index, away, settings)
-        found = there or found
+        if there is not None:  # from here the piece is followed back: at a root it may start badly
+            found, border = there, replace(border, outer=_led_back(there, border, index))
         if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
             return there
         away *= SHRINK
     return found
+
+
+def _led_back(there: Sample, border: Border, index: int) -> Image:
+    """The image of a border beyond, whose piece continues from an orbit that was found there."""
+    return border.outer._replace(piece=there.orbit.images[index].piece)
 
 
 def _sides(multiplier: float) -> tuple[bool, bool]:
@@ -875,15 +884,15 @@ def _restarted(
     margin = Margin(index, border.outer_code, value)
     solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
     found = solution.orbit
-    held = solve(found, (closing, Coordinate(-1, found.p)), settings)  # beside a square root a
-    if held.converged:  # margin cannot be held to the last bit, the parameter can
-        found = held.orbit
+    held = solve(found, (closing, Coordinate(-1, found.p)), settings)
+    moves = np.abs(held.orbit.x - found.x).max()
+    if held.converged and moves <= HELD * away:  # beside a square root a margin cannot be held to
+        found = held.orbit  # the last bit, the parameter can, unless the branch turns round there
     direction = tangent(found, closing, settings)
     if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
         return None
-    gradient = found.images[index].gradient(border.outer_code)
-    rise = float(gradient @ (direction * scales(len(orbit), settings))[[index, -1]])
-    return Sample(found, direction if rise > 0.0 else -direction, rise > 0.0)
+    forward = float(direction @ ((found.point - orbit.point) / scales(len(orbit), settings))) > 0.0
+    return Sample(found, direction if forward else -direction, forward)
 
 
 def is_inside(orbit: Orbit, closing: Condition) -> bool:
