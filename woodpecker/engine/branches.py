@@ -46,7 +46,6 @@ TIGHT = 0.01  # of the distance from a border at which a piece is asked for: a c
 SAME_WAY = 0.9  # cosine of the angle within which a jump at a corner is the one that led there
 HELD = 0.1  # part of a distance from a border by which an orbit moves at most when it is corrected
 ROOTED = 10.0  # times the slope beyond a border, that of a square root next to it is larger
-ALIKE = 1e-7  # distance, scaled, of a border as located from a square root and from beyond it
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
 LIMIT_LOST = "a limit of the jump is lost"
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
@@ -357,7 +356,7 @@ class Cycles:
         beyond_it = Orbit(orbit.x, orbit.p, _replaced(orbit.images, i, border.outer))
         root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
         away = np.abs((root.orbit.point - orbit.point) / scales(len(orbit), self.settings)).max()
-        if not (root.converged and away <= ALIKE):
+        if not (root.converged and away <= self.settings.beside):
             return stretch
         inner = image._replace(value=root.orbit.images[i].value)
         end = Orbit(root.orbit.x, root.orbit.p, _replaced(root.orbit.images, i, inner))
@@ -542,7 +541,7 @@ class Jumps:
             ignored = None
             samples += stretch.samples[1:]
             if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-                there = self._passed_over(samples[-1])
+                there = self._passed_over(samples[-1], narrow=True)
                 if there is not None:
                     marks.append(Mark(len(samples) - 1, MEET, BorderKind.SMOOTH))
                     samples.append(there)
@@ -680,7 +679,7 @@ class Jumps:
         there = self._sample(found.orbit, closing, found.tangent)
         return there if there.jump is not None and there.jump.crosses else None
 
-    def _passed_over(self, end: Sample) -> Sample | None:
+    def _passed_over(self, end: Sample, narrow: bool = False) -> Sample | None:
         """The jump beyond a place where one of its pieces ends, the nearest there is.
 
         The piece on the other side of the border still defines the same jump there, or another jump
@@ -689,7 +688,7 @@ class Jumps:
         """
         away, bases = TIGHT * self.settings.beside, self._bases(end)
         while away <= self.settings.max_step:
-            found = self._from_corner(end, away) if away <= BLURRED else None
+            found = self._from_corner(end, away, narrow) if away <= BLURRED else None
             if found is not None:
                 return found
             for base in bases if away >= self.settings.beside else ():
@@ -714,19 +713,24 @@ class Jumps:
         head = Orbit(end.orbit.x, end.orbit.p, images)
         return [self._sample(head, Margin(k, jump.outer_code), end.tangent), end]
 
-    def _from_corner(self, end: Sample, away: float) -> Sample | None:
-        """The other jump where just two meet that cross the diagonal."""
+    def _from_corner(self, end: Sample, away: float, narrow: bool) -> Sample | None:
+        """The jump that leaves a corner where one has come in; None if that is not clear.
+
+        Where just two meet that cross the diagonal it is the other one. Where the piece between two
+        becomes so narrow that they are no longer told apart, it is the neighbour, which goes back.
+        """
+        back = -end.tangent[[0, -1]] / float(np.linalg.norm(end.tangent[[0, -1]]))
         corner = float(end.orbit.x[0]), end.orbit.p
-        back = -end.tangent[[0, -1]]
         found = leaving(self.map, corner, self.order, back, away, self.settings)
-        if len(found) != 2:
+        found.sort(key=lambda each: float(each.direction @ back), reverse=True)
+        if len(found) < 2 or float(found[0].direction @ back) < SAME_WAY:
             return None
-        one, other = sorted(found, key=lambda each: float(each.direction @ back))
-        if not float(other.direction @ back) >= SAME_WAY * float(np.linalg.norm(back)):
+        other = found[1]
+        if len(found) > 2 and not (narrow and float(other.direction @ back) >= SAME_WAY):
             return None
-        along = np.zeros(len(one.head) + 1)
-        along[[0, -1]] = one.direction
-        there = self._sample(one.head, one.closing, along)
+        along = np.zeros(len(other.head) + 1)
+        along[[0, -1]] = other.direction
+        there = self._sample(other.head, other.closing, along)
         return there if self._is_good(there) else None
 
     def _round_cycle(self, end: Sample, early: _Return) -> Sample | None:
