@@ -20,6 +20,7 @@ from woodpecker.engine.settings import Settings
 SPOKES = 32  # of a circle: sectors narrower than an eighth of a right angle may be missed, but for
 BESIDE = (1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)  # those beside the jump that is known: angles
 # [rad] of more spokes there. A piece that ends in the corner is a wedge of any width
+ASIDE = 0.1  # parts of the radius: how far from its spoke a border may be found
 NARROW = 1e-4  # angle [rad] between two spokes from which the border between them is solved for
 
 
@@ -135,4 +136,6 @@ def _between(
     direction[[0, -1]] = math.cos(one.angle), math.sin(one.angle)
     on_circle = Distance(base, direction, radius, scales(n, settings))
     root = solve(head, (closing, on_circle), settings)
-    return Leaving(root.orbit, closing, direction[[0, -1]]) if root.converged else None
+    off = np.abs((root.orbit.point - head.point) / scales(n, settings))[[0, -1]].max()
+    near = root.converged and off <= ASIDE * radius
+    return Leaving(root.orbit, closing, direction[[0, -1]]) if near else None
