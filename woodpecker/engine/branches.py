@@ -7,6 +7,7 @@ branches of jumps begin, and the other way round, so nothing is searched for the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,6 +17,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.borders import STEEP, Border, BorderKind, beyond
+from woodpecker.engine.corners import leaving
 from woodpecker.engine.jumps import Jump
 from woodpecker.engine.orbits import (
     Closed,
@@ -28,18 +30,24 @@ from woodpecker.engine.orbits import (
     solve,
     tangent,
 )
-from woodpecker.engine.pieces import Piece, PiecewiseMap
+from woodpecker.engine.pieces import Image, Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
-from woodpecker.engine.stepping import FLIP, Sample, Stepper, Stop, Stretch
+from woodpecker.engine.stepping import BLURRED, FLIP, RESOLVED, Sample, Stepper, Stop, Stretch
 
 TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
 # distance of a restart it changes by some 1e-4
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
+MEET = "borders meet, closer than can be resolved"
 FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
 GROW = 10.0  # of a distance from a place where borders accumulate
+TIGHT = 0.01  # of the distance from a border at which a piece is asked for: a corner's first circle
+SAME_WAY = 0.9  # cosine of the angle within which a jump at a corner is the one that led there
+HELD = 0.1  # part of a distance from a border by which an orbit moves at most when it is corrected
+ROOTED = 10.0  # times the slope beyond a border, that of a square root next to it is larger
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
+LIMIT_LOST = "a limit of the jump is lost"
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
@@ -123,7 +131,7 @@ class End:
     p, x
         Parameter, and the points (n,) of the orbit; of a jump the first one only counts.
     precision
-        How well the parameter is located.
+        How well the parameter is located, if that is known already; else 0.
     status
         Whether it is located, or the branch was given up here.
     collision
@@ -270,6 +278,7 @@ class Cycles:
         while True:
             stretch = self.stepper.follow(samples[-1], ignored, origin)
             ignored = None
+            stretch = self._sharpened(_at_nearest(stretch, self.settings))
             samples += stretch.samples[1:]
             if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
                 there = self._passed_over(stretch)
@@ -283,7 +292,7 @@ class Cycles:
                 here, on = self._end(stretch), (samples[-1],) if passes else ()
                 return Leg(tuple(samples), tuple(marks), here, on, stretch.stop)
             mark, end, there = self._meet(stretch)
-            if end is not None and end.note == NOTHING_BEYOND:
+            if end is not None and end.status is PointStatus.OPEN:
                 there = self._passed_over(stretch)
                 if there is not None:
                     before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
@@ -313,13 +322,46 @@ class Cycles:
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
         if there is None:
-            lost = end_at(PointKind.EP, orbit, NOTHING_BEYOND, border.cause, PointStatus.OPEN)
+            met = collision(self.map, orbit, margin, border, self.settings)
+            if any(note for _, note in met.kinds):  # the jump vanishes just where a cycle meets it
+                return mark, end_of(met, orbit), None
+            note = NOTHING_BEYOND if border.outer_code >= 0 else PASSED_OVER
+            lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
         if last.tangent[-1] * there.tangent[-1] < 0.0:
             return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
         if _changes_stability(orbit.multiplier, kind, there.orbit.multiplier):
             return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
         return mark, None, there
+
+    def _sharpened(self, stretch: Stretch) -> Stretch:
+        """A stretch that ends at a square root, with its end as the piece beyond locates it.
+
+        The map is continuous there, and the piece beyond is not steep: it is not rounding of the
+        root that decides.
+        """
+        orbit = stretch.end
+        if stretch.stop is not Stop.BORDER:
+            return stretch
+        margin = stretch.margins[0]
+        i, image = margin.index, orbit.images[margin.index]
+        if abs(image.slope) <= ROOTED:
+            return stretch
+        border = border_at(self.map, orbit, margin, self.settings)
+        kind = border.kind(self.settings)
+        if kind in (BorderKind.JUMP, BorderKind.LOST) or border.outer_code < 0:
+            return stretch
+        if abs(image.slope) <= ROOTED * max(1.0, abs(border.outer.slope)):
+            return stretch
+        beyond_it = Orbit(orbit.x, orbit.p, _replaced(orbit.images, i, border.outer))
+        root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
+        away = np.abs((root.orbit.point - orbit.point) / scales(len(orbit), self.settings)).max()
+        if not (root.converged and away <= self.settings.beside):
+            return stretch
+        inner = image._replace(value=root.orbit.images[i].value)
+        end = Orbit(root.orbit.x, root.orbit.p, _replaced(root.orbit.images, i, inner))
+        last = replace(stretch.samples[-1], orbit=end)
+        return replace(stretch, samples=(*stretch.samples[:-1], last))
 
     def _passed_over(self, stretch: Stretch) -> Sample | None:
         """The branch beyond a place where borders accumulate, the nearest there is.
@@ -330,11 +372,11 @@ class Cycles:
         x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
         sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
         away, limit = self.settings.same, high if sign > 0.0 else low
-        p = end.orbit.p
+        p, slope = end.orbit.p, end.tangent[:-1] * x_scale / (end.tangent[-1] * p_scale)
         while away <= self.settings.max_step and p != limit:
             p = min(max(end.orbit.p + sign * away * p_scale, low), high)
-            images = tuple(self.map.at(float(x), p) for x in end.orbit.x)
-            start = Orbit(end.orbit.x, p, images)
+            x = end.orbit.x + (p - end.orbit.p) * slope
+            start = Orbit(x, p, tuple(self.map.at(float(each), p) for each in x))
             away *= GROW
             if not start.defined:
                 continue
@@ -342,8 +384,7 @@ class Cycles:
             found = solution.orbit
             aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
             if solution.converged and is_inside(found, Closed()) and aside <= FASTEST * away:
-                along = np.append(found.x - end.orbit.x, p - end.orbit.p)
-                return self.stepper.sample(found, along / scales(len(found), self.settings))
+                return self.stepper.sample(found, sign * np.eye(len(found) + 1)[-1])
         return None
 
     def _halves(self, stretch: Stretch) -> bool:
@@ -365,6 +406,28 @@ class Cycles:
         if self._halves(stretch):  # a branch of doubled period folds where it began
             kind, cause = PointKind.PD, Stop.FLIP.value
         return end_at(kind, stretch.end, cause=cause)
+
+
+def _replaced(images: tuple[Image, ...], i: int, image: Image) -> tuple[Image, ...]:
+    return (*images[:i], image, *images[i + 1 :])
+
+
+def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:
+    """A stretch whose steps have become too short beside a border, as one that ends there."""
+    if stretch.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
+        return stretch
+    found = list[tuple[float, Margin]]()
+    for i, image in enumerate(stretch.end.images):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away = image.margins / np.abs(image.gradients[:, 0])
+        found += [
+            (abs(d), Margin(i, code))
+            for d, code in zip(away.tolist(), image.causes.tolist(), strict=True)
+        ]
+    least, margin = min(found, key=lambda each: each[0], default=(math.inf, None))
+    if margin is None or not least <= settings.same * settings.x_scale:
+        return stretch
+    return replace(stretch, stop=Stop.BORDER, margins=(margin,))
 
 
 def _changes_stability(before: float, kind: BorderKind, after: float) -> bool:
@@ -477,6 +540,12 @@ class Jumps:
             stretch = self._stepper(last.jump.closing).follow(last, ignored, origin)
             ignored = None
             samples += stretch.samples[1:]
+            if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+                there = self._passed_over(samples[-1], narrow=True)
+                if there is not None:
+                    marks.append(Mark(len(samples) - 1, MEET, BorderKind.SMOOTH))
+                    samples.append(there)
+                    continue
             if stretch.stop not in (Stop.BORDER, Stop.TAIL):
                 following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
                 end = self._end(stretch)
@@ -487,7 +556,7 @@ class Jumps:
                 return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
             mark, there = self._beyond(stretch, early)
             if there is None:
-                end = end_at(
+                end = self._lost(stretch) or end_at(
                     PointKind.EP, stretch.end, "the jump ends", mark.cause, PointStatus.OPEN
                 )
                 return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
@@ -532,12 +601,29 @@ class Jumps:
         if stretch.stop is not Stop.LIMIT:
             if stretch.stop is Stop.FOLD:
                 return end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
-            return given_up_or_left(stretch)
+            lost = self._lost(stretch) if stretch.stop in GIVEN_UP else None
+            return lost or given_up_or_left(stretch)
         assert stretch.meeting is not None
         margin = stretch.margins[0]
         border = border_at(self.map, stretch.meeting, margin, self.settings)
         met = collision(self.map, stretch.meeting, margin, border, self.settings)
         return end_of(met, stretch.end)
+
+    def _lost(self, stretch: Stretch) -> End | None:
+        """Where a limit of a jump has no value any more; None if it has one.
+
+        Its orbit goes through more and more pieces before, so that no border is the last: the place
+        is known as well as the nearest orbit beyond that is lost.
+        """
+        end, away = stretch.samples[-1], self.settings.same
+        while away <= self.settings.beside:
+            found = self._at(end, away)
+            reason = "" if found is None or found.jump is None else found.jump.lost
+            if found is not None and reason:
+                lost = end_at(PointKind.FALL, stretch.end, reason, LIMIT_LOST)
+                return replace(lost, precision=abs(found.orbit.p - lost.p))
+            away *= GROW
+        return None
 
     def _closed_early(self, stretch: Stretch) -> _Return | None:
         """Where the orbit of a jump comes back to its own border; None if it does not."""
@@ -579,7 +665,7 @@ class Jumps:
             there = self._beside(end)
         elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
             there = self._restarted(end, border, margin.index)
-        if there is None and margin.index != end.jump.closing.index:
+        if there is None:
             there = self._round_corner(end, meeting, margin)
         return mark, there or self._passed_over(end)
 
@@ -593,27 +679,59 @@ class Jumps:
         there = self._sample(found.orbit, closing, found.tangent)
         return there if there.jump is not None and there.jump.crosses else None
 
-    def _passed_over(self, end: Sample) -> Sample | None:
-        """The same jump beyond a place where one of its pieces ends, the nearest there is.
+    def _passed_over(self, end: Sample, narrow: bool = False) -> Sample | None:
+        """The jump beyond a place where one of its pieces ends, the nearest there is.
 
-        The piece on the other side of the border still defines it there. Infinitely many borders
-        can accumulate at such a place, so the distance grows.
+        The piece on the other side of the border still defines the same jump there, or another jump
+        leaves the corner. Infinitely many borders can accumulate at such a place, so the distance
+        grows.
         """
-        assert end.jump is not None
-        jump, k = end.jump, end.jump.closing.index
-        bases = [end]
-        if jump.outer_code >= 0:
-            images = (*end.orbit.images[:-1], jump.outer.images[0])
-            head = Orbit(end.orbit.x, end.orbit.p, images)
-            bases.insert(0, self._sample(head, Margin(k, jump.outer_code), end.tangent))
-        away = self.settings.beside
+        away, bases = TIGHT * self.settings.beside, self._bases(end)
         while away <= self.settings.max_step:
-            for base in bases:
+            found = self._from_corner(end, away, narrow) if away <= BLURRED else None
+            if found is not None:
+                return found
+            for base in bases if away >= self.settings.beside else ():
                 found = self._at(base, away)
-                if found is not None and self._is_good(found):
-                    return found
+                if found is None or found.jump is None:
+                    continue
+                if is_inside(found.orbit, found.jump.closing):
+                    if found.jump.crosses:
+                        return found
+                    bases = []  # it ends here
+                    break
             away *= GROW
         return None
+
+    def _bases(self, end: Sample) -> list[Sample]:
+        """A jump as the pieces on both of its sides define it, that beyond its border first."""
+        assert end.jump is not None
+        jump, k = end.jump, end.jump.closing.index
+        if jump.outer_code < 0:
+            return [end]
+        images = (*end.orbit.images[:-1], jump.outer.images[0])
+        head = Orbit(end.orbit.x, end.orbit.p, images)
+        return [self._sample(head, Margin(k, jump.outer_code), end.tangent), end]
+
+    def _from_corner(self, end: Sample, away: float, narrow: bool) -> Sample | None:
+        """The jump that leaves a corner where one has come in; None if that is not clear.
+
+        Where just two meet that cross the diagonal it is the other one. Where the piece between two
+        becomes so narrow that they are no longer told apart, it is the neighbour, which goes back.
+        """
+        back = -end.tangent[[0, -1]] / float(np.linalg.norm(end.tangent[[0, -1]]))
+        corner = float(end.orbit.x[0]), end.orbit.p
+        found = leaving(self.map, corner, self.order, back, away, self.settings)
+        found.sort(key=lambda each: float(each.direction @ back), reverse=True)
+        if len(found) < 2 or float(found[0].direction @ back) < SAME_WAY:
+            return None
+        other = found[1]
+        if len(found) > 2 and not (narrow and float(other.direction @ back) >= SAME_WAY):
+            return None
+        along = np.zeros(len(other.head) + 1)
+        along[[0, -1]] = other.direction
+        there = self._sample(other.head, other.closing, along)
+        return there if self._is_good(there) else None
 
     def _round_cycle(self, end: Sample, early: _Return) -> Sample | None:
         """Where jumps meet whose orbits lead to a cycle on a border: the one that goes on.
@@ -660,6 +778,10 @@ def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settin
     image, x = orbit.images[i], float(orbit.x[i])
     side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
     outer, code = beyond(map_, x, orbit.p, side, settings)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = abs(outer.margin(code) / outer.gradient(code)[0])
+    if away > settings.beside * settings.x_scale:
+        code = -1  # the piece that was found beyond does not begin here: there are others between
     return Border(x, orbit.p, image, margin.code, side, outer, code)
 
 
@@ -727,17 +849,25 @@ def restart(
     That is well posed also where the piece beyond begins with a square root. It lies so close to
     the border that no fold or flip is passed that is not one point with the border.
     """
-    images = (*orbit.images[:index], border.outer, *orbit.images[index + 1 :])
-    at_border = Orbit(orbit.x, orbit.p, images).multiplier
+    tiny = border.side * RESOLVED * settings.nearest * settings.x_scale
+    right_beside = border.outer.piece.at(border.x + tiny, border.p)  # at a root only there is one
+    outer = border.outer if right_beside.reason else right_beside  # slope that rounding leaves
+    at_border = Orbit(orbit.x, orbit.p, _replaced(orbit.images, index, outer)).multiplier
     found: Sample | None = None
     away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
     while away >= settings.nearest * settings.x_scale and (found is None or away >= same):
         there = _restarted(orbit, closing, border, index, away, settings)
-        found = there or found
+        if there is not None:  # from here the piece is followed back: at a root it may start badly
+            found, border = there, replace(border, outer=_led_back(there, border, index))
         if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
             return there
         away *= SHRINK
     return found
+
+
+def _led_back(there: Sample, border: Border, index: int) -> Image:
+    """The image of a border beyond, whose piece continues from an orbit that was found there."""
+    return border.outer._replace(piece=there.orbit.images[index].piece)
 
 
 def _sides(multiplier: float) -> tuple[bool, bool]:
@@ -758,15 +888,15 @@ def _restarted(
     margin = Margin(index, border.outer_code, value)
     solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
     found = solution.orbit
-    held = solve(found, (closing, Coordinate(-1, found.p)), settings)  # beside a square root a
-    if held.converged:  # margin cannot be held to the last bit, the parameter can
-        found = held.orbit
+    held = solve(found, (closing, Coordinate(-1, found.p)), settings)
+    moves = np.abs(held.orbit.x - found.x).max()
+    if held.converged and moves <= HELD * away:  # beside a square root a margin cannot be held to
+        found = held.orbit  # the last bit, the parameter can, unless the branch turns round there
     direction = tangent(found, closing, settings)
     if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
         return None
-    gradient = found.images[index].gradient(border.outer_code)
-    rise = float(gradient @ (direction * scales(len(orbit), settings))[[index, -1]])
-    return Sample(found, direction if rise > 0.0 else -direction, rise > 0.0)
+    forward = float(direction @ ((found.point - orbit.point) / scales(len(orbit), settings))) > 0.0
+    return Sample(found, direction if forward else -direction, forward)
 
 
 def is_inside(orbit: Orbit, closing: Condition) -> bool:

@@ -96,6 +96,11 @@ class Jump:
         return one * other < 0.0
 
     @property
+    def lost(self) -> str:
+        """Why it has only one limit; empty if it has both."""
+        return self.inner.images[-1].reason or self.outer.images[-1].reason
+
+    @property
     def inner_side(self) -> int:
         """On which side of x_0 the inner limit is."""
         side = math.copysign(1.0, self.head.images[-1].gradient(self.closing.code)[0])

@@ -49,6 +49,8 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
     """
     if end.status is PointStatus.OPEN:
         return math.inf
+    if end.precision > 0.0:
+        return end.precision
     least = settings.converged * settings.p_scale
     if end.collision is not None:
         return max(least, _blurred(end.collision, settings))

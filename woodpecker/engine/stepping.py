@@ -20,6 +20,7 @@ from woodpecker.engine.borders import THIN
 from woodpecker.engine.jumps import Jump, jump_of
 from woodpecker.engine.margins import depth, lowest_dip
 from woodpecker.engine.orbits import (
+    NOISE,
     Closed,
     Condition,
     Coordinate,
@@ -33,7 +34,7 @@ from woodpecker.engine.orbits import (
     solve,
     tangent,
 )
-from woodpecker.engine.pieces import PiecewiseMap
+from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settings import Settings
 
 
@@ -134,6 +135,7 @@ BLURRED = 1e-4  # a step on which a limit may change its pieces without a border
 # are infinitely many in such places
 
 RESOLVED = 100.0  # times the smallest distance from a border: there slopes have some digits left
+ROOT = 4.0  # times its slope at a distance, a square root rises by at most half as much over it
 FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
 NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
 
@@ -331,10 +333,16 @@ class Stepper:
         """Whether the map takes the pieces of an orbit, except at the end of a border orbit."""
         points = zip(orbit.x.tolist(), orbit.images, strict=True)
         return all(
-            self.map.at(x, orbit.p).piece.key == image.piece.key
+            self._is_taken(x, orbit.p, image)
             for i, (x, image) in enumerate(points)
             if not self._on_border(i)
         )
+
+    def _is_taken(self, x: float, p: float, image: Image) -> bool:
+        """Whether the map takes the piece of an image, and the same of its solutions."""
+        there = self.map.at(x, p)
+        slack = self.settings.same * self.settings.x_scale * max(1.0, abs(image.slope))
+        return there.piece.key == image.piece.key and not abs(there.value - image.value) > slack
 
     def _on_border(self, i: int) -> bool:
         return isinstance(self.closing, Margin) and self.closing.index == i
@@ -420,10 +428,35 @@ class Stepper:
         part = before / (before - after)
         orbit = self._between(a, b, part)
         solution = solve(orbit, (self.closing, margin), self.settings)
+        if solution.converged and not self._joins(a, solution.orbit, margin):
+            inside = self._just_inside(a, margin)
+            solution = solve(a.orbit, (self.closing, inside), self.settings)
+            if not self._joins(a, solution.orbit, margin):
+                return None
         if not solution.converged:
             return None
         softened = self._softened(solution.orbit, margin)
         return self._event(a, step, Stop.BORDER, softened, (margin,))
+
+    def _joins(self, a: Sample, orbit: Orbit, margin: Margin) -> bool:
+        """Whether a piece has the same value at a border as right inside of it.
+
+        Where two of its solutions meet at the border, as at a square root, rounding may lead to the
+        other one there.
+        """
+        i, image = margin.index, orbit.images[margin.index]
+        side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
+        away = RESOLVED * self.settings.nearest * self.settings.x_scale
+        there = a.orbit.images[i].piece.at(float(orbit.x[i]) - side * away, orbit.p)
+        rise = ROOT * away * max(abs(there.slope), abs(image.slope))
+        slack = rise + self.settings.same * self.settings.x_scale
+        return bool(there.reason) or not abs(there.value - image.value) > slack
+
+    def _just_inside(self, a: Sample, margin: Margin) -> Margin:
+        """A margin that is positive, by more than its rounding."""
+        gradient = np.abs(a.orbit.images[margin.index].gradient(margin.code))
+        size = gradient @ [self.settings.x_scale, self.settings.p_scale]
+        return replace(margin, value=NOISE * 2.0**-52 * float(size))
 
     def _softened(self, orbit: Orbit, margin: Margin) -> Orbit:
         """An orbit at a border, with the slopes right beside it if those at it are others.
