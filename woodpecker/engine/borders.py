@@ -62,7 +62,7 @@ class Border:
             return BorderKind.LOST
         one, other = self.inner.slope, self.outer.slope
         steepest = max([abs(slope) for slope in (one, other) if math.isfinite(slope)], default=0.0)
-        same = max(settings.jump, settings.nearest * steepest)  # x itself is no closer to the border
+        same = max(settings.jump, settings.nearest * steepest)  # as close as x is to the border
         if abs(self.jump) > same * settings.x_scale:
             return BorderKind.JUMP
         if not (abs(one) < STEEP and abs(other) < STEEP):
