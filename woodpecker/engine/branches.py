@@ -295,6 +295,7 @@ class Cycles:
             if end is not None and end.status is PointStatus.OPEN:
                 there = self._passed_over(stretch)
                 if there is not None:
+                    mark = replace(mark, cause=f"{mark.cause}: {PASSED_OVER}")
                     before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
                     changes = _changes_stability(before, mark.kind, after)
                     persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
@@ -780,7 +781,7 @@ def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settin
     outer, code = beyond(map_, x, orbit.p, side, settings)
     with np.errstate(divide="ignore", invalid="ignore"):
         away = abs(outer.margin(code) / outer.gradient(code)[0])
-    if away > settings.beside * settings.x_scale:
+    if away > settings.same * settings.x_scale:
         code = -1  # the piece that was found beyond does not begin here: there are others between
     return Border(x, orbit.p, image, margin.code, side, outer, code)
 
