@@ -16,6 +16,7 @@ from woodpecker.engine.iterates import Iterate
 from woodpecker.engine.local import LocalModel, Start, local_model
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
+from woodpecker.engine.stepping import BranchState
 from woodpecker.engine.symbolic import from_pwmap, from_sympy
 from woodpecker.engine.windows import borders_in, crosses, nearest_border
 from woodpecker.mechanics.equations import (
@@ -64,6 +65,7 @@ from woodpecker.toypieces import ToyPieces
 __all__ = [
     "Border",
     "BorderKind",
+    "BranchState",
     "Cycle",
     "EnergyBalance",
     "Equilibrium",

@@ -20,6 +20,7 @@ from woodpecker.engine.network import Network
 from woodpecker.engine.orbits import Closed, Coordinate, Orbit, orbit_of, solve
 from woodpecker.engine.search import Explorer, Stage
 from woodpecker.engine.settings import Settings
+from woodpecker.engine.stepping import StopRule
 from woodpecker.engine.tasks import Tasks, Worker
 from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.shooting import PeriodicOrbit
@@ -40,6 +41,7 @@ def continuation(
     span: tuple[float, float] = (0.0, 1.0),
     *,
     settings: Settings | None = None,
+    stop: StopRule | None = None,
     progress: Callable[[Stage], None] | None = None,
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
@@ -59,12 +61,18 @@ def continuation(
     settings
         Steps, window and tolerances, a :class:`woodpecker.engine.settings.Settings`; the span is
         taken from ``span``. By default the window is (-2.5, -0.24) rad.
+    stop
+        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``. It is asked
+        at every sample, with a :class:`woodpecker.BranchState`; where it comes to be true the
+        branch ends (EP, "stopped as asked"), a place that is bracketed to rounding, and nothing
+        that begins beyond is followed.
     progress
         Called with every branch that is finished.
     run
         A file that keeps every finished branch, so that an interrupted run can go on.
     resume
-        Go on with the run in that file.
+        Go on with the run in that file. It does not keep ``stop``: a rule that is wanted is given
+        again.
 
     Returns
     -------
@@ -97,7 +105,7 @@ def continuation(
     about = {SPAN: wanted} | _about(toy, parameter, chosen) | {START: orbit.points}
     with _record(run, about, resume) as record:
         explorer = Explorer(
-            Serial(Worker(map_, chosen)), chosen, (len(start),), progress or _nothing, record
+            Serial(Worker(map_, chosen, stop)), chosen, (len(start),), progress or _nothing, record
         )
         if record is not None and record.entries:
             assert run is not None

@@ -32,7 +32,16 @@ from woodpecker.engine.orbits import (
 )
 from woodpecker.engine.pieces import Image, Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
-from woodpecker.engine.stepping import BLURRED, FLIP, RESOLVED, Sample, Stepper, Stop, Stretch
+from woodpecker.engine.stepping import (
+    BLURRED,
+    FLIP,
+    RESOLVED,
+    Sample,
+    Stepper,
+    Stop,
+    StopRule,
+    Stretch,
+)
 
 TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
 # distance of a restart it changes by some 1e-4
@@ -248,11 +257,15 @@ class Cycles:
     ----------
     map_, settings
         The map, and how to follow it.
+    stop
+        Whether to end somewhere, if anybody asks for it.
     """
 
-    def __init__(self, map_: PiecewiseMap, settings: Settings) -> None:
+    def __init__(
+        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
+    ) -> None:
         self.map, self.settings = map_, settings
-        self.stepper = Stepper(map_, Closed(), settings, [FLIP])
+        self.stepper = Stepper(map_, Closed(), settings, [FLIP], stop=stop)
 
     def through(self, orbit: Orbit) -> list[Curve]:
         """The branch through a cycle, both ways, with those that continue it."""
@@ -489,10 +502,14 @@ class Jumps:
     ----------
     map_, order, settings
         The map, the iterate, and how to follow them.
+    stop
+        Whether to end somewhere, if anybody asks for it.
     """
 
-    def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
-        self.map, self.order, self.settings = map_, order, settings
+    def __init__(
+        self, map_: PiecewiseMap, order: int, settings: Settings, stop: StopRule | None = None
+    ) -> None:
+        self.map, self.order, self.settings, self.stop = map_, order, settings, stop
 
     def through(self, head: Orbit, closing: Margin) -> list[Curve]:
         """The branch of jumps through a border orbit, both ways, with those that continue it."""
@@ -565,7 +582,7 @@ class Jumps:
             samples.append(there)
 
     def _stepper(self, closing: Margin) -> Stepper:
-        return Stepper(self.map, closing, self.settings, order=self.order)
+        return Stepper(self.map, closing, self.settings, order=self.order, stop=self.stop)
 
     def _sample(self, head: Orbit, closing: Margin, along: Floats | None = None) -> Sample:
         forward = np.eye(len(head) + 1)[-1] if along is None else along
