@@ -58,7 +58,7 @@ from woodpecker.simulation.trajectory import (
     simulate,
 )
 from woodpecker.simulation.words import EventKind
-from woodpecker.solutions import OnBranch, solutions
+from woodpecker.solutions import OnBranch, observables, solutions
 from woodpecker.toymaps import toy_map, toy_samples
 from woodpecker.toypieces import ToyPieces
 
@@ -130,6 +130,7 @@ __all__ = [
     "jam_limit",
     "local_model",
     "nearest_border",
+    "observables",
     "orbit_diagram",
     "parameters",
     "partition",
