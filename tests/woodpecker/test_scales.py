@@ -94,6 +94,22 @@ def test_the_diagram_is_the_same_in_other_units(name: str, units: str) -> None:
 
 @NEEDS_NUMBA
 @pytest.mark.slow
+@pytest.mark.parametrize("name", ["m_m", "m_s", "r_0", "r_m", "h_s", "l_s", "c_phi"])
+def test_points_lie_within_their_precision(name: str) -> None:
+    """What other units, other rounding, move is less than what points say of themselves."""
+    toy = Toy()
+    found = []
+    for each in (toy, in_units(toy, *UNITS["heavier"])):
+        unit = getattr(each, name)
+        points = [p for p in over(each, name).points if p.kind is not PointKind.EP]
+        found.append(sorted((p.kind, p.parameter / unit, p.precision / unit) for p in points))
+    assert len(found[0]) == len(found[1]) > 0
+    for (_, one, off), (_, other, also) in zip(*found, strict=True):
+        assert abs(one - other) <= off + also < 1e-11
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
 @pytest.mark.parametrize("units", UNITS)
 def test_the_main_job_is_the_same_in_other_units(units: str) -> None:
     toy = Toy()

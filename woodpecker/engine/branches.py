@@ -25,6 +25,7 @@ from woodpecker.engine.orbits import (
     Coordinate,
     Margin,
     Orbit,
+    blurred,
     minimal_period,
     scales,
     solve,
@@ -342,11 +343,19 @@ class Cycles:
             note = NOTHING_BEYOND if border.outer_code >= 0 else PASSED_OVER
             lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
-        if last.tangent[-1] * there.tangent[-1] < 0.0:
-            return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
-        if _changes_stability(orbit.multiplier, kind, there.orbit.multiplier):
-            return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
+        note = "fold" if last.tangent[-1] * there.tangent[-1] < 0.0 else "persistence"
+        if note == "fold" or _changes_stability(orbit.multiplier, kind, there.orbit.multiplier):
+            end = end_at(PointKind.BC, orbit, note, border.cause)
+            return mark, replace(end, precision=self._blur(orbit, border, margin)), there
         return mark, None, there
+
+    def _blur(self, orbit: Orbit, border: Border, margin: Margin) -> float:
+        """How well a border is located, by the piece on that side on which it is less steep."""
+        i = margin.index
+        outer = Orbit(orbit.x, orbit.p, _replaced(orbit.images, i, border.outer))
+        if abs(border.outer.slope) < abs(orbit.images[i].slope):
+            orbit, margin = outer, Margin(i, border.outer_code)
+        return located_to(orbit, (Closed(), margin), self.settings)
 
     def _sharpened(self, stretch: Stretch) -> Stretch:
         """A stretch that ends at a square root, with its end as the piece beyond locates it.
@@ -415,11 +424,12 @@ class Cycles:
         }  # fmt: skip
         kind = kinds.get(stretch.stop, PointKind.EP)
         if kind is PointKind.EP:
-            return given_up_or_left(stretch)
+            return given_up_or_left(stretch, self.settings)
         cause = stretch.stop.value
         if self._halves(stretch):  # a branch of doubled period folds where it began
             kind, cause = PointKind.PD, Stop.FLIP.value
-        return end_at(kind, stretch.end, cause=cause)
+        end = end_at(kind, stretch.end, cause=cause)
+        return folded(end, stretch.end, Closed(), self.settings) if kind is PointKind.LP else end
 
 
 def _replaced(images: tuple[Image, ...], i: int, image: Image) -> tuple[Image, ...]:
@@ -618,9 +628,11 @@ class Jumps:
     def _end(self, stretch: Stretch) -> End:
         if stretch.stop is not Stop.LIMIT:
             if stretch.stop is Stop.FOLD:
-                return end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
+                end = end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
+                closing = self._closing_of(stretch)
+                return folded(end, stretch.end, closing, self.settings)
             lost = self._lost(stretch) if stretch.stop in GIVEN_UP else None
-            return lost or given_up_or_left(stretch)
+            return lost or given_up_or_left(stretch, self.settings)
         assert stretch.meeting is not None
         margin = stretch.margins[0]
         border = border_at(self.map, stretch.meeting, margin, self.settings)
@@ -642,6 +654,12 @@ class Jumps:
                 return replace(lost, precision=abs(found.orbit.p - lost.p))
             away *= GROW
         return None
+
+    @staticmethod
+    def _closing_of(stretch: Stretch) -> Margin:
+        jump = stretch.samples[-1].jump
+        assert jump is not None
+        return jump.closing
 
     def _closed_early(self, stretch: Stretch) -> _Return | None:
         """Where the orbit of a jump comes back to its own border; None if it does not."""
@@ -846,11 +864,28 @@ def end_at(
     return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=cause, status=status)
 
 
-def given_up_or_left(stretch: Stretch) -> End:
+def located_to(orbit: Orbit, conditions: tuple[Condition, Condition], settings: Settings) -> float:
+    """How well the parameter of an orbit is known that obeys two conditions."""
+    return max(blurred(orbit, conditions, settings), settings.converged * settings.p_scale)
+
+
+def folded(end: End, orbit: Orbit, closing: Condition, settings: Settings) -> End:
+    """A fold with its precision: an error of x changes its parameter by the square only."""
+    held = Coordinate(0, float(orbit.x[0]))
+    return replace(end, precision=located_to(orbit, (closing, held), settings))
+
+
+def given_up_or_left(stretch: Stretch, settings: Settings) -> End:
     """Where a branch leaves the span or the window, closes, or was given up."""
     status = PointStatus.OPEN if stretch.stop in GIVEN_UP else PointStatus.LOCATED
-    stop = stretch.stop.value
-    return end_at(PointKind.EP, stretch.end, stop, stop, status)
+    stop, orbit, jump = stretch.stop.value, stretch.end, stretch.samples[-1].jump
+    end = end_at(PointKind.EP, orbit, stop, stop, status)
+    if stretch.stop is not Stop.WINDOW:
+        return end
+    closing = Closed() if jump is None else jump.closing
+    i = int(np.argmin(np.min([np.abs(orbit.x - limit) for limit in settings.window], axis=0)))
+    conditions = (closing, Coordinate(i, float(orbit.x[i])))
+    return replace(end, precision=located_to(orbit, conditions, settings))
 
 
 def end_of(met: Collision, orbit: Orbit) -> End:
