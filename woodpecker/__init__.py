@@ -13,6 +13,7 @@ from woodpecker.engine.search import Search, Seen, Stage
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.engine.slices import Slice, slices_at
+from woodpecker.engine.stepping import BranchState
 from woodpecker.engine.symbolic import from_pwmap, from_sympy
 from woodpecker.engine.windows import borders_in, crosses, nearest_border
 from woodpecker.mechanics.equations import (
@@ -37,12 +38,13 @@ from woodpecker.simulation.trajectory import (
     simulate,
 )
 from woodpecker.simulation.words import EventKind
-from woodpecker.solutions import OnBranch, solutions
+from woodpecker.solutions import OnBranch, observables, solutions
 from woodpecker.toypieces import ToyPieces
 
 __all__ = [
     "Border",
     "BorderKind",
+    "BranchState",
     "EnergyBalance",
     "Equilibrium",
     "Event",
@@ -93,6 +95,7 @@ __all__ = [
     "jam_limit",
     "local_model",
     "nearest_border",
+    "observables",
     "orbit_diagram",
     "parameters",
     "return_map",

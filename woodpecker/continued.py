@@ -14,6 +14,7 @@ from woodpecker.engine.diagrams import cycle_near, restored
 from woodpecker.engine.orbits import Orbit
 from woodpecker.engine.search import Explorer, Progress
 from woodpecker.engine.settings import Settings
+from woodpecker.engine.stepping import StopRule
 from woodpecker.engine.tasks import Worker
 from woodpecker.mechanics.toy import Toy
 from woodpecker.runs import AT, about, finished, nothing, possible, recorded, settings_for
@@ -31,6 +32,7 @@ def continuation(
     span: tuple[float, float] = (0.0, 1.0),
     *,
     settings: Settings | None = None,
+    stop: StopRule | None = None,
     progress: Progress | None = None,
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
@@ -50,12 +52,18 @@ def continuation(
     settings
         Steps, window and tolerances; the span is taken from ``span``. By default the window is
         (-2.5, -0.24) rad.
+    stop
+        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``. It is asked
+        at every sample, with a :class:`woodpecker.BranchState`; where it comes to be true the
+        branch ends (EP, "stopped as asked"), a place that is bracketed to rounding, and nothing
+        that begins beyond is followed.
     progress
         Called with every branch that is finished.
     run
         A file that keeps every finished branch, so that an interrupted run can go on.
     resume
-        Go on with the run in that file.
+        Go on with the run in that file. It does not keep ``stop``: a rule that is wanted is given
+        again.
 
     Returns
     -------
@@ -85,7 +93,7 @@ def continuation(
     run_of = about(toy, parameter, chosen, wanted) | {AT: p, START: orbit.points}
     with recorded(run, run_of, resume) as record:
         explorer = Explorer(
-            Serial(Worker(map_, chosen)), chosen, (len(start),), progress or nothing, record
+            Serial(Worker(map_, chosen, stop)), chosen, (len(start),), progress or nothing, record
         )
         if record is not None and record.entries:
             restored(explorer, record, map_)

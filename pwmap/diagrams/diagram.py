@@ -138,6 +138,8 @@ class Branch:
         the border of two pieces has another slope on the other side. None if the multiplier does.
     words
         Its stretches in order, by default one; the first has ``word``.
+    columns
+        What else was observed at each sample, arrays (n,) by name.
     """
 
     id: str
@@ -151,6 +153,7 @@ class Branch:
     exact: Mapping[str, object] = field(default_factory=dict)
     attracts: bool | None = None
     words: tuple[Stretch, ...] = ()
+    columns: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.id or ":" in self.id:
@@ -176,6 +179,14 @@ class Branch:
                 f"the first stretch must have the word {self.word!r}, got {words[0].word!r}"
             )
         object.__setattr__(self, "words", words)
+        columns = {name: _locked(values, float) for name, values in self.columns.items()}
+        for name, values in columns.items():
+            if len(values) != len(self):
+                raise ValueError(
+                    f"column {name!r} must have a value for each of {len(self)} samples, "
+                    f"got {len(values)}"
+                )
+        object.__setattr__(self, "columns", columns)
 
     @property
     def changes(self) -> tuple[Stretch, ...]:

@@ -18,8 +18,10 @@ FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json")
 def write_results(diagram: Diagram, folder: Path) -> None:
     """Write points and branches as CSV and the graph as GraphML and JSON: :data:`FILES`.
 
-    Exact values, where a diagram has them, stand as text beside the floats.
+    Exact values, where a diagram has them, stand as text beside the floats; what was observed along
+    branches has columns of its own, empty where a branch has no such value.
     """
+    observed = tuple(dict.fromkeys(name for b in diagram.branches for name in b.columns))
     exact_of_points, exact_of_branches = _names(diagram.points), _names(diagram.branches)
     write_table(
         folder / FILES[0],
@@ -41,13 +43,14 @@ def write_results(diagram: Diagram, folder: Path) -> None:
         folder / FILES[1],
         (
             *("id", "kind", "order", "word", "from", "to"),
-            *(diagram.parameter_name, diagram.x_name, "multiplier"),
+            *(diagram.parameter_name, diagram.x_name, "multiplier", *observed),
             *(f"{name}_exact" for name in exact_of_branches),
         ),
         (
             (
                 *(b.id, b.kind, b.order, b.word_at(k), *b.ends),
                 *(float(b.parameter[k]), float(b.x[k]), float(b.multiplier[k])),
+                *(float(b.columns[name][k]) if name in b.columns else "" for name in observed),
                 *(b.exact.get(name, "") for name in exact_of_branches),
             )
             for b in diagram.branches

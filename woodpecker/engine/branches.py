@@ -25,6 +25,7 @@ from woodpecker.engine.orbits import (
     Coordinate,
     Margin,
     Orbit,
+    blurred,
     minimal_period,
     scales,
     solve,
@@ -32,7 +33,16 @@ from woodpecker.engine.orbits import (
 )
 from woodpecker.engine.pieces import Image, Piece, PiecewiseMap
 from woodpecker.engine.settings import Settings
-from woodpecker.engine.stepping import BLURRED, FLIP, RESOLVED, Sample, Stepper, Stop, Stretch
+from woodpecker.engine.stepping import (
+    BLURRED,
+    FLIP,
+    RESOLVED,
+    Sample,
+    Stepper,
+    Stop,
+    StopRule,
+    Stretch,
+)
 
 TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
 # distance of a restart it changes by some 1e-4
@@ -248,11 +258,15 @@ class Cycles:
     ----------
     map_, settings
         The map, and how to follow it.
+    stop
+        Whether to end somewhere, if anybody asks for it.
     """
 
-    def __init__(self, map_: PiecewiseMap, settings: Settings) -> None:
+    def __init__(
+        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
+    ) -> None:
         self.map, self.settings = map_, settings
-        self.stepper = Stepper(map_, Closed(), settings, [FLIP])
+        self.stepper = Stepper(map_, Closed(), settings, [FLIP], stop=stop)
 
     def through(self, orbit: Orbit) -> list[Curve]:
         """The branch through a cycle, both ways, with those that continue it."""
@@ -295,6 +309,7 @@ class Cycles:
             if end is not None and end.status is PointStatus.OPEN:
                 there = self._passed_over(stretch)
                 if there is not None:
+                    mark = replace(mark, cause=f"{mark.cause}: {PASSED_OVER}")
                     before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
                     changes = _changes_stability(before, mark.kind, after)
                     persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
@@ -328,11 +343,19 @@ class Cycles:
             note = NOTHING_BEYOND if border.outer_code >= 0 else PASSED_OVER
             lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
-        if last.tangent[-1] * there.tangent[-1] < 0.0:
-            return mark, end_at(PointKind.BC, orbit, "fold", border.cause), there
-        if _changes_stability(orbit.multiplier, kind, there.orbit.multiplier):
-            return mark, end_at(PointKind.BC, orbit, "persistence", border.cause), there
+        note = "fold" if last.tangent[-1] * there.tangent[-1] < 0.0 else "persistence"
+        if note == "fold" or _changes_stability(orbit.multiplier, kind, there.orbit.multiplier):
+            end = end_at(PointKind.BC, orbit, note, border.cause)
+            return mark, replace(end, precision=self._blur(orbit, border, margin)), there
         return mark, None, there
+
+    def _blur(self, orbit: Orbit, border: Border, margin: Margin) -> float:
+        """How well a border is located, by the piece on that side on which it is less steep."""
+        i = margin.index
+        outer = Orbit(orbit.x, orbit.p, _replaced(orbit.images, i, border.outer))
+        if abs(border.outer.slope) < abs(orbit.images[i].slope):
+            orbit, margin = outer, Margin(i, border.outer_code)
+        return located_to(orbit, (Closed(), margin), self.settings)
 
     def _sharpened(self, stretch: Stretch) -> Stretch:
         """A stretch that ends at a square root, with its end as the piece beyond locates it.
@@ -401,11 +424,12 @@ class Cycles:
         }  # fmt: skip
         kind = kinds.get(stretch.stop, PointKind.EP)
         if kind is PointKind.EP:
-            return given_up_or_left(stretch)
+            return given_up_or_left(stretch, self.settings)
         cause = stretch.stop.value
         if self._halves(stretch):  # a branch of doubled period folds where it began
             kind, cause = PointKind.PD, Stop.FLIP.value
-        return end_at(kind, stretch.end, cause=cause)
+        end = end_at(kind, stretch.end, cause=cause)
+        return folded(end, stretch.end, Closed(), self.settings) if kind is PointKind.LP else end
 
 
 def _replaced(images: tuple[Image, ...], i: int, image: Image) -> tuple[Image, ...]:
@@ -488,10 +512,14 @@ class Jumps:
     ----------
     map_, order, settings
         The map, the iterate, and how to follow them.
+    stop
+        Whether to end somewhere, if anybody asks for it.
     """
 
-    def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
-        self.map, self.order, self.settings = map_, order, settings
+    def __init__(
+        self, map_: PiecewiseMap, order: int, settings: Settings, stop: StopRule | None = None
+    ) -> None:
+        self.map, self.order, self.settings, self.stop = map_, order, settings, stop
 
     def through(self, head: Orbit, closing: Margin) -> list[Curve]:
         """The branch of jumps through a border orbit, both ways, with those that continue it."""
@@ -564,7 +592,7 @@ class Jumps:
             samples.append(there)
 
     def _stepper(self, closing: Margin) -> Stepper:
-        return Stepper(self.map, closing, self.settings, order=self.order)
+        return Stepper(self.map, closing, self.settings, order=self.order, stop=self.stop)
 
     def _sample(self, head: Orbit, closing: Margin, along: Floats | None = None) -> Sample:
         forward = np.eye(len(head) + 1)[-1] if along is None else along
@@ -600,9 +628,11 @@ class Jumps:
     def _end(self, stretch: Stretch) -> End:
         if stretch.stop is not Stop.LIMIT:
             if stretch.stop is Stop.FOLD:
-                return end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
+                end = end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
+                closing = self._closing_of(stretch)
+                return folded(end, stretch.end, closing, self.settings)
             lost = self._lost(stretch) if stretch.stop in GIVEN_UP else None
-            return lost or given_up_or_left(stretch)
+            return lost or given_up_or_left(stretch, self.settings)
         assert stretch.meeting is not None
         margin = stretch.margins[0]
         border = border_at(self.map, stretch.meeting, margin, self.settings)
@@ -624,6 +654,12 @@ class Jumps:
                 return replace(lost, precision=abs(found.orbit.p - lost.p))
             away *= GROW
         return None
+
+    @staticmethod
+    def _closing_of(stretch: Stretch) -> Margin:
+        jump = stretch.samples[-1].jump
+        assert jump is not None
+        return jump.closing
 
     def _closed_early(self, stretch: Stretch) -> _Return | None:
         """Where the orbit of a jump comes back to its own border; None if it does not."""
@@ -780,7 +816,7 @@ def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settin
     outer, code = beyond(map_, x, orbit.p, side, settings)
     with np.errstate(divide="ignore", invalid="ignore"):
         away = abs(outer.margin(code) / outer.gradient(code)[0])
-    if away > settings.beside * settings.x_scale:
+    if away > settings.same * settings.x_scale:
         code = -1  # the piece that was found beyond does not begin here: there are others between
     return Border(x, orbit.p, image, margin.code, side, outer, code)
 
@@ -828,11 +864,28 @@ def end_at(
     return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=cause, status=status)
 
 
-def given_up_or_left(stretch: Stretch) -> End:
+def located_to(orbit: Orbit, conditions: tuple[Condition, Condition], settings: Settings) -> float:
+    """How well the parameter of an orbit is known that obeys two conditions."""
+    return max(blurred(orbit, conditions, settings), settings.converged * settings.p_scale)
+
+
+def folded(end: End, orbit: Orbit, closing: Condition, settings: Settings) -> End:
+    """A fold with its precision: an error of x changes its parameter by the square only."""
+    held = Coordinate(0, float(orbit.x[0]))
+    return replace(end, precision=located_to(orbit, (closing, held), settings))
+
+
+def given_up_or_left(stretch: Stretch, settings: Settings) -> End:
     """Where a branch leaves the span or the window, closes, or was given up."""
     status = PointStatus.OPEN if stretch.stop in GIVEN_UP else PointStatus.LOCATED
-    stop = stretch.stop.value
-    return end_at(PointKind.EP, stretch.end, stop, stop, status)
+    stop, orbit, jump = stretch.stop.value, stretch.end, stretch.samples[-1].jump
+    end = end_at(PointKind.EP, orbit, stop, stop, status)
+    if stretch.stop is not Stop.WINDOW:
+        return end
+    closing = Closed() if jump is None else jump.closing
+    i = int(np.argmin(np.min([np.abs(orbit.x - limit) for limit in settings.window], axis=0)))
+    conditions = (closing, Coordinate(i, float(orbit.x[i])))
+    return replace(end, precision=located_to(orbit, conditions, settings))
 
 
 def end_of(met: Collision, orbit: Orbit) -> End:

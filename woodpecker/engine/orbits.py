@@ -9,6 +9,7 @@ parameter or a coordinate picks a point of it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -315,3 +316,21 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
     direction: Floats = np.linalg.svd(rows)[2][-1]
     turned = np.linalg.det(np.vstack([rows, direction])) < 0.0
     return -direction if turned else direction
+
+
+ROUNDING = 20.0 * 2.0**-52  # relative: images and margins are those of points this far away, which
+# is what a return of the toy loses over its events
+
+
+def blurred(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> float:
+    """How far rounding of a map moves the parameter of an orbit that obeys two conditions."""
+    scale = scales(len(orbit), settings)
+    matrix = jacobian(orbit, conditions, scale)
+    point = np.abs(orbit.point / scale)
+    noise = ROUNDING * (np.abs(matrix) @ point)
+    noise[: len(orbit)] += ROUNDING * settings.x_scale * point[:-1]
+    try:
+        back: Floats = np.linalg.inv(matrix)[-1]
+    except np.linalg.LinAlgError:
+        return math.inf
+    return float(np.abs(back) @ noise) * settings.p_scale

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
-from woodpecker.base.arrays import Floats
-from woodpecker.engine.branches import Collision, Curve, End
-from woodpecker.engine.orbits import Closed, jacobian, scales
+from woodpecker.engine.branches import Curve, End
+from woodpecker.engine.orbits import Closed, blurred
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.stepping import NEAR
-
-ROUNDING = 20.0 * 2.0**-52  # relative: images and margins are those of points this far away, which
-# is what a return of the toy loses over its events
 
 
 def stretches(curve: Curve) -> tuple[Stretch, ...]:
@@ -44,8 +38,8 @@ OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
 def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
     """How well the parameter of an end of a curve, its sample k, is located.
 
-    At a flip by how far its multiplier is from -1, at a collision by what rounding of the map makes
-    of its equations; at a fold an error of the orbit changes the parameter by its square only.
+    At a flip by how far its multiplier is from -1, at all else by what rounding of the map makes of
+    its equations; where that is not known yet, of those of a collision.
     """
     if end.status is PointStatus.OPEN:
         return math.inf
@@ -53,27 +47,13 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
         return end.precision
     least = settings.converged * settings.p_scale
     if end.collision is not None:
-        return max(least, _blurred(end.collision, settings))
+        conditions = (Closed(), end.collision.margin)
+        return max(least, blurred(end.collision.orbit, conditions, settings))
     if end.kind is PointKind.PD and len(curve.parameter) > 1:
         return max(least, _missed(curve, k))
     if end.kind is PointKind.BP:
         return NEAR * settings.max_step * settings.p_scale
     return 0.0 if end.p in settings.span else least
-
-
-def _blurred(met: Collision, settings: Settings) -> float:
-    """How far rounding of a map moves the parameter of a collision."""
-    orbit, scale = met.orbit, scales(len(met.orbit), settings)
-    conditions = (Closed(), met.margin)
-    matrix = jacobian(orbit, conditions, scale)
-    point = np.abs(orbit.point / scale)
-    noise = ROUNDING * (np.abs(matrix) @ point)
-    noise[: len(orbit)] += ROUNDING * settings.x_scale * point[:-1]
-    try:
-        back: Floats = np.linalg.inv(matrix)[-1]
-    except np.linalg.LinAlgError:
-        return math.inf
-    return float(np.abs(back) @ noise) * settings.p_scale
 
 
 def _missed(curve: Curve, k: int) -> float:

@@ -11,10 +11,12 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
+from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.borders import THIN
 from woodpecker.engine.jumps import Jump, jump_of
@@ -53,6 +55,41 @@ class Stop(Enum):
     OTHER_PIECE = "the map takes another piece"
     SHORT = "steps become too short"
     MANY = "as many samples as allowed"
+    ASKED = "stopped as asked"
+
+
+class BranchState(NamedTuple):
+    """What a rule to stop sees of a place on a branch.
+
+    Attributes
+    ----------
+    kind, order
+        Cycles of P_order, or jumps of it.
+    parameter
+        The parameter.
+    points
+        (n,) points of the cycle, or those up to the border of a jump.
+    multiplier
+        Of the cycle; nan for a jump.
+    word
+        The words of the pieces.
+    """
+
+    kind: BranchKind
+    order: int
+    parameter: float
+    points: Floats
+    multiplier: float
+    word: str
+
+    @property
+    def x(self) -> float:
+        """The first point."""
+        return float(self.points[0])
+
+
+StopRule = Callable[[BranchState], bool]
+"""Whether a branch is to end at a place."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,14 +190,18 @@ class Stepper:
         Steps and tolerances.
     tests
         Functions whose changes of sign end a stretch.
+    order
+        Of the jumps; 0 for cycles.
+    stop
+        Whether to end somewhere, if anybody asks for it.
     """
 
     def __init__(
         self, map_: PiecewiseMap, closing: Condition, settings: Settings,
-        tests: Sequence[Test] = (), order: int = 0,
+        tests: Sequence[Test] = (), order: int = 0, stop: StopRule | None = None,
     ) -> None:  # fmt: skip
         self.map, self.closing, self.settings, self.tests = map_, closing, settings, tuple(tests)
-        self.order = order
+        self.order, self.stop = order, stop
 
     def sample(self, orbit: Orbit, along: Floats) -> Sample:
         """An orbit with its tangent, which points like another one.
@@ -194,7 +235,7 @@ class Stepper:
         origin
             A sample at which the branch has come round.
         """
-        stop = self._leaves(start)
+        stop = self._leaves(start) or (Stop.ASKED if self._asked(start) else None)
         if stop is not None:
             return Stretch((start,), stop)
         samples, step = [start], self.settings.step
@@ -238,6 +279,38 @@ class Stepper:
             if (value <= low and along[index] < 0.0) or (value >= high and along[index] > 0.0):
                 return stop
         return None
+
+    def _asked(self, sample: Sample) -> bool:
+        """Whether a branch is to end here."""
+        if self.stop is None:
+            return False
+        orbit, jump = sample.orbit, sample.jump
+        if jump is None:
+            kind, order, multiplier = BranchKind.FIXED_POINT, len(orbit), orbit.multiplier
+        else:
+            kind, order, multiplier = BranchKind.JUMP, jump.order, math.nan
+        word = " | ".join(orbit.words) if jump is None else jump.word
+        return bool(self.stop(BranchState(kind, order, orbit.p, orbit.x.copy(), multiplier, word)))
+
+    def _at_stop(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Where a branch is to end between two samples; None if it is lost on the way."""
+        if not self._asked(b):
+            return []
+        scale = scales(len(a.orbit), self.settings)
+        length = float(a.tangent @ ((b.orbit.point - a.orbit.point) / scale))
+        low, high, found = 0.0, length, b
+        while high - low > FINEST * step:
+            middle = 0.5 * (low + high)
+            sample = self.advance(a, middle)
+            if isinstance(sample, float):
+                return None
+            if not low < middle < high:
+                break
+            if self._asked(sample):
+                high, found = middle, sample
+            else:
+                low = middle
+        return [_Event(Stop.ASKED, found, high)]
 
     def _limits(self, orbit: Orbit) -> Iterator[tuple[Stop, int, tuple[float, float]]]:
         yield Stop.SPAN, -1, self.settings.span
@@ -393,6 +466,10 @@ class Stepper:
         if limits is None:
             return None
         found += limits
+        asked = self._at_stop(a, self._first(found).sample if found else b, step)
+        if asked is None:
+            return None
+        found += asked
         if start is not None:
             found += self._closing_up(a, b, start)
         return found

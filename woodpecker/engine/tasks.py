@@ -22,7 +22,7 @@ from woodpecker.engine.orbits import Closed, Condition, Margin, Orbit
 from woodpecker.engine.pieces import Image, PiecewiseMap
 from woodpecker.engine.settings import Settings
 from woodpecker.engine.slices import Slice, slices_at
-from woodpecker.engine.stepping import Sample
+from woodpecker.engine.stepping import Sample, StopRule
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,12 +54,13 @@ class Worker:
 
     map: PiecewiseMap
     settings: Settings
+    stop: StopRule | None = None
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
         """Carry out a task, a method of :class:`Tasks`."""
         counted = self.map if isinstance(self.map, Counting) else _Counted(self.map)
         before = counted.evaluations
-        value = task(Tasks(counted, self.settings), *arguments)
+        value = task(Tasks(counted, self.settings, self.stop), *arguments)
         return Done(value, counted.evaluations - before)
 
 
@@ -87,16 +88,20 @@ class _Counted:
 class Tasks:
     """The tasks."""
 
-    def __init__(self, map_: PiecewiseMap, settings: Settings) -> None:
-        self.map, self.settings = map_, settings
+    def __init__(
+        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
+    ) -> None:
+        self.map, self.settings, self.stop = map_, settings, stop
 
     def cycle(self, orbit: Orbit) -> list[Curve]:
         """The branch through a cycle."""
-        return Cycles(self.map, self.settings).through(orbit)
+        return Cycles(self.map, self.settings, self.stop).through(orbit)
 
     def jump(self, jump: Jump) -> list[Curve]:
         """The branch of a jump."""
-        return Jumps(self.map, jump.order, self.settings).through(jump.head, jump.closing)
+        return Jumps(self.map, jump.order, self.settings, self.stop).through(
+            jump.head, jump.closing
+        )
 
     def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
         """Branches that start where a cycle meets a jump."""
@@ -116,9 +121,9 @@ class Tasks:
     def ahead(self, start: Start) -> list[Curve]:
         """The branch that starts at a collision."""
         if start.kind is BranchKind.JUMP:
-            jumps = Jumps(self.map, start.order, self.settings)
+            jumps = Jumps(self.map, start.order, self.settings, self.stop)
             return jumps.ahead(start.samples, start.end)
-        return Cycles(self.map, self.settings).ahead(start.samples, start.end)
+        return Cycles(self.map, self.settings, self.stop).ahead(start.samples, start.end)
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
         """All cycles and jumps at one parameter."""

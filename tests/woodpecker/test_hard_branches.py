@@ -1,0 +1,147 @@
+"""Branches of the toy through accumulating borders, round corners of borders, to square roots."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
+from woodpecker.base.compiled import COMPILED
+from woodpecker.continued import continuation
+from woodpecker.engine.branches import LIMIT_LOST, PASSED_OVER
+from woodpecker.engine.corners import leaving
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.stepping import BLURRED
+from woodpecker.mechanics.toy import Toy
+from woodpecker.shooting import shoot
+from woodpecker.simulation.returns import first_return
+from woodpecker.toypieces import ToyPieces
+
+NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+START = -0.53  # rad, near the stable motion
+
+
+def _over(name: str, part: float = 0.2) -> Diagram:
+    toy = Toy()
+    value = getattr(toy, name)
+    span = ((1.0 - part) * value, (1.0 + part) * value)
+    return continuation(toy, shoot(toy, START), name, span=span)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_through_infinitely_many_borders() -> None:
+    """Above eps_n2 = 0.9615713796 the lower sleeve bounces N times until it stops sliding.
+
+    N comes down from infinity: borders accumulate there. The branch goes through, to eps_n2 = 1,
+    and comes from there the other way; both meet the same points.
+    """
+    up = continuation(Toy(), shoot(Toy(), START), "eps_n2")
+    down_toy = Toy(eps_n2=0.999)
+    down = continuation(down_toy, shoot(down_toy, -0.522), "eps_n2", span=(0.9, 1.0))
+    ends = {p.parameter for p in up.points if p.kind is PointKind.EP}
+    assert ends == {0.0, 1.0}
+    assert all(point.status is PointStatus.LOCATED for point in up.points)
+    inner = [
+        sorted((p.kind, p.parameter) for p in d.points if p.kind is not PointKind.EP)
+        for d in (up, down)
+    ]
+    assert [kind for kind, _ in inner[0]] == [kind for kind, _ in inner[1]]
+    assert len(inner[0]) == 28  # 14 kinks at which it loses or gains stability, 14 flips between
+    for (_, one), (_, other) in zip(*inner, strict=True):
+        assert one == pytest.approx(other, abs=1e-12)
+    marks = [change for branch in up.branches for change in branch.changes]
+    assert sum(mark.cause.endswith(PASSED_OVER) for mark in marks) == 1
+    longest = max(len(word.word.split()) for branch in up.branches for word in branch.words)
+    assert longest > 400
+    last = max(up.branches, key=lambda branch: float(branch.parameter.max()))
+    assert last.multiplier[-1] == pytest.approx(first_return(Toy(eps_n2=1.0), last.x[-1]).slope)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_jumps_go_round_corners() -> None:
+    """The jump that starts at mu_2 = 0.28402 was given up at 0.28238.
+
+    At mu_2 = 0.28322807 two borders of P_1 meet, and the one that crosses the diagonal changes.
+    """
+    for law in ("summed", "separate"):
+        toy = Toy(expansion_friction=law)
+        found = continuation(toy, shoot(toy, START), "mu_2", span=(-1.0, 0.4))
+        (start,) = (p for p in found.points if abs(p.parameter - 0.2840178344534795) < 1e-12)
+        (jump,) = (
+            branch for branch in map(found.branch, start.branches) if branch.kind is BranchKind.JUMP
+        )
+        other = found.point(next(end for end in jump.ends if end != start.id))
+        assert other.kind is PointKind.FF
+        assert other.parameter == pytest.approx(0.2822399954081972, abs=1e-12)
+        assert any(abs(p - 0.2832280737670356) < 1e-12 for p in jump.parameter)
+        for end in found.points:  # what is open lies where special points accumulate
+            assert end.status is PointStatus.LOCATED or end.note == PASSED_OVER
+            if end.kind is PointKind.FALL:
+                assert end.cause == LIMIT_LOST
+                assert 0.0 < end.precision < 1e-6
+
+
+def test_jumps_that_leave_a_corner() -> None:
+    """Three borders meet at mu_2 = 0.28322807; two of them are jumps that cross the diagonal."""
+    settings = Settings(span=(0.2, 0.4), window=(-2.5, -0.24))
+    corner = -0.44246591990646, 0.2832280737670356
+    back = np.array([0.0, 1.0])
+    for radius in (1e-8, 1e-6, BLURRED):
+        found = leaving(ToyPieces(Toy(), "mu_2"), corner, 1, back, radius, settings)
+        assert len(found) == 2
+        for each in found:
+            away = (each.head.point - corner) / [2.26, 0.2]
+            assert np.linalg.norm(away) == pytest.approx(radius, rel=0.01)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_border_at_a_square_root_is_where_the_piece_beyond_says() -> None:
+    """r_m, and l_g: the multiplier is -inf on one side, and the map continuous."""
+    for name, part, x, slope in (
+        ("r_m", 1.029618964418, -0.5557567902, -0.8715500),
+        ("l_g", 0.925648559380, -0.4357570080, 0.8743854),
+    ):
+        found = _over(name)
+        value = getattr(Toy(), name)
+        near = [p for p in found.points if abs(p.parameter / value - part) < 1e-9]
+        assert len(near) == 1
+        assert near[0].kind is PointKind.BC
+        assert near[0].x == pytest.approx(x, abs=1e-9)
+        toy = Toy().replace(**{name: near[0].parameter})
+        after = first_return(toy, near[0].x + 1e-9)
+        before = first_return(toy, near[0].x - 1e-9)
+        assert after.slope == pytest.approx(slope, abs=1e-5)
+        assert before.slope < -10.0 * abs(slope)
+        assert after.phi_s == pytest.approx(near[0].x, abs=2e-9)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_jump_that_vanishes_where_a_cycle_meets_it() -> None:
+    """h_m: the sleeve jams exactly where the woodpecker turns round, beyond it goes on."""
+    found = _over("h_m")
+    near = [p for p in found.points if abs(p.parameter / Toy().h_m - 1.0830268372) < 1e-9]
+    assert len(near) == 1
+    assert near[0].kind is PointKind.FF
+    assert sorted(found.branch(name).kind for name in near[0].branches) == [
+        BranchKind.FIXED_POINT, BranchKind.JUMP,
+    ]  # fmt: skip
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_two_jumps_with_a_narrow_piece_between_them() -> None:
+    """r_0 and l_m: the piece becomes narrower than rounding, and the jump goes back beside it."""
+    for name in ("r_0", "l_m"):
+        found = _over(name)
+        assert all(point.status is PointStatus.LOCATED for point in found.points)
+        turning = [
+            branch
+            for branch in found.branches
+            if branch.kind is BranchKind.JUMP
+            and (np.diff(np.sign(np.diff(branch.parameter))) != 0.0).any()
+        ]
+        assert turning

@@ -1,0 +1,178 @@
+"""Every length, mass and stiffness of the toy can be continued, in any units.
+
+Lengths and masses of the toy enter its return map through ratios only. Multiply masses by m and
+lengths by l: inertias go with m l^2, and with gravity as it is a time goes with sqrt(l), the
+stiffness with m l. With gravity times l, as if the second were another one, times stay, and the
+stiffness goes with m l^2. Angles, friction and restitution have no unit: phi_S, multipliers, and
+parameters over their own scale must be the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus
+from woodpecker.base.compiled import COMPILED
+from woodpecker.base.executors import Serial
+from woodpecker.continued import OUT_OF_DOMAIN, WINDOW, continuation
+from woodpecker.engine.orbits import Orbit
+from woodpecker.engine.pieces import Image, Piece
+from woodpecker.engine.search import Explorer
+from woodpecker.engine.settings import Settings
+from woodpecker.engine.tasks import Tasks, Worker
+from woodpecker.mechanics.toy import Toy
+from woodpecker.shooting import shoot
+from woodpecker.toypieces import ToyPieces
+
+MASSES, INERTIAS = ("m_m", "m_s"), ("j_m", "j_s")
+LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")
+NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+UNITS = {  # factors of masses, lengths and gravity
+    "heavier": (1000.0, 1.0, 1.0),
+    "larger": (1.0, 1000.0, 1.0),
+    "larger, slower clock": (1.0, 1000.0, 1000.0),
+}
+SAME = 1e-9  # what is asked for; measured: 9e-12 at a square root, 2e-14 elsewhere
+
+
+def in_units(toy: Toy, mass: float, length: float, gravity: float) -> Toy:
+    factors = dict.fromkeys(MASSES, mass) | dict.fromkeys(LENGTHS, length)
+    factors |= dict.fromkeys(INERTIAS, mass * length**2)
+    factors |= {"c_phi": mass * gravity * length, "g": gravity}
+    return toy.replace(**{name: getattr(toy, name) * by for name, by in factors.items()})
+
+
+def over(toy: Toy, name: str, part: float = 0.2) -> Diagram:
+    value = getattr(toy, name)
+    span = ((1.0 - part) * value, (1.0 + part) * value)
+    return continuation(toy, shoot(toy, -0.53), name, span=span)
+
+
+def places(diagram: Diagram, unit: float) -> list[tuple[str, str, float, float]]:
+    return sorted((p.kind.value, p.note, p.parameter / unit, p.x) for p in diagram.points)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*MASSES, *INERTIAS, *LENGTHS, "c_phi"])
+def test_every_length_mass_and_stiffness(name: str) -> None:
+    """Over 20 % to both sides: branches end at ends of span, window or domain, or in a fall."""
+    toy = Toy()
+    value = getattr(toy, name)
+    found = over(toy, name)
+    ends = [point for point in found.points if len(point.branches) == 1]
+    assert len(ends) >= 2
+    for end in ends:
+        assert end.status is PointStatus.LOCATED
+        assert end.kind is PointKind.FALL or end.note in (
+            "end of the parameter span", "end of the window", OUT_OF_DOMAIN,
+        )  # fmt: skip
+    reached = [end.parameter / value for end in ends if end.kind is PointKind.EP]
+    assert reached
+    if name not in ("l_g", "l_m", "h_m", "r_m", "l_s"):
+        # the others: a fall at 0.917 l_g, 0.876 l_m, 1.068 h_m; r_m > r_0; l_s < l_m + l_g - r_0
+        assert sorted(reached) == pytest.approx([0.8, 1.2], abs=1e-15)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize("units", UNITS)
+@pytest.mark.parametrize("name", ["m_m", "j_m", "m_s", "j_s", "r_0", "r_m", "h_s", "l_s", "c_phi"])
+def test_the_diagram_is_the_same_in_other_units(name: str, units: str) -> None:
+    toy = Toy()
+    other = in_units(toy, *UNITS[units])
+    one, two = places(over(toy, name), getattr(toy, name)), places(
+        over(other, name), getattr(other, name)
+    )  # fmt: skip
+    assert [place[:2] for place in one] == [place[:2] for place in two]
+    for a, b in zip(one, two, strict=True):
+        assert a[2:] == pytest.approx(b[2:], abs=SAME)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["m_m", "m_s", "r_0", "r_m", "h_s", "l_s", "c_phi"])
+def test_points_lie_within_their_precision(name: str) -> None:
+    """What other units, other rounding, move is less than what points say of themselves."""
+    toy = Toy()
+    found = []
+    for each in (toy, in_units(toy, *UNITS["heavier"])):
+        unit = getattr(each, name)
+        points = [p for p in over(each, name).points if p.kind is not PointKind.EP]
+        found.append(sorted((p.kind, p.parameter / unit, p.precision / unit) for p in points))
+    assert len(found[0]) == len(found[1]) > 0
+    for (_, one, off), (_, other, also) in zip(*found, strict=True):
+        assert abs(one - other) <= off + also < 1e-11
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize("units", UNITS)
+def test_the_main_job_is_the_same_in_other_units(units: str) -> None:
+    toy = Toy()
+    other = in_units(toy, *UNITS[units])
+    one, two = (places(continuation(t, shoot(t, -0.53)), 1.0) for t in (toy, other))
+    assert [place[:2] for place in one] == [place[:2] for place in two]
+    for a, b in zip(one, two, strict=True):
+        assert a[2:] == pytest.approx(b[2:], abs=SAME)
+
+
+@dataclass(frozen=True, slots=True)
+class Divided:
+    """A map whose parameter is counted in another unit."""
+
+    whole: ToyPieces
+    unit: float
+
+    def at(self, x: float, p: float) -> Image:
+        return _divided(self.whole.at(x, p * self.unit), self.unit)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DividedPiece:
+    piece: Piece
+    unit: float
+
+    @property
+    def key(self) -> object:
+        return self.piece.key
+
+    @property
+    def word(self) -> str:
+        return self.piece.word
+
+    def at(self, x: float, p: float) -> Image:
+        return _divided(self.piece.at(x, p * self.unit), self.unit)
+
+    def cause(self, code: int) -> str:
+        return self.piece.cause(code)
+
+
+def _divided(image: Image, unit: float) -> Image:
+    return image._replace(
+        d_parameter=image.d_parameter * unit, gradients=image.gradients * [1.0, unit],
+        piece=DividedPiece(image.piece, unit),
+    )  # fmt: skip
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_the_unit_of_a_parameter_does_not_matter() -> None:
+    """j_s over 5 % to both sides, and j_s over its own value: one branch to both ends."""
+    toy = Toy()
+    found = over(toy, "j_s", 0.05)
+    ends = sorted(point.parameter / toy.j_s for point in found.points)
+    assert ends == pytest.approx([0.95, 1.05], abs=1e-15)
+    map_ = Divided(ToyPieces(toy, "j_s"), toy.j_s)
+    settings = Settings(span=(0.95, 1.05), window=WINDOW)
+    orbit = shoot(toy, -0.53)
+    image = map_.at(orbit.phi_s, 1.0)
+    explorer = Explorer(Serial(Worker(map_, settings)), settings, (1,))
+    explorer.follow(Tasks.cycle, Orbit(np.array([orbit.phi_s]), 1.0, (image,)))
+    same = explorer.network.diagram("j_s / its value", "phi_s")
+    assert [p[:2] for p in places(found, toy.j_s)] == [p[:2] for p in places(same, 1.0)]
+    for a, b in zip(places(found, toy.j_s), places(same, 1.0), strict=True):
+        assert a[2:] == pytest.approx(b[2:], abs=SAME)
