@@ -228,11 +228,14 @@ class Solution:
     steps: int
 
 
-def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> Solution:
+def solve(
+    start: Orbit, conditions: Sequence[Condition], settings: Settings, *, contracts: bool = False
+) -> Solution:
     """Newton's method for an orbit with the pieces of ``start`` that obeys two conditions.
 
     A step that leads where a piece has no value is halved. The last step is so short that the next,
-    if it shrinks no faster than the last one, would be rounding.
+    if it shrinks no faster than the last one, would be rounding. If the method is to contract from
+    the first step on, as it does near a solution, it is given up as soon as it does not.
     """
     orbit, scale = start, scales(len(start), settings)
     before, halvings = 0.0, 0
@@ -243,6 +246,8 @@ def solve(start: Orbit, conditions: Sequence[Condition], settings: Settings) -> 
             return Solution(orbit, False, k)
         if 0.0 < before <= length <= settings.stalled and _is_rounded(orbit, conditions):
             return Solution(orbit, True, k)
+        if contracts and before > 0.0 and length > CONTRACTION * before:
+            return Solution(orbit, False, k)
         trial = moved(orbit, move * scale)
         while not trial.defined and halvings < settings.newton:
             move, halvings = 0.5 * move, halvings + 1
@@ -263,6 +268,7 @@ def _is_rounded(orbit: Orbit, conditions: Sequence[Condition]) -> bool:
     return bool((np.abs(residuals(orbit, conditions)) <= NOISE * 2.0**-52 * size).all())
 
 
+CONTRACTION = 0.5  # part of a Newton step that the next may have
 NOISE = 64.0  # steps that go on shrinking, slowly, below so many of the shortest are rounding
 
 

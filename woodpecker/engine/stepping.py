@@ -130,6 +130,8 @@ class Stretch:
     inner, meeting
         Of a jump: which of its limits meets the diagonal or a border there, and the orbit up to
         that place.
+    step
+        The last step: the next stretch may begin with it.
     """
 
     samples: tuple[Sample, ...]
@@ -137,6 +139,7 @@ class Stretch:
     margins: tuple[Margin, ...] = ()
     inner: bool = True
     meeting: Orbit | None = None
+    step: float = math.inf
 
     @property
     def end(self) -> Orbit:
@@ -173,7 +176,9 @@ BLURRED = 1e-4  # a step on which a limit may change its pieces without a border
 
 RESOLVED = 100.0  # times the smallest distance from a border: there slopes have some digits left
 ROOT = 4.0  # times its slope at a distance, a square root rises by at most half as much over it
+BEYOND = 1.5  # times the distance of the next border, to first order
 FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
+SPACING = 2.0**-52  # a distance along a branch, scaled, below which there are no two orbits
 NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
 
 
@@ -222,8 +227,9 @@ class Stepper:
         return replace(sample, jump=jump)
 
     def follow(
-        self, start: Sample, ignored: Stop | None = None, origin: Sample | None = None
-    ) -> Stretch:
+        self, start: Sample, ignored: Stop | None = None, origin: Sample | None = None,
+        first: float = math.inf,
+    ) -> Stretch:  # fmt: skip
         """Follow a branch from a sample to its end.
 
         Parameters
@@ -234,42 +240,58 @@ class Stepper:
             What ended that one: it is not looked for in the first step.
         origin
             A sample at which the branch has come round.
+        first
+            The first step, if it is shorter than the usual one.
         """
         stop = self._leaves(start) or (Stop.ASKED if self._asked(start) else None)
         if stop is not None:
             return Stretch((start,), stop)
-        samples, step = [start], self.settings.step
+        samples, step, grows = [start], min(first, self.settings.step), True
         while len(samples) < self.settings.max_samples:
             if step < self.settings.min_step:
                 return Stretch(tuple(samples), Stop.SHORT)
             last = samples[-1]
             before = samples[-2] if len(samples) > 1 else None
+            step = min(step, self._clear(last))
             found = self._to_end(last, step) or self.advance(last, step, before)
             if isinstance(found, float):
-                step = found
+                step, grows = found, False
                 continue
             skipped = ignored if len(samples) == 1 else None
             events = self._events(last, found, step, skipped, origin)
-            if events is None:
-                step *= 0.5
+            event = self._first(events) if events else None
+            if events is None or (event is not None and not self._is_first(event)):
+                step, grows = 0.5 * step, False
                 continue
-            if events:
-                first = self._first(events)
-                if not self._is_first(first):
-                    step *= 0.5
-                    continue
+            if event is not None:
                 return Stretch(
-                    (*samples, first.sample), first.stop, first.margins, first.inner, first.meeting
-                )
+                    (*samples, event.sample), event.stop, event.margins, event.inner,
+                    event.meeting, step,
+                )  # fmt: skip
             if not self._agrees(found.orbit):
                 if 0.25 * step < self.settings.min_step:
                     return Stretch(tuple(samples), Stop.OTHER_PIECE)
-                step *= 0.25
+                step, grows = 0.25 * step, False
                 continue
             samples.append(found)
             turned = _angle(last.tangent, found.tangent) / self.settings.max_turn
-            step = min(self.settings.max_step, step * min(2.0, 0.7 / max(turned, 0.1)))
+            growth = min(2.0 if grows else 1.0, 0.7 / max(turned, 0.1))
+            step, grows = min(self.settings.max_step, step * growth), True
         return Stretch(tuple(samples), Stop.MANY)
+
+    def _clear(self, last: Sample) -> float:
+        """A step that leads beyond the next border, not far: there a piece may have no value.
+
+        To first order; margins that vanish here, or almost, do not count.
+        """
+        scale = scales(len(last.orbit), self.settings)
+        move, clear = last.tangent * scale, math.inf
+        for i, image in enumerate(last.orbit.images):
+            rate = image.gradients @ move[[i, -1]]
+            falling = rate < 0.0
+            if falling.any():
+                clear = min(clear, float((image.margins[falling] / -rate[falling]).min()))
+        return max(BEYOND * clear, self.settings.beside)
 
     def _leaves(self, start: Sample) -> Stop | None:
         """Whether a sample lies at an end of span or window, and the branch leaves it there."""
@@ -350,7 +372,7 @@ class Stepper:
         if not predicted.defined:
             return 0.5 * step
         distance = Distance(last.orbit.point, last.tangent, step, scale)
-        solution = solve(predicted, (self.closing, distance), self.settings)
+        solution = solve(predicted, (self.closing, distance), self.settings, contracts=True)
         if not solution.converged:
             return 0.5 * step
         found = tangent(solution.orbit, self.closing, self.settings)
@@ -601,7 +623,7 @@ class Stepper:
             return test.value(sample)
 
         try:
-            root = float(brentq(value, 0.0, step, xtol=finest * step))
+            root = float(brentq(value, 0.0, step, xtol=max(finest * step, SPACING)))
         except (_LostError, ValueError):
             return None
         nearest = min(found, key=lambda distance: abs(distance - root))
