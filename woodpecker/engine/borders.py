@@ -89,7 +89,7 @@ def beyond(
     found, code = map_.at(x + side * away, p), -1
     while True:
         there = found.piece.at(x, p) if not found.reason else found
-        if found.reason or there.reason:
+        if found.reason or there.reason or strays(found, there, away):
             there = _limit_of(found, x, p, side * away)
         elif depth(there) >= -max(least, THIN * away):
             return there, nearest_code(there, -side)
@@ -103,7 +103,11 @@ def beyond(
 def _limit_of(image: Image, x: float, p: float, away: float) -> Image:
     """An image at a distance from a border at which its piece has no value, taken to the border."""
     closer = image.piece.at(x + CLOSER * away, p) if not image.reason else image
-    return limit(image, away) if closer.reason else limit(closer, CLOSER * away)
+    if closer.reason:
+        return limit(image, away)
+    root = is_square_root(image.slope, closer.slope, 1.0 / CLOSER)
+    there = limit(closer, CLOSER * away) if root else closer
+    return there._replace(piece=image.piece)  # one met at a grazing may be continued the wrong way
 
 
 CLOSER = 1e-4  # part of a distance: a limit is off by the square root's next term, linear in it
@@ -120,3 +124,26 @@ def limit(image: Image, away: float) -> Image:
         value=image.value - 2.0 * image.slope * away,
         slope=math.copysign(math.inf, image.slope * away),
     )
+
+
+def is_square_root(slope: float, closer: float, ratio: float) -> bool:
+    """Whether slopes at two distances from a border are those of a square root.
+
+    They grow with the root of the ratio of the distances; beside a pole or a logarithm, in which
+    the dips of a map end, much more.
+    """
+    return ratio**0.25 <= abs(closer / slope) <= ratio**0.75 if slope != 0.0 else False
+
+
+def strays(here: Image, there: Image, way: float) -> bool:
+    """Whether a piece went another way than its slopes say: where roots meet it may take the other.
+
+    Beside a singularity, however steep, the slope at the nearer point is the largest on the way.
+    """
+    steepest = max(abs(here.slope), abs(there.slope))
+    rounding = max(1.0, steepest) * max(math.ulp(here.value), math.ulp(way))
+    return abs(there.value - here.value) > STRAYS * (steepest * abs(way) + ROUNDINGS * rounding)
+
+
+STRAYS = 2.0  # times as far as the larger slope: where it is largest in between that is more
+ROUNDINGS = 16.0  # spacings of doubles

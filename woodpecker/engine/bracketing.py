@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 from scipy.optimize import brentq
 
+from woodpecker.engine.margins import depth
 from woodpecker.engine.pieces import Image
 
 
@@ -44,8 +45,11 @@ def bracketed(
     low, high = x, to
     for _ in range(NEWTON):
         f, slope = function(images[at], at)
-        trial = at - f / slope if slope != 0.0 else math.nan
+        steps = slope != 0.0 and math.isfinite(slope)  # it is infinite beside a singularity
+        trial = at - f / slope if steps else math.nan
         if abs(trial - at) <= finest:
+            if at in (x, to) and f != 0.0:  # beside a singularity the slope says nothing
+                break
             return at, images[at]
         if not min(low, high) < trial < max(low, high):
             break
@@ -64,25 +68,34 @@ def bracketed(
 
 
 def image_near(known: dict[float, Image], x: float, p: float) -> Image:
-    """The image of a point under a piece, from the nearest known one; it becomes known.
+    """The image of a point between known ones of a piece, from the nearest; it becomes known.
 
-    Where a piece finds no value from so far, it is led there in smaller steps.
+    Beside a singularity a piece may be continued the wrong way, or lost: it is outside of its
+    margins then, and is tried from the next known point, and at last in smaller steps.
     """
-    for _ in range(HALVINGS):
-        if x in known:
-            return known[x]
-        start = min((at for at in known if not known[at].reason), key=lambda at: abs(at - x))
-        at = x
+    if x in known:
+        return known[x]
+    slack = SLACK * (max(known) - min(known))
+    starts = sorted((at for at in known if not known[at].reason), key=lambda at: abs(at - x))
+    for start in starts[:STARTS]:
+        image = known[start].piece.at(x, p)
+        if not image.reason and depth(image) >= -slack:
+            return known.setdefault(x, image)
+    for start in starts[:STARTS]:
+        at, here = x, known[start]
         for _ in range(HALVINGS):
-            image = known[start].piece.at(at, p)
-            if not image.reason:
-                break
             at = 0.5 * (start + at)
-        known[at] = image
-        if image.reason:
-            break
-    return known.setdefault(x, image)
+            image = here.piece.at(at, p)
+            if not image.reason and depth(image) >= -slack:
+                known[at] = image
+                there = image.piece.at(x, p)
+                if not there.reason and depth(there) >= -slack:
+                    return known.setdefault(x, there)
+                start, here, at = at, image, x
+    return known.setdefault(x, known[starts[0]].piece.at(x, p))
 
 
+STARTS = 4  # known points from which a piece is continued to another
 HALVINGS = 8  # of a way on which a piece is lost: after that it is said to have no value
+SLACK = 1e-6  # part of the interval by which a point may seem to lie outside, by rounding
 NEWTON = 6  # steps after which Newton's method is given up: five are enough where it converges

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from woodpecker.engine.borders import THIN, Border, beyond
 from woodpecker.engine.margins import depth, reach
 from woodpecker.engine.pieces import Image, PiecewiseMap
-from woodpecker.engine.reaches import Reach, reach_of
+from woodpecker.engine.reaches import Reach, Sample, reach_of, uneven
 from woodpecker.engine.settings import Settings
 
 
@@ -134,14 +134,36 @@ def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
 class _Gap(NamedTuple):
     """An interval to be crossed.
 
-    ``side`` is where the pieces beside it lead; ``after`` says whether one of them ends at its low
-    end.
+    Attributes
+    ----------
+    low, high
+        Its ends.
+    side
+        Where the piece below it leads: 0 if not to one side, or if there is none.
+    after
+        Whether that piece ends at ``low``.
+    above
+        Where the piece above it leads, if that is known.
     """
 
     low: float
     high: float
     side: int
     after: bool = False
+    above: int | None = None
+
+    @property
+    def length(self) -> float:
+        """How long it is."""
+        return self.high - self.low
+
+    @property
+    def changes(self) -> bool:
+        """Whether pieces below and above lead to different sides."""
+        return self.above is not None and self.above != self.side
+
+
+NOWHERE = 2  # the side where the map has no value
 
 
 class _Walk:
@@ -151,23 +173,35 @@ class _Walk:
         self.map, self.p, self.settings, self._side_of = map_, p, settings, side
         self.stretches: list[Stretch] = []
         self.gaps: list[tuple[float, float]] = []
+        self._even = settings.even * settings.x_scale
         self._thin = THIN * settings.beside * settings.x_scale
 
     def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""
-        at, high, side, after = gap
+        if gap.changes:
+            return self._halved(gap)
+        at, high, side, after, _ = gap
         while True:
             found, code = self._beyond(at) if after else (self.map.at(at, self.p), -1)
             if not self._holds(found):
                 return self._passed(_Gap(at, high, side))
-            way = reach_of(found, at, self.p, 1, high, self.settings)
+            way = self._reach(found, at, 1, high)
             self.stretches.append(Stretch(way.x, way.images, (code, way.code)))
             if way.end >= high:
                 return []
             side = self._common([*self._sides(way), *([side] if side else [])])
-            if way.code < 0 or way.end - at < self._cut_off(side):
-                return self._passed(_Gap(way.end, high, side, way.code >= 0))
+            rest = _Gap(way.end, high, side, way.code >= 0)
+            if way.code < 0 or way.end - at < self._cut_off(rest):
+                return self._passed(rest)
             at, after = way.end, True
+
+    def _missing(self, here: Sample, there: Sample) -> float:
+        """Where samples of a piece do not tell what lies between them, if it matters."""
+        sides = [self._side_of(each.x, each.image.value) for each in (here, there)]
+        return 0.0 if self._common(sides) else uneven(here, there, self._even)
+
+    def _reach(self, image: Image, x: float, side: int, limit: float) -> Reach:
+        return reach_of(image, x, self.p, side, limit, self.settings, self._missing)
 
     def _beyond(self, x: float) -> tuple[Image, int]:
         return beyond(self.map, x, self.p, 1, self.settings)
@@ -185,61 +219,74 @@ class _Walk:
         """The side that all are on; 0 if what is looked for may lie between them."""
         return sides[0] if len(set(sides)) == 1 else 0
 
-    def _cut_off(self, side: int) -> float:
+    def _cut_off(self, gap: _Gap) -> float:
         """Length of pieces that are not looked for one by one."""
-        part = self.settings.coarse if side else self.settings.finest
-        return part * self.settings.x_scale
+        fine = gap.side == 0 or gap.changes
+        return (self.settings.finest if fine else self.settings.coarse) * self.settings.x_scale
 
     def _passed(self, gap: _Gap) -> list[_Gap]:
         """Pass something by starting anew at a distance, back and ahead."""
-        low, high, side, after = gap = self._skimmed(gap)
-        cut_off = step = self._cut_off(side)
-        if high - low <= cut_off:
-            self.gaps.append((low, high))
+        gap = self._skimmed(gap)
+        step = self._cut_off(gap)
+        if gap.length <= step:
+            self.gaps.append((gap.low, gap.high))
             return []
         while True:
-            last = low + 2.0 * step >= high
-            middle = 0.5 * (low + high) if last else low + step
+            last = gap.low + 2.0 * step >= gap.high
+            middle = 0.5 * (gap.low + gap.high) if last else gap.low + step
             found = self.map.at(middle, self.p)
             if self._holds(found):
-                back = reach_of(found, middle, self.p, -1, low, self.settings)
+                back = self._reach(found, middle, -1, gap.low)
                 if last or middle - back.end >= 0.25 * step:
-                    break
+                    return self._around(gap, back)
             elif last:
-                return [_Gap(low, middle, side, after), _Gap(middle, high, side)]
+                return [gap._replace(high=middle), _Gap(middle, gap.high, gap.side)]
             step *= 2.0
-        ahead = reach_of(found, middle, self.p, 1, high, self.settings)
+
+    def _halved(self, gap: _Gap) -> list[_Gap]:
+        """Close in on where pieces begin to lead to another side."""
+        middle = 0.5 * (gap.low + gap.high)
+        found = self.map.at(middle, self.p)
+        if self._holds(found):
+            return self._around(gap, self._reach(found, middle, -1, gap.low))
+        halves = gap._replace(high=middle, above=NOWHERE), gap._replace(low=middle, side=NOWHERE)
+        return self._kept(*halves)
+
+    def _around(self, gap: _Gap, back: Reach) -> list[_Gap]:
+        """Keep a piece that was followed to its low end; what it leaves of a gap."""
+        found, middle = back.images[0], back.x[0]
+        ahead = self._reach(found, middle, 1, gap.high)
         x = (*back.x[::-1], *ahead.x[1:])
         images = (*back.images[::-1], *ahead.images[1:])
         self.stretches.append(Stretch(x, images, (back.code, ahead.code)))
-        sides = self._sides(back), self._sides(ahead)
-        inner = _Gap(low, back.end, self._common([side, *sides[0]]), after)
-        left = []
-        if inner.high - inner.low > self._cut_off(inner.side):
-            left.append(inner)
-        elif inner.high > inner.low:
-            self.gaps.append((inner.low, inner.high))
-        if ahead.end < high:
-            left.append(_Gap(ahead.end, high, self._common(sides[1]), ahead.code >= 0))
-        return left
+        below, above = self._common(self._sides(back)), self._common(self._sides(ahead))
+        inner = _Gap(gap.low, back.end, gap.side, gap.after, below)
+        rest = _Gap(ahead.end, gap.high, above, ahead.code >= 0, gap.above)
+        onward = self._kept(rest) if gap.above is not None else [rest] if rest.length > 0.0 else []
+        return [*self._kept(inner), *onward]
+
+    def _kept(self, *gaps: _Gap) -> list[_Gap]:
+        """Those that are long enough to be crossed."""
+        for gap in gaps:
+            if 0.0 < gap.length <= self._cut_off(gap):
+                self.gaps.append((gap.low, gap.high))
+        return [gap for gap in gaps if gap.length > self._cut_off(gap)]
 
     def _skimmed(self, gap: _Gap) -> _Gap:
         """What is left of a gap without its first part, where all is short and leads elsewhere."""
-        low, high, side, after = gap
-        step = self._cut_off(side)
-        while side and low + 2.0 * step < high:
-            middle = low + step
+        step = self._cut_off(gap)
+        while gap.side and gap.low + 2.0 * step < gap.high:
+            middle = gap.low + step
             found = self.map.at(middle, self.p)
             if not self._holds(found) or self._length(found) > step:
                 break
             rise = step * abs(found.slope)
             around = [self._side_of(middle, found.value + way * rise) for way in (-1.0, 0.0, 1.0)]
-            if self._common([side, *around]) == 0:
-                side = 0
-                break
-            self.gaps.append((low, middle))
-            low, after = middle, False
-        return _Gap(low, high, side, after)
+            if self._common([gap.side, *around]) == 0:
+                return gap._replace(side=0)
+            self.gaps.append((gap.low, middle))
+            gap = gap._replace(low=middle, after=False)
+        return gap
 
     @staticmethod
     def _length(image: Image) -> float:

@@ -64,6 +64,23 @@ class Settings:
     near
         A value this close to the diagonal may have a fixed point near it: neighbouring pieces of a
         map that accumulate differ by a few hundredths of the window.
+    even
+        Samples of a piece lie so close that slopes at two of them and between them differ by a rise
+        of this part of the window; cubics are a tenth of it off, and what they do not tell is then
+        so close to the diagonal that it is looked for by Newton's method.
+    halvings
+        Of an interval in which a cycle of an iterate lies, before Newton's method begins: to 6e-8
+        of it, more than cubics are good for.
+    interior, zooms
+        Points inside an increasing piece of an iterate at which two cycles are looked for, and how
+        often closer to the one nearest to the diagonal: 16^4 points, of which one in a thousand is
+        looked at.
+    loose
+        A piece of an iterate whose end seems to miss the diagonal by this part of its length may
+        meet it: its ends are interpolated.
+    pulls
+        How often an orbit is pulled back point by point, if Newton's method fails from a guess:
+        each time what it is off falls by the product of its slopes.
 
     Raises
     ------
@@ -90,6 +107,12 @@ class Settings:
     same: float = 1e-9
     closer: float = 0.5
     near: float = 0.1
+    even: float = 5e-4
+    halvings: int = 24
+    interior: int = 16
+    zooms: int = 4
+    loose: float = 0.02
+    pulls: int = 3
 
     def __post_init__(self) -> None:
         for name in ("span", "window"):
@@ -97,14 +120,15 @@ class Settings:
             object.__setattr__(self, name, ends)
         for name in (
             "step", "max_step", "min_step", "max_turn", "converged", "stalled", "beside",
-            "nearest", "jump", "kink", "finest", "coarse", "same", "closer", "near",
+            "nearest", "jump", "kink", "finest", "coarse", "same", "closer", "near", "even",
+            "loose",
         ):  # fmt: skip
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         if not self.min_step <= self.step <= self.max_step:
             raise ValueError(
                 f"step must lie in [{self.min_step}, {self.max_step}], got {self.step}"
             )
-        for name in ("max_samples", "newton"):
+        for name in ("max_samples", "newton", "halvings", "interior", "zooms", "pulls"):
             object.__setattr__(self, name, whole(name, getattr(self, name)))
 
     @property

@@ -13,7 +13,7 @@ from woodpecker.engine.borders import Border, BorderKind
 from woodpecker.engine.bracketing import bracketed
 from woodpecker.engine.branches import is_inside
 from woodpecker.engine.itineraries import Itineraries
-from woodpecker.engine.jumps import Jump, jump_of
+from woodpecker.engine.jumps import Jump, jump_of, limit_of
 from woodpecker.engine.margins import depth
 from woodpecker.engine.orbits import (
     Closed,
@@ -114,12 +114,13 @@ def _jumps(
     map_: PiecewiseMap, borders: Sequence[Border], orbits: Itineraries | None, order: int,
     settings: Settings,
 ) -> Iterator[Jump]:  # fmt: skip
+    wanted = _Crossing(map_, order, settings)
     if orbits is None:
         heads: Iterator[tuple[Orbit, Border]] = (
-            (Orbit(np.array([b.x]), b.p, (b.inner,)), b) for b in borders
+            (Orbit(np.array([b.x]), b.p, (b.inner,)), b) for b in borders if wanted(b, 1, b.x)
         )
     else:
-        heads = orbits.heads(borders, order)
+        heads = orbits.heads(borders, order, wanted)
     for guess, border in heads:
         closing = Margin(len(guess) - 1, border.code)
         solution = solve(guess, (closing, Coordinate(-1, border.p)), settings)
@@ -128,6 +129,30 @@ def _jumps(
             jump = jump_of(map_, head, closing, order, settings)
             if jump.crosses:
                 yield jump
+
+
+class _Crossing:
+    """Whether a jump may cross the diagonal at a point that is known roughly.
+
+    Its limits depend on the border and on the returns that follow, and not on what leads to it.
+    """
+
+    def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
+        self.map, self.order = map_, order
+        self._slack = settings.near * settings.x_scale
+        self._known: dict[tuple[int, int], tuple[float, float]] = {}
+
+    def __call__(self, border: Border, length: int, x: float) -> bool:
+        """Whether the jump at x does, of which so many points lead to a border."""
+        key = id(border), self.order - length
+        if key not in self._known:
+            one, other = (
+                limit_of(self.map, image, key[1], border.p).value
+                for image in (border.inner, border.outer)
+            )
+            self._known[key] = min(one, other), max(one, other)
+        low, high = self._known[key]
+        return low - self._slack <= x <= high + self._slack
 
 
 def _within(orbit: Orbit, settings: Settings) -> bool:
