@@ -287,6 +287,8 @@ class Stepper:
         scale = scales(len(last.orbit), self.settings)
         move, clear = last.tangent * scale, math.inf
         for i, image in enumerate(last.orbit.images):
+            if isinstance(self.closing, Margin) and self.closing.index == i:
+                image = image.without(self.closing.code)
             rate = image.gradients @ move[[i, -1]]
             falling = rate < 0.0
             if falling.any():
