@@ -180,21 +180,36 @@ class _Point(NamedTuple):
 
 
 def _parts(stretch: Stretch, p: float) -> Iterator[tuple[_Point, _Point]]:
-    """Neighbouring samples, with one more where P(x) - x may turn round between them."""
+    """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
     points = [_Point(x, image) for x, image in zip(stretch.x, stretch.images, strict=True)]
-    for a, b in pairwise(points):
-        gaps, slopes = (a.image.value - a.x, b.image.value - b.x), (
-            a.image.slope - 1.0, b.image.slope - 1.0,
-        )  # fmt: skip
-        towards = gaps[0] * slopes[0] < 0.0 < gaps[1] * slopes[1]
-        if gaps[0] * gaps[1] > 0.0 and towards:
-            x = a.x + (b.x - a.x) * slopes[0] / (slopes[0] - slopes[1])
-            middle = _Point(x, a.image.piece.at(x, p))
-            if a.x < x < b.x and not middle.image.reason:
-                yield a, middle
-                yield middle, b
-                continue
-        yield a, b
+    for pair in pairwise(points):
+        todo = [pair]
+        while todo:
+            a, b = todo.pop()
+            x = _lowest(a, b)
+            middle = None if x is None else _Point(x, a.image.piece.at(x, p))
+            if middle is None or middle.image.reason:
+                yield a, b
+            else:
+                todo += [(middle, b), (a, middle)]
+
+
+def _lowest(a: _Point, b: _Point) -> float | None:
+    """Where |P(x) - x| is least between two points; None if it does not come down to zero there.
+
+    It does not if the tangents at both ends meet before: as long as it does not bend the other way.
+    """
+    (one, down), (other, up) = _gap(a.image, a.x), _gap(b.image, b.x)
+    if not (one * other > 0.0 and one * down < 0.0 < other * up):
+        return None
+    run = b.x - a.x
+    meet = (other - one - up * run) / (down - up)  # from a
+    part = down / (down - up)
+    x = a.x + part * run if LEAST < part < 1.0 - LEAST else a.x + 0.5 * run
+    return x if a.x < x < b.x and (one + down * meet) * one <= 0.0 else None
+
+
+LEAST = 0.02  # of an interval: less is cut off by halving
 
 
 def _gap(image: Image, x: float) -> tuple[float, float]:

@@ -274,16 +274,17 @@ def test_words_that_change_close_together(apart: float) -> None:
         assert np.abs(beside - edges[int(mark.cause) - 1]).min() <= LOCATED
 
 
-def test_a_jump_may_heal() -> None:
-    """The right limit comes down to the left one beyond p = -0.6: the jump crosses no more.
+def test_a_jump_goes_round_a_corner() -> None:
+    """R1 takes x/2 + p, as L does: below p = -0.6 the jump is no more at 0, but between R1 and R.
 
-    R1 takes x/2 + p, as L does; both are one piece there but for their names.
+    There, on p + x/2 = -0.6, it crosses the diagonal until the fixed point 2 (p + 1)/3 of R meets
+    it, at x = 0.2 and p = -0.7.
     """
     curve = jump_at(divided(0.5, Line(0.5, 1.0).smooth()), 0.0, -0.3)
     low, high = ends(curve)
     assert (high.kind, high.p) == (BC, pytest.approx(0.0, abs=LOCATED))
-    assert (low.kind, low.note, low.cause) == (EP, "the jump ends", "p reaches -0.6")
-    assert low.p == pytest.approx(-0.6, abs=LOCATED)
+    assert (low.kind, low.note, low.cause) == (BC, "fold", "p reaches -0.6")
+    assert (low.p, low.x[0]) == pytest.approx((-0.7, 0.2), abs=LOCATED)
 
 
 def test_a_jump_beside_which_the_map_is_lost() -> None:
@@ -293,7 +294,7 @@ def test_a_jump_beside_which_the_map_is_lost() -> None:
     kept = FormulaPiece("R", right.map, dict(right.margins) | {"p reaches -0.6": on})
     curve = jump_at(FormulaMap([left, kept]), 0.0, -0.3)
     low, _ = ends(curve)
-    assert (low.kind, low.cause) == (EP, "p reaches -0.6")
+    assert (low.kind, low.cause) == (PointKind.FALL, "a limit of the jump is lost")
     assert low.p == pytest.approx(-0.6, abs=LOCATED)
 
 

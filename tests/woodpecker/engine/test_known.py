@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lines import skew_tent, two_lines
+from maps import skew_tent, two_lines
 
 from pwmap import BranchKind
 from woodpecker.engine import known as module

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from lines import logistic
+from maps import logistic
 
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
