@@ -291,7 +291,7 @@ class Cycles:
         samples, marks, step = list(first), list[Mark](), math.inf
         while True:
             stretch = self.stepper.follow(samples[-1], ignored, origin, step)
-            ignored, step = None, stretch.step
+            ignored, step = None, max(stretch.step, self.settings.again)
             stretch = self._sharpened(_at_nearest(stretch, self.settings))
             samples += stretch.samples[1:]
             if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
@@ -561,12 +561,12 @@ class Jumps:
         return _legs(self._leg, first, origin, None, self.settings)
 
     def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
-        samples, marks, step = list(first), list[Mark](), math.inf
+        samples, marks = list(first), list[Mark]()
         while True:
             last = samples[-1]
             assert last.jump is not None
-            stretch = self._stepper(last.jump.closing).follow(last, ignored, origin, step)
-            ignored, step = None, stretch.step
+            stretch = self._stepper(last.jump.closing).follow(last, ignored, origin)
+            ignored = None
             samples += stretch.samples[1:]
             if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
                 there = self._passed_over(samples[-1], narrow=True)

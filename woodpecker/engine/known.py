@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Bools, Floats, Ints
@@ -19,7 +21,9 @@ from woodpecker.engine.orbits import (
     Orbit,
     newton_step,
     orbit_of,
+    scales,
     solve,
+    tangent,
 )
 
 Keys = tuple[object, ...]
@@ -65,11 +69,42 @@ class Known:
         for place in places:
             if not any(agree(own, keys) for own in place.keys):
                 others.append(place)
-            elif self._leads(place.x, orbit, closing):
+            elif any(
+                self._leads(x, orbit, closing)
+                for x in (place.x, *self._curved(place, orbit, closing))
+            ):
                 return True
         return isinstance(closing, Closed) and any(
             self._leads(place.x, orbit, closing) and not self._holds(place) for place in others
         )
+
+    def _curved(self, place: _Place, orbit: Orbit, closing: Condition) -> Iterator[Floats]:
+        """A place on the cubic through both samples, with the tangents of the orbit's pieces.
+
+        Where orbits are steep Newton's method needs to start closer by than on the chord.
+        """
+        number, k, shift = place.chord
+        curve, scale = self.network.curves[number], scales(len(orbit), self.settings)
+        ends = [
+            orbit_of(orbit.pieces, np.roll(curve.points[j], -shift), float(curve.parameter[j]))
+            for j in (k, k + 1)
+        ]
+        chord = (ends[1].point - ends[0].point) / scale
+        length = float(np.linalg.norm(chord))
+        along = [tangent(end, closing, self.settings) * length for end in ends]
+        if not (length > 0.0 and all(np.isfinite(each).all() for each in along)):
+            return
+        d0, d1 = (each if each @ chord >= 0.0 else -each for each in along)
+        square, cube = 3.0 * chord - 2.0 * d0 - d1, d0 + d1 - 2.0 * chord
+
+        def away(s: float) -> Floats:
+            found: Floats = s * (d0 + s * (square + s * cube))
+            return found
+
+        target = (orbit.p - ends[0].p) / self.settings.p_scale
+        if target * (target - chord[-1]) < 0.0:  # between the samples
+            s = float(brentq(lambda s: away(s)[-1] - target, 0.0, 1.0))
+            yield ends[0].x + away(s)[:-1] * scale[:-1]
 
     def _leads(self, x: Floats, orbit: Orbit, closing: Condition) -> bool:
         """Whether a Newton step leads from some points to an orbit with the same pieces."""

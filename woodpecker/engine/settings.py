@@ -24,6 +24,9 @@ class Settings:
         finite one.
     step, max_step
         First and largest step in arclength.
+    again
+        First step beyond a border, if the last one before it was shorter: where borders follow each
+        other closely, pieces that begin and end within it are passed over.
     min_step
         Smallest step; a branch that needs a smaller one ends (EP). Borders that are closer together
         than this are passed over, and their number is not known.
@@ -92,6 +95,7 @@ class Settings:
     window: tuple[float, float] = (-math.inf, math.inf)
     step: float = 0.005
     max_step: float = 0.02
+    again: float = 1e-4
     min_step: float = 1e-13
     max_turn: float = 0.1
     max_samples: int = 20_000
@@ -119,7 +123,7 @@ class Settings:
             ends = interval(name, getattr(self, name), finite=name == "span")
             object.__setattr__(self, name, ends)
         for name in (
-            "step", "max_step", "min_step", "max_turn", "converged", "stalled", "beside",
+            "step", "max_step", "again", "min_step", "max_turn", "converged", "stalled", "beside",
             "nearest", "jump", "kink", "finest", "coarse", "same", "closer", "near", "even",
             "loose",
         ):  # fmt: skip

@@ -176,7 +176,8 @@ BLURRED = 1e-4  # a step on which a limit may change its pieces without a border
 
 RESOLVED = 100.0  # times the smallest distance from a border: there slopes have some digits left
 ROOT = 4.0  # times its slope at a distance, a square root rises by at most half as much over it
-BEYOND = 1.5  # times the distance of the next border, to first order
+BEYOND = 1.5  # times the distance of the next border, to first order: beyond, there may be no map
+NEARLY = 1e-3  # part of a step in which a border does not count as ahead
 FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
 SPACING = 2.0**-52  # a distance along a branch, scaled, below which there are no two orbits
 NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
@@ -252,16 +253,15 @@ class Stepper:
                 return Stretch(tuple(samples), Stop.SHORT)
             last = samples[-1]
             before = samples[-2] if len(samples) > 1 else None
-            step = min(step, self._clear(last))
             found = self._to_end(last, step) or self.advance(last, step, before)
             if isinstance(found, float):
-                step, grows = found, False
+                step, grows = min(found, self._shorter(last, step)), False
                 continue
             skipped = ignored if len(samples) == 1 else None
             events = self._events(last, found, step, skipped, origin)
             event = self._first(events) if events else None
             if events is None or (event is not None and not self._is_first(event)):
-                step, grows = 0.5 * step, False
+                step, grows = self._shorter(last, step), False
                 continue
             if event is not None:
                 return Stretch(
@@ -279,21 +279,18 @@ class Stepper:
             step, grows = min(self.settings.max_step, step * growth), True
         return Stretch(tuple(samples), Stop.MANY)
 
-    def _clear(self, last: Sample) -> float:
-        """A step that leads beyond the next border, not far: there a piece may have no value.
+    def _shorter(self, last: Sample, step: float) -> float:
+        """The next step to try: half of one that failed, or only just beyond the next border.
 
-        To first order; margins that vanish here, or almost, do not count.
+        To first order. Margins that vanish at the sample itself, or almost, do not count.
         """
-        scale = scales(len(last.orbit), self.settings)
-        move, clear = last.tangent * scale, math.inf
+        scale, shorter = scales(len(last.orbit), self.settings), 0.5 * step
         for i, image in enumerate(last.orbit.images):
-            if isinstance(self.closing, Margin) and self.closing.index == i:
-                image = image.without(self.closing.code)
-            rate = image.gradients @ move[[i, -1]]
+            rate = image.gradients @ (last.tangent * scale)[[i, -1]]
             falling = rate < 0.0
-            if falling.any():
-                clear = min(clear, float((image.margins[falling] / -rate[falling]).min()))
-        return max(BEYOND * clear, self.settings.beside)
+            away = BEYOND * image.margins[falling] / -rate[falling]
+            shorter = min(shorter, float(away[away > NEARLY * step].min(initial=math.inf)))
+        return shorter
 
     def _leaves(self, start: Sample) -> Stop | None:
         """Whether a sample lies at an end of span or window, and the branch leaves it there."""
