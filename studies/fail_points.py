@@ -22,8 +22,8 @@ from woodpecker import (
     continuation,
     shoot,
 )
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.slices import slices_at
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.slices import slices_at
 
 AROUND = (-5e-2, -1e-2, -1e-3, 1e-3, 1e-2, 5e-2)  # rad, of guesses around a point
 BESIDE = 1e-4  # distance of the parameter at which Newton's method is tried

@@ -30,7 +30,7 @@ from woodpecker import (
     jam_limit,
     parameters,
 )
-from woodpecker.engine.settings import Settings
+from woodpecker.piecewise.settings import Settings
 
 DIGITS = 30
 STEP = 4e-3  # s, of the reference's Taylor series: longer ones are quicker, and change no digit

@@ -39,8 +39,8 @@ from record import Results, command
 
 from woodpecker import ToyPieces
 from woodpecker.base.compiled import COMPILED
-from woodpecker.engine.partition import partition
-from woodpecker.engine.settings import Settings
+from woodpecker.piecewise.partition import partition
+from woodpecker.piecewise.settings import Settings
 
 DIPS = ((-1.2255, -1.2242), (-0.2665, -0.2653))  # rad, around the two dips at eps_N1 = 0.5
 COARSE = 2.5e-7  # rad; pieces narrower than this are not looked for

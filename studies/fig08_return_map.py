@@ -34,9 +34,9 @@ from woodpecker import (
     nearest_border,
     return_map,
 )
-from woodpecker.engine.partition import partition
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.slices import slices_at
+from woodpecker.piecewise.partition import partition
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.slices import slices_at
 from woodpecker.plot.figures import plot_return_map
 
 WINDOW = (-2.5, 0.11)  # rad, the paper's

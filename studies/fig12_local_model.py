@@ -50,7 +50,7 @@ from woodpecker import (
     local_model,
     shoot,
 )
-from woodpecker.engine.settings import Settings
+from woodpecker.piecewise.settings import Settings
 from woodpecker.plot.figures import plot_local
 
 X, A, R = sympy.symbols("x a r")

@@ -9,14 +9,14 @@ import numpy as np
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
-from woodpecker.engine.branches import Curve, Cycles, End
-from woodpecker.engine.formulas import FormulaMap
-from woodpecker.engine.network import Network
-from woodpecker.engine.orbits import Closed, Coordinate, Orbit, orbit_of, solve
-from woodpecker.engine.pieces import PiecewiseMap
-from woodpecker.engine.search import Explorer, Search, complete
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.tasks import Worker
+from woodpecker.piecewise.branches import Curve, Cycles, End
+from woodpecker.piecewise.formulas import FormulaMap
+from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, orbit_of, solve
+from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.search import Explorer, Search, complete
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Worker
 
 
 def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings) -> Orbit:

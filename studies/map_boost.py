@@ -39,12 +39,12 @@ from following import searched, signs
 from record import Results, command
 
 from pwmap import Diagram, PointKind
-from woodpecker.engine.borders import BorderKind
-from woodpecker.engine.formulas import FormulaMap
-from woodpecker.engine.network import Network
-from woodpecker.engine.search import Search
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.symbolic import from_sympy
+from woodpecker.piecewise.borders import BorderKind
+from woodpecker.piecewise.formulas import FormulaMap
+from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.search import Search
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.symbolic import from_sympy
 
 V, KAPPA = sympy.symbols("v kappa")
 SOURCE, TARGET = sympy.Integer(16), sympy.Integer(25)  # V

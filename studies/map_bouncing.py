@@ -52,12 +52,12 @@ from record import Results, command
 
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.borders import BorderKind
-from woodpecker.engine.derivatives import check_derivatives
-from woodpecker.engine.formulas import FormulaMap, FormulaPiece, Smooth
-from woodpecker.engine.network import Network
-from woodpecker.engine.search import Search
-from woodpecker.engine.settings import Settings
+from woodpecker.piecewise.borders import BorderKind
+from woodpecker.piecewise.derivatives import check_derivatives
+from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
+from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.search import Search
+from woodpecker.piecewise.settings import Settings
 
 TURN = 2.0 * math.pi
 SETTINGS = Settings(span=(1.2, 4.5), window=(-4.5, 3.0))

@@ -44,11 +44,11 @@ from following import branch_near, ends_of, searched, stable_part
 from record import Results, command
 
 from pwmap import PointKind
-from woodpecker.engine.branches import Curve
-from woodpecker.engine.formulas import FormulaMap
-from woodpecker.engine.search import Search
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.symbolic import from_sympy
+from woodpecker.piecewise.branches import Curve
+from woodpecker.piecewise.formulas import FormulaMap
+from woodpecker.piecewise.search import Search
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.symbolic import from_sympy
 
 X, RHO, ALPHA = sympy.symbols("x rho alpha")
 FORMULA = sympy.Piecewise((ALPHA * X + RHO, X <= 0), (RHO - sympy.sqrt(X), True))

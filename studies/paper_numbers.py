@@ -42,8 +42,8 @@ from woodpecker import (
     local_model,
     return_map,
 )
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.slices import slices_at
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.slices import slices_at
 
 CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/simulation/test_reference.py)"
 SIGNS, EXACT = "bisection to neighbouring doubles", "exact arithmetic"

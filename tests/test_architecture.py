@@ -64,7 +64,7 @@ def test_pwmap_knows_nothing_of_the_toy() -> None:
 
 
 def test_maps_of_the_line_know_nothing_of_the_toy() -> None:
-    folder = "woodpecker.engine"
+    folder = "woodpecker.piecewise"
     for module, target in imports("woodpecker").edges:
         if module.startswith(folder) and target.startswith("woodpecker"):
             assert target.startswith((folder, "woodpecker.base")), (module, target)

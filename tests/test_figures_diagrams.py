@@ -20,8 +20,8 @@ from woodpecker import (
     shoot,
 )
 from woodpecker.base.compiled import COMPILED
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.slices import slices_at
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.slices import slices_at
 
 fig09, fig10, fig11, fig12, order_three, whole = (
     importlib.import_module(name)

@@ -8,8 +8,8 @@ import map_grazing
 import numpy as np
 import pytest
 
-from woodpecker.engine.derivatives import check_derivatives
-from woodpecker.engine.settings import Settings
+from woodpecker.piecewise.derivatives import check_derivatives
+from woodpecker.piecewise.settings import Settings
 
 LOCATED = 1e-12  # of a special point, relative
 

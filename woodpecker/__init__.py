@@ -2,20 +2,6 @@
 
 from woodpecker.continued import continuation
 from woodpecker.diagram import bifurcation_diagram, find_all
-from woodpecker.engine.borders import Border, BorderKind
-from woodpecker.engine.derivatives import check_derivatives
-from woodpecker.engine.diagrams import Found, connected, cycle_near, whole_diagram
-from woodpecker.engine.formulas import FormulaMap, FormulaPiece, Smooth
-from woodpecker.engine.iterates import Iterate
-from woodpecker.engine.local import LocalModel, Start, local_model
-from woodpecker.engine.pieces import Image, PiecewiseMap
-from woodpecker.engine.search import Search, Seen, Stage
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
-from woodpecker.engine.slices import Slice, slices_at
-from woodpecker.engine.stepping import BranchState
-from woodpecker.engine.symbolic import from_pwmap, from_sympy
-from woodpecker.engine.windows import borders_in, crosses, nearest_border
 from woodpecker.mechanics.equations import (
     Equilibrium,
     energy,
@@ -24,6 +10,20 @@ from woodpecker.mechanics.equations import (
     jam_limit,
 )
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
+from woodpecker.piecewise.borders import Border, BorderKind
+from woodpecker.piecewise.derivatives import check_derivatives
+from woodpecker.piecewise.diagrams import Found, connected, cycle_near, whole_diagram
+from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
+from woodpecker.piecewise.iterates import Iterate
+from woodpecker.piecewise.local import LocalModel, Start, local_model
+from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.search import Search, Seen, Stage
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
+from woodpecker.piecewise.slices import Slice, slices_at
+from woodpecker.piecewise.stepping import BranchState
+from woodpecker.piecewise.symbolic import from_pwmap, from_sympy
+from woodpecker.piecewise.windows import borders_in, crosses, nearest_border
 from woodpecker.runs import saved_diagram
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
 from woodpecker.simulation.returns import Return, ReturnMap, first_return, return_map

@@ -10,13 +10,13 @@ from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import interval
 from woodpecker.base.executors import Serial
-from woodpecker.engine.diagrams import cycle_near, restored
-from woodpecker.engine.orbits import Orbit
-from woodpecker.engine.search import Explorer, Progress
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.stepping import StopRule
-from woodpecker.engine.tasks import Worker
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.diagrams import cycle_near, restored
+from woodpecker.piecewise.orbits import Orbit
+from woodpecker.piecewise.search import Explorer, Progress
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.stepping import StopRule
+from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import AT, about, finished, nothing, possible, recorded, settings_for
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.simulation.returns import RESTITUTIONS

@@ -10,10 +10,10 @@ from dataclasses import asdict, replace
 from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checks import interval
 from woodpecker.base.executors import worker_count
-from woodpecker.engine.diagrams import Found, finite_window, iterates, whole_diagram
-from woodpecker.engine.search import Progress, Search
-from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.diagrams import Found, finite_window, iterates, whole_diagram
+from woodpecker.piecewise.search import Progress, Search
+from woodpecker.piecewise.settings import Settings
 from woodpecker.runs import WINDOW, about, finished, possible, recorded, settings_for
 from woodpecker.toypieces import ToyPieces
 
@@ -36,7 +36,7 @@ def bifurcation_diagram(
     """Every branch of some iterates in a window, and how they hang together.
 
     Slices of the parameter are taken until they show nothing that no branch explains; see
-    :mod:`woodpecker.engine.search`. An iterate P_j counts orbits all of whose returns lie in the
+    :mod:`woodpecker.piecewise.search`. An iterate P_j counts orbits all of whose returns lie in the
     window.
 
     Parameters

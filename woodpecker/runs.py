@@ -12,10 +12,10 @@ from typing import Any
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checkpoint import Entry
 from woodpecker.base.checks import interval
-from woodpecker.engine.checkpoint import Record, read_record, restore
-from woodpecker.engine.network import Network
-from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy, limits
+from woodpecker.piecewise.checkpoint import Record, read_record, restore
+from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.settings import Settings
 from woodpecker.toypieces import ToyPieces
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]

@@ -9,8 +9,9 @@ from enum import Enum
 import numpy as np
 
 from woodpecker.base.checks import whole
-from woodpecker.engine.jumps import Jump, jump_of
-from woodpecker.engine.orbits import (
+from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.jumps import Jump, jump_of
+from woodpecker.piecewise.orbits import (
     Closed,
     Coordinate,
     Margin,
@@ -21,9 +22,8 @@ from woodpecker.engine.orbits import (
     residuals,
     solve,
 )
-from woodpecker.engine.reaches import reach_of
-from woodpecker.engine.settings import Settings
-from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.reaches import reach_of
+from woodpecker.piecewise.settings import Settings
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
 

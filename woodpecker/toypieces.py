@@ -16,28 +16,77 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import announce
-from woodpecker.engine.pieces import Image
-from woodpecker.engine.settled import Sweep
-from woodpecker.mechanics.modes import CONTACT, LIMIT
-from woodpecker.mechanics.toy import Toy, known_parameter
+from woodpecker.mechanics.modes import (
+    CHANGE,
+    CONTACT,
+    EPS,
+    EPSILONS,
+    FIXED,
+    LIMIT,
+    STEP,
+    Numbers,
+    model,
+    parameters_of,
+    refill,
+)
+from woodpecker.mechanics.toy import Toy, known_parameter, limits
+from woodpecker.piecewise.pieces import Image
+from woodpecker.piecewise.settled import Sweep
 from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
-from woodpecker.toymaps import Table
 
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
 # to bounce: the cube root of the kernel's rounding
 KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
+CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
 TOO_FAR = "the path does not reach so far"
 NO_MARGINS, NO_GRADIENTS = np.zeros(0), np.zeros((0, 2))
 NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
+
+
+class _Table:
+    """The kernel's numbers over one parameter of the toy, and their derivatives.
+
+    Attributes
+    ----------
+    numbers, change
+        As :func:`woodpecker.simulation.calls.sweep` takes them, for the value of the last
+        :meth:`at`.
+    seed
+        (1, 3), derivatives of the restitution coefficients.
+    """
+
+    def __init__(self, toy: Toy, parameter: str) -> None:
+        self._toy, self._parameter = toy, parameter
+        self._low, self._high = limits(toy, parameter)
+        self.numbers: Floats = model(toy)
+        self.change: Floats = np.zeros(CHANGE) if parameter in Numbers._fields else FIXED
+        self.seed: Floats = np.zeros((1, 3))
+        if parameter in EPSILONS:
+            self.seed[0, EPSILONS.index(parameter)] = 1.0
+        self._complex = parameters_of(toy, parameter)
+        self._value = math.nan
+
+    def at(self, p: float) -> None:
+        """Take the numbers of another value; ValueError says why the toy cannot have it."""
+        if p == self._value:
+            return
+        if not self._low * (1.0 + CLEAR) < p < self._high * (1.0 - CLEAR):
+            self._toy.replace(**{self._parameter: p})
+        if self._parameter in EPSILONS:
+            self.numbers[CONTACT + EPSILONS.index(self._parameter), EPS] = p
+        elif self._parameter in Numbers._fields:
+            self._complex[Numbers._fields.index(self._parameter)] = complex(p, STEP)
+            refill(self._complex, self.numbers, self.change)
+        self._value = p
 
 
 class _Room:
     """A table and a follower for all calls of one thread."""
 
     def __init__(self, toy: Toy, parameter: str) -> None:
-        self._table = Table(toy, parameter)
+        self._table = _Table(toy, parameter)
         self.follower = Follower(self._table.numbers, self._table.change, self._table.seed)
 
     def obstacle(self, x: float, p: float) -> str:

@@ -15,12 +15,12 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, 
 from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
 from woodpecker.continued import continuation
-from woodpecker.engine.checkpoint import Record, check_entry
-from woodpecker.engine.diagrams import cycle_near
-from woodpecker.engine.search import Explorer, Search, Stage
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.tasks import Worker
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.checkpoint import Record, check_entry
+from woodpecker.piecewise.diagrams import cycle_near
+from woodpecker.piecewise.search import Explorer, Search, Stage
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import DEFAULT, WINDOW, saved_diagram
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
@@ -305,7 +305,7 @@ def test_a_failed_orbit_is_refused() -> None:
         ),
         (
             {"settings": Search()}, TypeError,
-            "settings must be woodpecker.Settings, got woodpecker.engine.search.Search",
+            "settings must be woodpecker.Settings, got woodpecker.piecewise.search.Search",
         ),
         ({"resume": True}, ValueError, "resuming needs the file of a run"),
     ],

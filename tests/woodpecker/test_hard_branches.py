@@ -8,11 +8,11 @@ import pytest
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.compiled import COMPILED
 from woodpecker.continued import continuation
-from woodpecker.engine.branches import LIMIT_LOST, PASSED_OVER
-from woodpecker.engine.corners import leaving
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.stepping import BLURRED
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.branches import LIMIT_LOST, PASSED_OVER
+from woodpecker.piecewise.corners import leaving
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.stepping import BLURRED
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, bifurcation_diagram, continuation, parameters, shoot
-from woodpecker.engine.search import Search
 from woodpecker.mechanics.modes import (
     CHANGE,
     FORCE,
@@ -18,6 +17,7 @@ from woodpecker.mechanics.modes import (
     model,
 )
 from woodpecker.mechanics.toy import ExpansionFriction, limits
+from woodpecker.piecewise.search import Search
 from woodpecker.toypieces import ToyPieces
 
 LAWS = list(ExpansionFriction)

@@ -18,12 +18,12 @@ from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus
 from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
 from woodpecker.continued import OUT_OF_DOMAIN, WINDOW, continuation
-from woodpecker.engine.orbits import Orbit
-from woodpecker.engine.pieces import Image, Piece
-from woodpecker.engine.search import Explorer
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.tasks import Tasks, Worker
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.orbits import Orbit
+from woodpecker.piecewise.pieces import Image, Piece
+from woodpecker.piecewise.search import Explorer
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks, Worker
 from woodpecker.shooting import shoot
 from woodpecker.toypieces import ToyPieces
 

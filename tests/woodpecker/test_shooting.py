@@ -9,10 +9,10 @@ import pytest
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.continued import continuation
-from woodpecker.engine.iterates import Iterate
-from woodpecker.engine.orbits import Orbit, orbit_of
 from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.iterates import Iterate
+from woodpecker.piecewise.orbits import Orbit, orbit_of
 from woodpecker.shooting import DEFAULT, ShootingStatus, _closed, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.simulation.status import Status

@@ -29,11 +29,11 @@ from woodpecker.cli.options import (
 )
 from woodpecker.continued import continuation
 from woodpecker.diagram import find_all
-from woodpecker.engine.diagrams import Found
-from woodpecker.engine.local import local_model
-from woodpecker.engine.search import Progress, Stage
-from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy, known_parameter
+from woodpecker.piecewise.diagrams import Found
+from woodpecker.piecewise.local import local_model
+from woodpecker.piecewise.search import Progress, Stage
+from woodpecker.piecewise.settings import Settings
 from woodpecker.runs import WINDOW, saved_diagram
 from woodpecker.toypieces import ToyPieces
 

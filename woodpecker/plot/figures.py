@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, plot_diagram
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.local import LocalModel
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.local import LocalModel
 from woodpecker.plot.curve import Curve, Link, refined
 from woodpecker.simulation.returns import ReturnMap, return_map
 from woodpecker.simulation.trajectory import Trajectory

@@ -14,9 +14,9 @@ import pytest
 from woodpecker.base.checks import interval, number, positive, real_array, whole
 from woodpecker.continued import continuation
 from woodpecker.diagram import bifurcation_diagram
-from woodpecker.engine.iterates import Iterate
-from woodpecker.engine.settings import Settings
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.iterates import Iterate
+from woodpecker.piecewise.settings import Settings
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return, return_map
 from woodpecker.simulation.trajectory import simulate

@@ -9,8 +9,8 @@ import pytest
 
 from woodpecker import Toy, ToyPieces, return_map
 from woodpecker.base.compiled import COMPILED
-from woodpecker.engine.settings import Settings
-from woodpecker.engine.slices import slices_at
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.slices import slices_at
 from woodpecker.simulation.roots import root_at_inflection
 
 NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="plain Python would take minutes")

@@ -13,7 +13,7 @@ from scenes import in_another_process
 
 from woodpecker import Toy, bifurcation_diagram, continuation, return_map, shoot
 from woodpecker.base.compiled import COMPILED
-from woodpecker.engine.search import Search
+from woodpecker.piecewise.search import Search
 
 Graph = dict[str, Any]
 

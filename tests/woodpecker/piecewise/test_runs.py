@@ -1,0 +1,411 @@
+"""A search that is interrupted anywhere goes on to the same result; workers do not change it."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagrams import assert_alike, to_the_last_bit
+from maps import moving, paper
+
+from pwmap import Diagram
+from woodpecker import (
+    FormulaMap,
+    Found,
+    PiecewiseMap,
+    Search,
+    Settings,
+    Toy,
+    bifurcation_diagram,
+    find_all,
+    saved_diagram,
+    whole_diagram,
+)
+from woodpecker.base.checkpoint import Entry
+from woodpecker.base.compiled import COMPILED
+from woodpecker.piecewise.checkpoint import VERSION, Record, check_entry, read_record, restore
+from woodpecker.piecewise.formulas import FormulaPiece
+from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.pieces import Image
+from woodpecker.piecewise.search import Past
+
+SEARCH = Search(slices=5, finest=0.05)
+SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
+ABOUT: Entry = {"parameter": "p", "span": [-1.0, 2.5]}
+NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+
+
+def searched(
+    record: Record | None = None, workers: int = 1, executor: Executor | None = None
+) -> Found:
+    return whole_diagram(
+        paper(), SETTINGS, (1, 2), SEARCH, workers=workers, executor=executor, record=record
+    )
+
+
+@pytest.fixture(scope="module")
+def whole() -> Found:
+    return searched()
+
+
+# --- Interruptions --------------------------------------------------------------------------------
+
+
+class Stopped(Record):
+    """A record whose run is interrupted after some lines, in the middle of the next."""
+
+    def __init__(self, path: Path, lines: int, *, resume: bool = False) -> None:
+        super().__init__(path, ABOUT, resume=resume)
+        self._write, self.left = self._file.write, lines
+        self._file.write = self.write  # type: ignore[method-assign]
+
+    def write(self, entry: Entry) -> None:
+        self.left -= 1
+        if self.left < 0:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(entry)[:17])
+            raise KeyboardInterrupt
+        self._write(entry)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lines", [1, 3])
+def test_a_run_interrupted_at_any_line_goes_on_to_the_same_result(
+    lines: int, whole: Found, tmp_path: Path
+) -> None:
+    assert len(whole.diagram.branches) >= 5
+    path, stops, resume = tmp_path / "run.jsonl", 0, False
+    while True:
+        record = Stopped(path, lines, resume=resume)
+        try:
+            found = searched(record)
+        except KeyboardInterrupt:
+            stops, resume = stops + 1, True
+            continue
+        finally:
+            record.close()
+        break
+    written = path.read_bytes().count(b"\n") - 1
+    assert stops >= written // lines - 1
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+    assert [seen.p for seen in found.slices] == [seen.p for seen in whole.slices]
+
+
+def recorded(path: Path) -> Found:
+    record = Record(path, ABOUT)
+    try:
+        return searched(record)
+    finally:
+        record.close()
+
+
+def test_a_run_that_is_complete_asks_the_map_for_nothing_more(whole: Found, tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    first = recorded(path)
+    assert first.evaluations == whole.evaluations > 0
+    before = path.read_bytes()
+    record = Record(path, ABOUT, resume=True)
+    again = searched(record)
+    record.close()
+    assert to_the_last_bit(again.diagram) == to_the_last_bit(first.diagram)
+    assert again.slices == first.slices
+    assert again.evaluations == 0
+    assert path.read_bytes() == before
+
+
+def test_only_the_same_run_is_resumed(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    with pytest.raises(ValueError, match="there is no saved run"):
+        Record(path, ABOUT, resume=True)
+    Record(path, ABOUT).close()
+    with pytest.raises(ValueError, match=r"there span is \[-1.0, 2.5\], now it is \[0.0, 1.0\]"):
+        Record(path, ABOUT | {"span": [0.0, 1.0]}, resume=True)
+
+
+# --- What a record holds --------------------------------------------------------------------------
+
+
+def test_a_resumed_run_remembers_which_slice_was_new(tmp_path: Path, whole: Found) -> None:
+    """Also if it was stopped between what a slice has shown and the line that says so.
+
+    Otherwise the search would not look closer beside it, as it would have done.
+    """
+    path, resume = tmp_path / "run.jsonl", False
+    while True:
+        record = Stopped(path, 1, resume=resume)
+        try:
+            found = searched(record)
+        except KeyboardInterrupt:
+            resume = True
+            continue
+        finally:
+            record.close()
+        break
+    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
+
+
+@pytest.fixture(scope="module")
+def entries(tmp_path_factory: pytest.TempPathFactory) -> list[Entry]:
+    path = tmp_path_factory.mktemp("runs") / "run.jsonl"
+    recorded(path)
+    about, found = read_record(path)
+    assert about == ABOUT
+    return found
+
+
+def test_curves_read_back_to_the_last_bit(whole: Found, entries: list[Entry]) -> None:
+    network = Network(SETTINGS)
+    past = restore(network, entries, paper(), "run.jsonl")
+    assert to_the_last_bit(network.diagram("p", "x")) == to_the_last_bit(whole.diagram)
+    assert past == Past(whole.slices)
+    assert not network.waiting
+
+
+def of_kind(entries: list[Entry], key: str) -> Entry:
+    """The first entry of a kind; of curves one that ends in a collision."""
+    return next(
+        entry
+        for entry in entries
+        if key in entry
+        and (key != "curves" or any(end["collision"] for c in entry[key] for end in c["ends"]))
+    )
+
+
+Change = Callable[[Any], object]
+
+
+def collided(curve: Any) -> Any:
+    return next(end["collision"] for end in curve["ends"] if end["collision"])
+
+
+@pytest.mark.parametrize(
+    ("key", "change"),
+    [
+        ("done", lambda e: e.update(done="1.0")),
+        ("done", lambda e: e.update(done=None)),
+        ("slice", lambda e: e["slice"].update(p="0.5")),
+        ("slice", lambda e: e["slice"].update(new=[True])),
+        ("slice", lambda e: e["slice"].update(left=[1.0])),
+        ("slice", lambda e: e["slice"].update(left=[["a", 1.0]])),
+        ("slice", lambda e: e["slice"].update(evaluations=1.5)),
+        ("slice", lambda e: e["slice"].pop("unresolved")),
+        ("slice", lambda e: e.update(slice=0.5)),
+        ("curves", lambda e: e.update(curves=1)),
+        ("curves", lambda e: e["curves"][0].update(kind="branch")),
+        ("curves", lambda e: e["curves"][0].update(order=1.5)),
+        ("curves", lambda e: e["curves"][0].update(parameter=[])),
+        ("curves", lambda e: e["curves"][0]["parameter"].pop()),
+        ("curves", lambda e: e["curves"][0]["multiplier"].append("1.0")),
+        ("curves", lambda e: e["curves"][0].update(points=[1.0])),
+        ("curves", lambda e: e["curves"][0]["words"][0].pop()),
+        ("curves", lambda e: e["curves"][0].update(words=[[0, 1, ["a"]]])),
+        ("curves", lambda e: e["curves"][0].update(words=[[0, "a", {"set": 1}]])),
+        ("curves", lambda e: e["curves"][0].update(words=[[0, "a", {"other": []}]])),
+        ("curves", lambda e: e["curves"][0].update(marks=[[0, "a", "NOTHING"]])),
+        ("curves", lambda e: e["curves"][0]["ends"].pop()),
+        ("curves", lambda e: e["curves"][0]["ends"][0].update(kind="XX")),
+        ("curves", lambda e: e["curves"][0]["ends"][0].update(p=None)),
+        ("curves", lambda e: e["curves"][0]["ends"][0].update(status="somewhere")),
+        ("curves", lambda e: e["curves"][0]["ends"][0].pop("note")),
+        ("curves", lambda e: collided(e["curves"][0]).update(side=0)),
+        ("curves", lambda e: collided(e["curves"][0]).update(index=7)),
+        ("curves", lambda e: collided(e["curves"][0]).update(kinds=[])),
+        ("curves", lambda e: collided(e["curves"][0]).update(code="0")),
+    ],
+)
+def test_entries_that_are_refused(
+    key: str, change: Change, entries: list[Entry], tmp_path: Path
+) -> None:
+    good = of_kind(entries, key)
+    check_entry(good)
+    bad = copy.deepcopy(good)
+    change(bad)
+    path = tmp_path / "run.jsonl"
+    lines = [{"run": ABOUT, "version": VERSION}, good, bad]
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    before = path.read_bytes()
+    for call in (lambda: read_record(path), lambda: Record(path, ABOUT, resume=True)):
+        with pytest.raises(ValueError, match=r"run\.jsonl, line 3: expected an entry of a run"):
+            call()
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("entry", [{}, {"paths": "jump"}])
+def test_entries_of_no_kind_are_refused(entry: Entry) -> None:
+    with pytest.raises(KeyError):
+        check_entry(entry)
+
+
+def test_entries_follow_from_one_another(entries: list[Entry]) -> None:
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 2: nothing is left to follow at 0.5"):
+        restore(Network(SETTINGS), [{"done": 0.5}], paper(), "run.jsonl")
+    with pytest.raises(ValueError, match=r"line \d+: expected a collision of this map, got one at"):
+        restore(Network(SETTINGS), entries, moving(0.7), "run.jsonl")
+
+
+@dataclass(frozen=True)
+class Keyed:
+    """A map with keys of another type."""
+
+    map: FormulaMap
+
+    def at(self, x: float, p: float) -> Image:
+        image = self.map.at(x, p)
+        piece = image.piece
+        assert isinstance(piece, FormulaPiece)
+        return image._replace(piece=KeyedPiece(piece))
+
+
+@dataclass(frozen=True)
+class KeyedPiece:
+    """Its piece."""
+
+    piece: FormulaPiece
+
+    @property
+    def key(self) -> float:
+        return float(len(self.piece.word))
+
+    @property
+    def word(self) -> str:
+        return self.piece.word
+
+    def at(self, x: float, p: float) -> Image:
+        return self.piece.at(x, p)._replace(piece=self)
+
+    def cause(self, code: int) -> str:
+        return self.piece.cause(code)
+
+
+def test_keys_that_cannot_be_kept_are_named(tmp_path: Path) -> None:
+    map_: PiecewiseMap = Keyed(paper())
+    record = Record(tmp_path / "run.jsonl", ABOUT)
+    with pytest.raises(TypeError, match=r"only if keys of pieces are bytes, text or integers: 1.0"):
+        whole_diagram(map_, SETTINGS, (1,), SEARCH, record=record)
+    record.close()
+
+
+# --- Workers --------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [2, 7])
+def test_the_number_of_workers_does_not_matter(workers: int, whole: Found) -> None:
+    found = searched(workers=workers)
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_threads_do_not_matter(workers: int, whole: Found) -> None:
+    with ThreadPoolExecutor(3) as threads:
+        found = searched(workers=workers, executor=threads)
+        assert threads.submit(int).result() == 0  # it was not shut down
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+
+
+@pytest.mark.slow
+def test_processes_do_not_matter(whole: Found) -> None:
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
+        found = searched(executor=processes)
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+
+
+def test_a_map_that_cannot_be_sent_is_refused() -> None:
+    first, second = paper().pieces
+    assert isinstance(first, FormulaPiece)
+    local = FormulaPiece("R", type(first.map)(lambda x, p: p - 1.25 * x), first.margins)
+    map_ = FormulaMap([local, second])
+    with pytest.raises(ValueError, match="the map cannot be sent to other processes"):
+        whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=2)
+    assert whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=1).diagram.branches
+
+
+# --- The toy --------------------------------------------------------------------------------------
+
+SPAN, WINDOW, FEW = (0.33, 0.4), (-1.2, -0.7), Search(slices=6)
+
+
+def of_toy(**options: Any) -> Diagram:
+    return bifurcation_diagram(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW, **options)
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    found = of_toy(run=path, workers=1)
+    saved = saved_diagram(str(path))
+    assert to_the_last_bit(saved) == to_the_last_bit(found)
+    assert saved.given == found.given
+    assert saved.given[0] == "friction in the expansion: summed"
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
+    """SIGKILL leaves no time to tidy up; what was finished is there all the same.
+
+    A collision that was to be followed is rebuilt from its places. The toy's pieces are then met
+    from elsewhere, and the last bits of what starts there are others: some 1e-14 of rounding.
+    """
+    path = tmp_path / "run.jsonl"
+    code = (
+        "from pathlib import Path\nfrom woodpecker import *\n"
+        f"bifurcation_diagram(Toy(), 'eps_n1', {SPAN}, (1,), {WINDOW}, "
+        f"search=Search(slices=6), run=Path({str(path)!r}))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    )
+    while process.poll() is None:
+        time.sleep(0.05)
+        if path.exists() and path.read_bytes().count(b"\n") > 3:
+            process.send_signal(signal.SIGKILL)
+    process.wait()
+    kept = saved_diagram(path)
+    assert len(kept.branches) >= 1
+    found = of_toy(run=path, resume=True)
+    whole = find_all(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW)
+    assert_alike(found, whole.diagram, within=1e-12)
+    assert whole.evaluations > 1000
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        ABOUT,
+        {"parameter": "eps_n1", "toy": {}},
+        {"parameter": ["p"], "toy": {"expansion_friction": "summed"}},
+        {"parameter": "eps_n1", "toy": {"mu_1": -1.0}, "settings": {}, "span": [0.0, 1.0]},
+        {"parameter": "eps_n1", "toy": {}, "settings": {"step": math.nan}, "span": [0.0, 1.0]},
+        {"parameter": "eps_n1", "toy": {}, "settings": {}, "span": [1.0, 0.0]},
+    ],
+)
+def test_runs_of_something_else_are_refused(run: Entry, tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    Record(path, run).close()
+    with pytest.raises(ValueError, match=r"line 1: expected a run of the toy, got one of \['param"):
+        saved_diagram(path)
+
+
+def test_a_run_that_has_not_begun_shows_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    run = {"parameter": "eps_n1", "toy": {}, "settings": {}, "span": [0.0, 1.0]}
+    Record(path, run).close()
+    assert saved_diagram(path).branches == ()
+    assert np.all(saved_diagram(path).points == ())

@@ -1,0 +1,149 @@
+"""Borders at one parameter: how far a piece reaches, and what lies beyond."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+from woodpecker.piecewise.margins import depth, nearest_code
+from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+
+
+class BorderKind(Enum):
+    """What a map does at a border of two of its pieces."""
+
+    JUMP = "the values differ"
+    KINK = "the values agree, the slopes differ"
+    GRAZING = "the values agree, one slope is infinite"
+    SMOOTH = "values and slopes agree"
+    LOST = "there is no value on one side"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Border:
+    """A border as one piece meets it.
+
+    Attributes
+    ----------
+    x, p
+        Where it is.
+    inner, code
+        The image at the border under the piece that was followed, and its margin that vanishes.
+    side
+        On which side of x the border is met: +1 if that piece lies at smaller x.
+    outer, outer_code
+        The image at the border under the piece beyond, and its margin that vanishes; -1 if it is
+        not known.
+    """
+
+    x: float
+    p: float
+    inner: Image
+    code: int
+    side: int
+    outer: Image
+    outer_code: int
+
+    @property
+    def jump(self) -> float:
+        """Value beyond less value inside; nan if there is none beyond."""
+        return self.outer.value - self.inner.value
+
+    @property
+    def cause(self) -> str:
+        """What happens there."""
+        return self.inner.piece.cause(self.code)
+
+    def kind(self, settings: Settings) -> BorderKind:
+        """What the map does there."""
+        if math.isnan(self.jump):
+            return BorderKind.LOST
+        one, other = self.inner.slope, self.outer.slope
+        steepest = max([abs(slope) for slope in (one, other) if math.isfinite(slope)], default=0.0)
+        same = max(settings.jump, settings.nearest * steepest)  # as close as x is to the border
+        if abs(self.jump) > same * settings.x_scale:
+            return BorderKind.JUMP
+        if not (abs(one) < STEEP and abs(other) < STEEP):
+            return BorderKind.GRAZING
+        size = max(1.0, abs(one), abs(other))
+        return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
+
+
+# A slope beside a border above which it is that of a square root: the derivative of one, rounded at
+# the border, is about 1e8.
+STEEP = 1e6
+
+
+def beyond(
+    map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings
+) -> tuple[Image, int]:
+    """The image of a border under the piece that lies on a side of it, and which margin vanishes.
+
+    The piece beyond is asked for at a distance. If its margins say that it ends before the border,
+    there is another in between, and the distance shrinks.
+    """
+    away = settings.beside * settings.x_scale
+    least = settings.nearest * settings.x_scale
+    found, code = map_.at(x + side * away, p), -1
+    while True:
+        there = found.piece.at(x, p) if not found.reason else found
+        if found.reason or there.reason or strays(found, there, away):
+            there = _limit_of(found, x, p, side * away)
+        elif depth(there) >= -max(least, THIN * away):
+            return there, nearest_code(there, -side)
+        code = nearest_code(there, -side)
+        if away <= least:
+            return there, code
+        away *= 0.1
+        found = map_.at(x + side * away, p)
+
+
+def _limit_of(image: Image, x: float, p: float, away: float) -> Image:
+    """An image at a distance from a border at which its piece has no value, taken to the border."""
+    closer = image.piece.at(x + CLOSER * away, p) if not image.reason else image
+    if closer.reason:
+        return limit(image, away)
+    root = is_square_root(image.slope, closer.slope, 1.0 / CLOSER)
+    there = limit(closer, CLOSER * away) if root else closer
+    return there._replace(piece=image.piece)  # one met at a grazing may be continued the wrong way
+
+
+CLOSER = 1e-4  # part of a distance: a limit is off by the square root's next term, linear in it
+THIN = 1e-3  # a piece beside a border that is thinner than this part of a distance is passed over
+
+
+def limit(image: Image, away: float) -> Image:
+    """An image next to a border that its piece does not reach, taken to the border.
+
+    Where the piece ends in a square root its value is a + b sqrt(away), and b sqrt(away) is twice
+    the slope times the distance.
+    """
+    return image._replace(
+        value=image.value - 2.0 * image.slope * away,
+        slope=math.copysign(math.inf, image.slope * away),
+    )
+
+
+def is_square_root(slope: float, closer: float, ratio: float) -> bool:
+    """Whether slopes at two distances from a border are those of a square root.
+
+    They grow with the root of the ratio of the distances; beside a pole or a logarithm, in which
+    the dips of a map end, much more.
+    """
+    return ratio**0.25 <= abs(closer / slope) <= ratio**0.75 if slope != 0.0 else False
+
+
+def strays(here: Image, there: Image, way: float) -> bool:
+    """Whether a piece went another way than its slopes say: where roots meet it may take the other.
+
+    Beside a singularity, however steep, the slope at the nearer point is the largest on the way.
+    """
+    steepest = max(abs(here.slope), abs(there.slope))
+    rounding = max(1.0, steepest) * max(math.ulp(here.value), math.ulp(way))
+    return abs(there.value - here.value) > STRAYS * (steepest * abs(way) + ROUNDINGS * rounding)
+
+
+STRAYS = 2.0  # times as far as the larger slope: where it is largest in between that is more
+ROUNDINGS = 16.0  # spacings of doubles

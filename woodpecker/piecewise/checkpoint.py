@@ -1,0 +1,289 @@
+"""What the checkpoint of a run holds: curves, and which collisions and slices are finished.
+
+A network is followed by what it has added, in order; adding it again puts it back where it was. The
+pieces of a cycle that meets a jump are no data: the map is asked for them, right inside the border.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+from collections.abc import Callable, Hashable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checkpoint import Checkpoint, Entry, checked_number, checked_type, read
+from woodpecker.piecewise.borders import BorderKind
+from woodpecker.piecewise.branches import Collision, Curve, End, Mark, Word
+from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.orbits import Margin, orbit_of
+from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.search import Past, Seen
+from woodpecker.piecewise.settings import Settings
+
+CURVES, DONE, SLICE = "curves", "done", "slice"  # kinds of entries, by their first key
+VERSION = 3  # of the lines below; raised when older code would misread them
+CLOSER = 0.1  # of a distance from a border at which the piece inside was not found
+Rebuild = Callable[[Entry], Collision | None]
+
+
+class Record:
+    """A checkpoint of a run, written as curves and collisions are finished.
+
+    Parameters
+    ----------
+    path, run, resume
+        See :class:`woodpecker.base.checkpoint.Checkpoint`.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], run: Entry, *, resume: bool = False) -> None:
+        self._file = Checkpoint(path, run, version=VERSION, check=check_entry, resume=resume)
+        self.entries, self.path = self._file.entries, self._file.path
+
+    def followed(self, curves: Sequence[Curve]) -> None:
+        """Keep the curves that a task has come to."""
+        self._file.write({CURVES: [_of_curve(curve) for curve in curves]})
+
+    def done(self, met: Collision) -> None:
+        """Keep that all that starts at the next collision was followed."""
+        self._file.write({DONE: met.orbit.p})
+
+    def seen(self, found: Seen) -> None:
+        """Keep that all that a slice shows was followed."""
+        self._file.write({SLICE: found._asdict()})
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Entry]]:
+    """What a checkpoint says of its run, and its entries so far; ValueError if it is none."""
+    return read(path, version=VERSION, check=check_entry)
+
+
+def restore(
+    network: Network, entries: Sequence[Entry], map_: PiecewiseMap, path: str | os.PathLike[str]
+) -> Past:
+    """Put a network back to where a checkpoint says it was.
+
+    Returns
+    -------
+    The slices that were finished, and what was found since.
+
+    Raises
+    ------
+    ValueError
+        If an entry does not follow from those before it, or a collision is none of the map.
+    """
+
+    def rebuild(data: Entry) -> Collision:
+        return _collision(data, map_, network.settings)
+
+    slices, known = list[Seen](), 0
+    for line, entry in enumerate(entries, 2):
+        if SLICE in entry:
+            slices.append(_slice(entry[SLICE]))
+            known = len(network.curves)
+        elif CURVES in entry:
+            try:
+                curves = [_curve(data, rebuild) for data in entry[CURVES]]
+            except _OtherMapError as error:
+                raise ValueError(f"{Path(path)}, line {line}: {error}") from None
+            for curve in curves:
+                network.add(curve)
+        elif network.waiting:
+            network.waiting.popleft()
+        else:
+            raise ValueError(
+                f"{Path(path)}, line {line}: nothing is left to follow at {entry[DONE]}"
+            )
+    return Past(tuple(slices), tuple(curve.order for curve in network.curves[known:]))
+
+
+def check_entry(entry: Entry) -> None:
+    """Raise one of the errors of a lookup unless an entry is what :class:`Record` writes."""
+    if DONE in entry:
+        checked_number(entry[DONE])
+        return
+    if SLICE in entry:
+        _slice(entry[SLICE])
+        return
+    for data in entry[CURVES]:
+        _curve(data, _parts_of_collision)
+
+
+def _slice(data: Entry) -> Seen:
+    left = tuple((order, checked_number(x)) for order, x in data["left"])
+    for value in (*data["new"], *(order for order, _ in left), data["evaluations"]):
+        checked_type(value, int)
+    return Seen(
+        p=checked_number(data["p"]), new=tuple(data["new"]), left=left,
+        unresolved=checked_number(data["unresolved"]), evaluations=data["evaluations"],
+    )  # fmt: skip
+
+
+# --- Curves ---------------------------------------------------------------------------------------
+
+
+def _of_curve(curve: Curve) -> Entry:
+    return {
+        "kind": curve.kind.value,
+        "order": curve.order,
+        "parameter": curve.parameter.tolist(),
+        "points": [points.tolist() for points in curve.points],
+        "multiplier": curve.multiplier.tolist(),
+        "words": [[word.first, word.text, _of_key(word.keys)] for word in curve.words],
+        "marks": [[mark.sample, mark.cause, mark.kind.name] for mark in curve.marks],
+        "ends": [_of_end(end) for end in curve.ends],
+    }
+
+
+def _curve(data: Entry, rebuild: Rebuild) -> Curve:
+    checked_type(data["order"], int)
+    parameter, multiplier = _floats(data["parameter"]), _floats(data["multiplier"])
+    points = tuple(_floats(row) for row in data["points"])
+    if not len(parameter) == len(multiplier) == len(points) > 0:
+        raise ValueError("a curve has as many points as parameters")
+    words = tuple(_word(*row) for row in data["words"])
+    first, last = data["ends"]
+    return Curve(
+        kind=BranchKind(data["kind"]), order=data["order"], parameter=parameter, points=points,
+        multiplier=multiplier, words=words,
+        marks=tuple(_mark(*row) for row in data["marks"]),
+        ends=(_end(first, rebuild), _end(last, rebuild)),
+    )  # fmt: skip
+
+
+def _word(first: int, text: str, keys: Any) -> Word:
+    _typed([first, text], int, str)
+    return Word(first, text, _key(keys))
+
+
+def _mark(sample: int, cause: str, kind: str) -> Mark:
+    _typed([sample, cause], int, str)
+    return Mark(sample, cause, BorderKind[kind])
+
+
+def _of_end(end: End) -> Entry:
+    return {
+        "kind": end.kind.value,
+        "p": end.p,
+        "x": end.x.tolist(),
+        "note": end.note,
+        "cause": end.cause,
+        "precision": end.precision,
+        "status": end.status.value,
+        "collision": None if end.collision is None else _of_collision(end.collision),
+    }
+
+
+def _end(data: Entry, rebuild: Rebuild) -> End:
+    note, cause = _typed([data["note"], data["cause"]], str, str)
+    met = data["collision"]
+    return End(
+        kind=PointKind(data["kind"]), p=checked_number(data["p"]), x=_floats(data["x"]), note=note,
+        cause=cause, precision=checked_number(data["precision"]),
+        status=PointStatus(data["status"]), collision=None if met is None else rebuild(met),
+    )  # fmt: skip
+
+
+def _floats(values: Any) -> Floats:
+    return np.array([checked_number(value) for value in values])
+
+
+def _typed(values: Sequence[Any], *types: type) -> Sequence[Any]:
+    for value, kind in zip(values, types, strict=True):
+        checked_type(value, kind)
+    return values
+
+
+# --- Keys of pieces -------------------------------------------------------------------------------
+
+
+def _of_key(key: Hashable) -> Any:
+    """A key as JSON."""
+    match key:
+        case bytes():
+            return {"bytes": base64.b64encode(key).decode()}
+        case tuple():
+            return {"tuple": [_of_key(part) for part in key]}
+        case frozenset():
+            return {"set": sorted((_of_key(part) for part in key), key=json.dumps)}
+        case str() | int():
+            return key
+    raise TypeError(f"a run can be kept only if keys of pieces are bytes, text or integers: {key}")
+
+
+def _key(data: Any) -> Any:
+    """A key from JSON."""
+    if not isinstance(data, dict):
+        checked_type(data, (str, int))
+        return data
+    ((kind, value),) = data.items()
+    match kind:
+        case "bytes":
+            return base64.b64decode(value, validate=True)
+        case "tuple":
+            return tuple(_key(part) for part in value)
+        case "set":
+            return frozenset(_key(part) for part in value)
+    raise ValueError(f"unknown kind of key {kind!r}")
+
+
+# --- Collisions -----------------------------------------------------------------------------------
+
+
+class _OtherMapError(Exception):
+    """A collision that the map does not have."""
+
+
+def _of_collision(met: Collision) -> Entry:
+    """The orbit, which of its points lies on a border, and on which side its piece is."""
+    gradient = met.orbit.images[met.margin.index].gradient(met.margin.code)
+    return {
+        "x": met.orbit.x.tolist(),
+        "p": met.orbit.p,
+        "index": met.margin.index,
+        "code": met.margin.code,
+        "side": 1 if gradient[0] > 0.0 else -1,
+        "kinds": [[kind.value, note] for kind, note in met.kinds],
+        "cause": met.cause,
+    }
+
+
+def _parts_of_collision(data: Entry) -> None:
+    x = _floats(data["x"])
+    checked_number(data["p"])
+    index, code, side, cause = (data[name] for name in ("index", "code", "side", "cause"))
+    _typed([index, code, side, cause], int, int, int, str)
+    kinds = [(PointKind(kind), *_typed([note], str)) for kind, note in data["kinds"]]
+    if not (0 <= index < len(x) == len(kinds) and side in (-1, 1)):
+        raise ValueError("a collision has a kind for each of its points, one of them on a border")
+
+
+def _collision(data: Entry, map_: PiecewiseMap, settings: Settings) -> Collision:
+    """A collision with the pieces that the map takes at its points, and inside of the border."""
+    x, p, margin = _floats(data["x"]), float(data["p"]), Margin(data["index"], data["code"])
+    pieces = [map_.at(float(value), p).piece for value in x]
+    away, on = settings.beside * settings.x_scale, margin.index
+    while away >= settings.nearest * settings.x_scale:
+        pieces[on] = map_.at(float(x[on]) + data["side"] * away, p).piece
+        orbit = orbit_of(pieces, x, p)
+        value, (slope, _) = (
+            orbit.images[on].margin(margin.code),
+            orbit.images[on].gradient(margin.code),
+        )
+        if orbit.defined and abs(value) <= settings.same * settings.x_scale * abs(slope):
+            kinds = tuple((PointKind(kind), note) for kind, note in data["kinds"])
+            return Collision(orbit=orbit, margin=margin, kinds=kinds, cause=data["cause"])
+        away *= CLOSER
+    raise _OtherMapError(
+        f"expected a collision of this map, got one at x = {x[on]}, p = {p}, where its piece does "
+        "not end"
+    )

@@ -1,0 +1,204 @@
+"""Diagrams of any piecewise-smooth map: what hangs together with one cycle, or everything."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.diagram import Diagram
+from woodpecker.base.checks import whole
+from woodpecker.base.executors import Serial, scheduler
+from woodpecker.piecewise.checkpoint import Record, restore
+from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, orbit_of, solve
+from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
+from woodpecker.piecewise.search import Explorer, Past, Progress, Search, Seen, complete
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Worker
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found:
+    """What a search for everything came to.
+
+    Attributes
+    ----------
+    diagram
+        All branches and special points.
+    slices
+        What each slice came to, in the order they were taken.
+    evaluations
+        How often the map was evaluated in this run, by slices and in following branches; if it
+        does not count its pieces, how often it was asked for one.
+    """
+
+    diagram: Diagram
+    slices: tuple[Seen, ...]
+    evaluations: int
+
+
+def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Settings) -> Orbit:
+    """The cycle that Newton's method finds from a guess, under the pieces the map takes there.
+
+    Parameters
+    ----------
+    map_
+        The map.
+    x
+        Its points, one after the other, about; a single number for a fixed point.
+    p
+        The parameter.
+    settings
+        Scales and tolerances.
+
+    Raises
+    ------
+    ValueError
+        If the method does not converge.
+    TypeError
+        If the map has no pieces.
+    """
+    points = np.atleast_1d(np.asarray(x, dtype=float))
+    pieces = [map_of_pieces(map_).at(float(each), p).piece for each in points]
+    found = solve(orbit_of(pieces, points, p), (Closed(), Coordinate(-1, p)), settings)
+    if not found.converged:
+        near = ", ".join(f"{each:.6g}" for each in points)
+        raise ValueError(f"expected a guess near a cycle of the map at {p}, got {near}")
+    return found.orbit
+
+
+def connected(
+    map_: PiecewiseMap,
+    x: npt.ArrayLike,
+    p: float,
+    settings: Settings,
+    *,
+    parameter_name: str = "p",
+    x_name: str = "x",
+    progress: Progress | None = None,
+) -> Diagram:
+    """All branches of a map that hang together with a cycle.
+
+    Parameters
+    ----------
+    map_
+        The map, see :class:`woodpecker.piecewise.pieces.PiecewiseMap`.
+    x, p
+        The points of the cycle, about, a number if it is a fixed point; and the parameter there.
+    settings
+        Span, window, steps and tolerances.
+    parameter_name, x_name
+        What the diagram calls them.
+    progress
+        Called with every branch.
+
+    Raises
+    ------
+    ValueError
+        If there is no cycle near the guess.
+    TypeError
+        If the map has no pieces.
+    """
+    start = cycle_near(map_, x, p, settings)
+    worker = Serial(Worker(map_, settings))
+    explorer = Explorer(worker, settings, (len(start),), progress or _nothing)
+    explorer.follow(start)
+    return explorer.network.diagram(parameter_name, x_name)
+
+
+def whole_diagram(
+    map_: PiecewiseMap,
+    settings: Settings,
+    orders: Sequence[int] = (1,),
+    search: Search | None = None,
+    *,
+    parameter_name: str = "p",
+    x_name: str = "x",
+    progress: Progress | None = None,
+    workers: int | None = 1,
+    executor: Executor | None = None,
+    record: Record | None = None,
+) -> Found:
+    """Every branch of some iterates of a map in a window, and how they hang together.
+
+    Parameters
+    ----------
+    map_
+        The map. To be sent to other processes it must pickle: a function at the top level of a
+        module does, a lambda does not.
+    settings
+        Span, window (finite), steps and tolerances. An iterate P_j counts orbits of which all
+        points lie in the window.
+    orders
+        The iterates j.
+    search
+        How many slices.
+    parameter_name, x_name
+        What the diagram calls them.
+    progress
+        Called with every branch.
+    workers, executor
+        See :func:`woodpecker.base.executors.scheduler`. The result does not depend on them.
+    record
+        Keeps what is finished; what it holds already is taken over.
+
+    Returns
+    -------
+    Found
+        Fixed points of P_j are listed with their minimal period only.
+
+    Raises
+    ------
+    ValueError
+        If an order is not at least 1, or the window is not finite.
+    TypeError
+        If the map has no pieces.
+    """
+    map_of_pieces(map_)
+    wanted = iterates(orders)
+    finite_window(settings)
+    with scheduler(Worker(map_, settings), workers, executor) as tasks:
+        explorer = Explorer(tasks, settings, wanted, progress or _nothing, record)
+        past = restored(explorer, record, map_)
+        seen = complete(explorer, settings, search or Search(), past)
+    return Found(
+        diagram=explorer.network.diagram(parameter_name, x_name),
+        slices=tuple(seen),
+        evaluations=explorer.evaluations
+        + sum(each.evaluations for each in seen[len(past.slices) :]),
+    )
+
+
+def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> Past:
+    """Put an explorer back to where a record says it was."""
+    if record is None:
+        return Past()
+    return restore(explorer.network, record.entries, map_, record.path)
+
+
+def finite_window(settings: Settings) -> None:
+    """Complain of a window that slices cannot cover."""
+    if not all(map(math.isfinite, settings.window)):
+        raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
+
+
+def iterates(orders: Sequence[int]) -> tuple[int, ...]:
+    """Orders of iterates, ascending, each once.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or one is not at least 1.
+    """
+    wanted = sorted({whole("orders", order) for order in orders})
+    if not wanted:
+        raise ValueError(f"orders must name at least one iterate, got {tuple(orders)}")
+    return tuple(wanted)
+
+
+def _nothing(_: object) -> None:
+    pass

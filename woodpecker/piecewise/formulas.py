@@ -1,0 +1,298 @@
+"""Piecewise-smooth maps that are written by hand: functions of (x, p), with margins in words."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import numbers
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import number, real_array
+from woodpecker.piecewise.pieces import Image, Piece
+
+Formula = Callable[[float, float], float]
+Bools = npt.NDArray[np.bool_]
+
+DIFFERENCE = 2.0**-17  # relative step of a central difference: near the cube root of the rounding
+NOWHERE = "no piece of the map holds this point"
+NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
+
+
+@dataclass(frozen=True, slots=True)
+class Smooth:
+    """A smooth function of (x, p) with its derivatives; differences of values if none are given.
+
+    Differences are good to about ten digits where the function is smooth on the scale of 1; next
+    to a square root they are not, so give the derivatives of such a function.
+
+    Parameters
+    ----------
+    value
+        The function. Where it has no real value it may raise ValueError, ZeroDivisionError or
+        OverflowError, as functions of :mod:`math` do, or return nan or a complex number.
+    dx, dp
+        Its derivatives.
+
+    Raises
+    ------
+    TypeError
+        If one of them cannot be called; when it is called, if it returns no number.
+    """
+
+    value: Formula
+    dx: Formula | None = None
+    dp: Formula | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("value", "dx", "dp"):
+            given = getattr(self, name)
+            if not (_takes_two(given) or (given is None and name != "value")):
+                raise TypeError(f"{name} must be a function of x and p, got {given!r}")
+
+    def at(self, x: float, p: float) -> tuple[float, float, float]:
+        """Value and derivatives in x and p; nan where there is no real value."""
+        if self.dx is not None and self.dp is not None:
+            try:
+                return float(self.value(x, p)), float(self.dx(x, p)), float(self.dp(x, p))
+            except (*NOT_REAL, TypeError):
+                pass  # one of them may have a value all the same
+        value = real(self.value, x, p)
+        dx = self._by_x(x, p, value) if self.dx is None else real(self.dx, x, p)
+        dp = self._by_p(x, p, value) if self.dp is None else real(self.dp, x, p)
+        return value, dx, dp
+
+    def _by_x(self, x: float, p: float, value: float) -> float:
+        return difference(lambda s: real(self.value, s, p), x, value)
+
+    def _by_p(self, x: float, p: float, value: float) -> float:
+        return difference(lambda s: real(self.value, x, s), p, value)
+
+
+def _takes_two(formula: object) -> bool:
+    """Whether something can be called with x and p, as far as it says so."""
+    if not callable(formula):
+        return False
+    try:
+        inspect.signature(formula).bind(0.0, 0.0)
+    except TypeError:
+        return False
+    except ValueError:  # some functions written in C do not say
+        return True
+    return True
+
+
+def real(formula: Formula, x: float, p: float) -> float:
+    """The value of a formula; nan if it is not real.
+
+    Raises
+    ------
+    TypeError
+        If the formula returns no number.
+    """
+    try:
+        value = formula(x, p)
+    except NOT_REAL:
+        return math.nan
+    if isinstance(value, float):
+        return value
+    if isinstance(value, complex):  # such as a root of a negative number
+        return math.nan
+    if not isinstance(value, numbers.Real) or isinstance(value, bool):
+        raise TypeError(f"a formula must return one real number, got {value!r} at x={x}, p={p}")
+    return float(value)
+
+
+def difference(function: Callable[[float], float], at: float, value: float) -> float:
+    """The derivative of a function by differences: central, or to one side at its domain's end.
+
+    ``value`` is that of the function at this place.
+    """
+    h = DIFFERENCE * max(1.0, abs(at))
+    above, below = function(at + h), function(at - h)
+    if not (math.isnan(above) or math.isnan(below)):
+        return (above - below) / ((at + h) - (at - h))
+    h = h if math.isnan(below) else -h
+    return (4.0 * function(at + h) - 3.0 * value - function(at + 2.0 * h)) / (2.0 * h)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FormulaPiece:
+    """A smooth piece of a map, written by hand.
+
+    Parameters
+    ----------
+    word
+        Its name; pieces of one name are one piece.
+    map
+        Its values.
+    margins
+        Functions that are positive inside, by the sentence that says what happens where they
+        vanish; none if the piece holds every point.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the name is empty or no text, or a function is no :class:`Smooth`.
+    """
+
+    word: str
+    map: Smooth
+    margins: Mapping[str, Smooth] = field(default_factory=dict)
+    _causes: Ints = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.word, str):
+            raise TypeError(f"the name of a piece must be text, got {self.word!r}")
+        if not self.word:
+            raise ValueError("the name of a piece must not be empty")
+        if not isinstance(self.margins, Mapping):
+            raise TypeError(
+                f"the margins of {self.word} must be a dict of sentences and Smooth(h), "
+                f"got {self.margins!r}"
+            )
+        named = {f"the map of {self.word}": self.map}
+        named |= {f"the margin {cause!r} of {self.word}": h for cause, h in self.margins.items()}
+        for name, given in named.items():
+            if not isinstance(given, Smooth):
+                raise TypeError(f"{name} must be Smooth(f), f a function of x and p, got {given!r}")
+        object.__setattr__(self, "margins", dict(self.margins))
+        object.__setattr__(self, "_causes", codes(len(self.margins)))
+
+    @property
+    def key(self) -> str:
+        """Its name."""
+        return self.word
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point, also outside."""
+        value, slope, d_parameter = self.map.at(x, p)
+        flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
+        rows = np.array(flat).reshape(-1, 3)
+        return Image(
+            value, slope, d_parameter, rows[:, 0], rows[:, 1:], self._causes, self,
+            "" if math.isfinite(value) else no_value(self.word, x, p),
+        )  # fmt: skip
+
+    def holds(self, x: float, p: float) -> bool:
+        """Whether no margin is negative."""
+        return all(real(margin.value, x, p) >= 0.0 for margin in self.margins.values())
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, of any shape, also outside."""
+        flat = [real(self.map.value, each, p) for each in x.ravel().tolist()]
+        return np.array(flat, dtype=float).reshape(x.shape)
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds."""
+        flat = [self.holds(each, p) for each in x.ravel().tolist()]
+        return np.array(flat, dtype=bool).reshape(x.shape)
+
+    def cause(self, code: int) -> str:
+        """What happens where a margin vanishes."""
+        return list(self.margins)[code]
+
+
+def codes(n: int) -> Ints:
+    """The codes (n,) of the margins of a formula's piece, which nobody can change."""
+    found = np.arange(n)
+    found.setflags(write=False)
+    return found
+
+
+def no_value(word: str, x: float, p: float) -> str:
+    """Why a piece has no image."""
+    return f"{word} has no value at x = {x}, p = {p}"
+
+
+class BoundedPiece(Piece, Protocol):
+    """A piece that knows which points it holds."""
+
+    def holds(self, x: float, p: float) -> bool:
+        """Whether the map takes this piece at a point, unless an earlier one holds it too."""
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, also outside."""
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FormulaMap:
+    """A piecewise-smooth map of given pieces; where several hold a point, the first counts.
+
+    It pickles if its functions do: those written by hand must be defined at the top of a module.
+
+    Parameters
+    ----------
+    pieces
+        At least one.
+
+    Raises
+    ------
+    ValueError
+        If there is no piece, or two of one name.
+    TypeError
+        If something else is given than pieces.
+    """
+
+    pieces: Sequence[BoundedPiece]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.pieces, Sequence):
+            raise TypeError(f"a map needs a list of pieces, got {self.pieces!r}")
+        for piece in self.pieces:
+            if not callable(getattr(piece, "holds", None)):
+                raise TypeError(f"a piece must be a FormulaPiece or alike, got {piece!r}")
+        words = [piece.word for piece in self.pieces]
+        if not words:
+            raise ValueError("a map needs at least one piece, got none")
+        twice = next((word for word in words if words.count(word) > 1), None)
+        if twice is not None:
+            raise ValueError(f"pieces need names of their own, got {twice!r} twice")
+        object.__setattr__(self, "pieces", tuple(self.pieces))
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point under the piece that holds it."""
+        for piece in self.pieces:
+            if piece.holds(x, p):
+                return piece.at(x, p)
+        nothing: Floats = np.empty(0)
+        return Image(
+            math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes(0),
+            self.pieces[0], NOWHERE,
+        )  # fmt: skip
+
+    def piece(self, word: str) -> BoundedPiece:
+        """The piece of a name; KeyError if there is none."""
+        for piece in self.pieces:
+            if piece.word == word:
+                return piece
+        raise KeyError(f"no piece {word!r} in this map")
+
+    def values(self, x: npt.ArrayLike, p: float) -> Floats:
+        """The images of many points, of any shape; nan where there is none.
+
+        Pieces made from sympy are evaluated by numpy, whose functions may differ in the last bit
+        from those of :mod:`math` that :meth:`at` uses.
+
+        Raises
+        ------
+        ValueError
+            If the points or the parameter are no real numbers.
+        """
+        points, p = real_array("x", x), number("p", p)
+        images = np.full(points.shape, math.nan)
+        left = np.ones(points.shape, dtype=bool)
+        for piece in self.pieces:
+            held = left.copy()
+            held[left] = piece.holding(points[left], p)
+            images[held] = piece.values(points[held], p)
+            left &= ~held
+        return images

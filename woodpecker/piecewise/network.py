@@ -1,0 +1,209 @@
+"""What a search has found: branches, the special points they end in, and what is left to follow."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.branches import Collision, Curve, End
+from woodpecker.piecewise.records import precision, stretches
+from woodpecker.piecewise.settings import Settings
+
+AT_FLIP = 1e-4  # in x, scaled: a doubled cycle leaves its flip like a square root
+DRAWN = 1e-8  # ends of branches this close are the same, scaled: steep ones are located so well
+TINY = 1e-300  # in place of a length that is zero
+COLLISIONS = (PointKind.BC, PointKind.FF)
+
+
+@dataclass(eq=False)
+class Node:
+    """A special point under construction."""
+
+    id: str
+    end: End
+    x: float
+    order: int
+    branches: list[str] = field(default_factory=list)
+
+    def as_point(self, name: str) -> SpecialPoint:
+        """The same as a diagram keeps it."""
+        end, away = self.end, self.end.precision
+        return SpecialPoint(
+            id=name, kind=end.kind, parameter=end.p, x=self.x, note=end.note, order=self.order,
+            branches=tuple(dict.fromkeys(self.branches)), cause=end.cause, precision=away,
+            interval=(end.p - away, end.p + away) if math.isfinite(away) else None,
+            status=end.status,
+        )  # fmt: skip
+
+
+class Network:
+    """Branches, special points, and collisions at which something is left to follow.
+
+    Parameters
+    ----------
+    settings
+        Scales, within which two special points are one.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.curves: list[Curve] = []
+        self.branches: list[Branch] = []
+        self.nodes: list[Node] = []
+        self.waiting: deque[Collision] = deque()
+        self._collisions: list[Collision] = []
+        self._counts: dict[str, int] = {}
+
+    def diagram(self, parameter_name: str, x_name: str) -> Diagram:
+        """Everything found so far."""
+        names = self._names()
+        points = tuple(node.as_point(names[node.id]) for node in self.nodes)
+        branches = tuple(
+            replace(branch, ends=(names[branch.ends[0]], names[branch.ends[1]]))
+            for branch in self.branches
+        )
+        return Diagram(
+            parameter_name=parameter_name, x_name=x_name, branches=branches, points=points
+        )
+
+    def _names(self) -> dict[str, str]:
+        """Names of special points, by those that they were given when they were met."""
+        counts: dict[PointKind, int] = {}
+        names = {}
+        for node in self.nodes:
+            counts[node.end.kind] = counts.get(node.end.kind, 0) + 1
+            names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
+        return names
+
+    def add(self, curve: Curve) -> None:
+        """Keep a branch, as many as its cycle has points, unless it was kept or is a point."""
+        if self._is_a_point(curve) or any(self._draws(known, curve) for known in self.curves):
+            return
+        self.curves.append(curve)
+        for end in curve.ends:
+            if end.collision is not None and not self._is_known(end.collision):
+                self._collisions.append(end.collision)
+                self.waiting.append(end.collision)
+        last = len(curve.parameter) - 1
+        located = [
+            replace(end, precision=precision(end, curve, k, self.settings))
+            for end, k in zip(curve.ends, (0, last), strict=True)
+        ]
+        words = stretches(curve)
+        columns = 1 if curve.kind is BranchKind.JUMP else curve.order
+        for column in range(columns):
+            x = np.array([points[column] for points in curve.points])
+            ends = tuple(
+                self._node(end.at(float(x[k])), float(x[k]), curve.order)
+                for end, k in zip(located, (0, -1), strict=True)
+            )
+            name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
+            self.branches.append(
+                Branch(
+                    id=name,
+                    kind=curve.kind,
+                    order=curve.order,
+                    word=words[0].word,
+                    parameter=curve.parameter,
+                    x=x,
+                    multiplier=curve.multiplier,
+                    ends=(ends[0].id, ends[1].id),
+                    words=words,
+                )
+            )
+            for node in ends:
+                node.branches.append(name)
+
+    def _is_a_point(self, curve: Curve) -> bool:
+        """Whether a branch is so short that its ends are one special point."""
+        if any(end.collision is not None for end in curve.ends):
+            return False
+        if curve.kind is BranchKind.JUMP:  # the orbits up to the border may differ in length
+            points = np.array([points[:1] for points in curve.points])
+        else:
+            points = np.array(curve.points)
+        same = self.settings.same
+        return bool(
+            np.ptp(curve.parameter) <= same * self.settings.p_scale
+            and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
+        )
+
+    def _draws(self, known: Curve, curve: Curve) -> bool:
+        """Whether a branch has the ends of another one, and the middle of that lies on it too."""
+        if (known.kind, known.order) != (curve.kind, curve.order):
+            return False
+        units = np.array([self.settings.p_scale, self.settings.x_scale])
+        ends = [_place(curve, k) / units for k in (0, -1)]
+        there = [_place(known, k) / units for k in (0, -1)]
+        if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > DRAWN:
+            there.reverse()
+            if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > DRAWN:
+                return False
+        k = len(curve.parameter) // 2
+        samples = np.array([_place(known, j) for j in range(len(known.parameter))]) / units
+        middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
+        run = np.diff(samples, axis=0)
+        length = np.linalg.norm(run, axis=1)
+        part = np.einsum("ij,ij->i", middle - samples[:-1], run) / np.maximum(length, TINY) ** 2
+        foot = samples[:-1] + np.clip(part, 0.0, 1.0)[:, None] * run
+        off = np.linalg.norm(middle - foot, axis=1)
+        own = float(np.linalg.norm((_place(curve, k) - _place(curve, k - 1)) / units))
+        near = off <= self.settings.max_turn * np.maximum(length, own) + self.settings.same
+        steep = known.multiplier
+        slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])
+        here = sorted(curve.multiplier[k - 1 : k + 1])
+        if curve.kind is BranchKind.FIXED_POINT:
+            near &= (slopes[0] <= here[1]) & (here[0] <= slopes[1])
+        return bool(near.any())
+
+    def _is_known(self, met: Collision) -> bool:
+        """Whether a collision was met before, of the same cycle by the same piece."""
+        same = self.settings.same
+        return any(
+            abs(known.orbit.p - met.orbit.p) <= same * self.settings.p_scale
+            and len(known.orbit) == len(met.orbit)
+            and known.margin.index == met.margin.index
+            and float(np.abs(known.orbit.x - met.orbit.x).max()) <= same * self.settings.x_scale
+            for known in self._collisions
+        )
+
+    def _node(self, end: End, x: float, order: int) -> Node:
+        """The special point at a place; one that was met before is found again."""
+        best: Node | None = None
+        for node in self.nodes:
+            if self._meets(node, end, x, order):
+                best = node
+                break
+        if best is None:
+            best = Node(f"node {len(self.nodes)}", end, x, order)
+            self.nodes.append(best)
+        elif order < best.order or (end.kind in COLLISIONS and best.end.kind not in COLLISIONS):
+            best.end, best.order = end, min(order, best.order)
+        return best
+
+    def _meets(self, node: Node, end: End, x: float, order: int) -> bool:
+        kinds = {node.end.kind, end.kind}
+        flips = PointKind.PD in kinds and kinds <= {PointKind.PD, PointKind.LP}
+        near = self.settings.same * self.settings.x_scale
+        if flips:
+            near = AT_FLIP * self.settings.x_scale
+        if abs(node.x - x) > near:
+            return False
+        wide = 1e-8 if flips else self.settings.same
+        if abs(node.end.p - end.p) > wide * self.settings.p_scale:
+            return False
+        return len(kinds) == 1 or flips or bool(kinds & set(COLLISIONS))
+
+    def _name(self, prefix: str) -> str:
+        self._counts[prefix] = self._counts.get(prefix, 0) + 1
+        return f"{prefix}{self._counts[prefix]}"
+
+
+def _place(curve: Curve, k: int) -> Floats:
+    """Parameter and first point of a sample."""
+    return np.array([curve.parameter[k], curve.points[k][0]])

@@ -1,0 +1,342 @@
+"""Orbits of a piecewise-smooth map, and one Newton method for all that is asked of them.
+
+An orbit is x_0 .. x_(n-1) at a parameter p, each point with its piece, and obeys
+P_i(x_i, p) = x_(i+1). These are n - 1 equations for n + 1 unknowns; *conditions* add the others. A
+cycle closes; a border orbit ends where a margin of its last piece vanishes; with one of the two an
+orbit belongs to a branch, with both it is a border collision, and a distance along the branch, a
+parameter or a coordinate picks a point of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.pieces import Image, Piece
+from woodpecker.piecewise.settings import Settings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Orbit:
+    """Points of a map at one parameter, each with its image under a piece.
+
+    Attributes
+    ----------
+    x
+        (n,) points.
+    p
+        The parameter.
+    images
+        What the pieces make of them, n of them.
+    """
+
+    x: Floats
+    p: float
+    images: tuple[Image, ...]
+
+    def __len__(self) -> int:
+        return len(self.images)
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The piece of each point, ready to be continued from here."""
+        return tuple(image.piece for image in self.images)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The names of the pieces."""
+        return tuple(image.piece.word for image in self.images)
+
+    @property
+    def keys(self) -> tuple[object, ...]:
+        """What tells the pieces from others."""
+        return tuple(image.piece.key for image in self.images)
+
+    @property
+    def multiplier(self) -> float:
+        """Product of the slopes."""
+        product = 1.0
+        for image in self.images:
+            product *= image.slope
+        return product
+
+    @property
+    def defined(self) -> bool:
+        """Whether every piece has a value."""
+        return not any(image.reason for image in self.images)
+
+    @property
+    def point(self) -> Floats:
+        """The unknowns (n + 1,): x, and p at last."""
+        return np.append(self.x, self.p)
+
+    def rotated(self, first: int) -> Orbit:
+        """The same cycle from another of its points."""
+        return Orbit(np.roll(self.x, -first), self.p, (*self.images[first:], *self.images[:first]))
+
+
+def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
+    """The images of points under given pieces."""
+    images = tuple(piece.at(float(value), p) for piece, value in zip(pieces, x, strict=True))
+    return Orbit(np.asarray(x, dtype=float), float(p), images)
+
+
+def minimal_period(orbit: Orbit, settings: Settings) -> int:
+    """The smallest shift that maps a cycle to itself."""
+    n, same = len(orbit), ROUGHLY * settings.x_scale
+    divisors = (d for d in range(1, n + 1) if n % d == 0)
+    return next(d for d in divisors if np.abs(np.roll(orbit.x, -d) - orbit.x).max() <= same)
+
+
+# Distance within which points of a cycle are one: a doubled cycle leaves its flip like a square
+# root, so that its points are this close where the parameter is located to rounding.
+ROUGHLY = 1e-5
+
+
+class Condition(Protocol):
+    """An equation that an orbit is to obey."""
+
+    def residual(self, orbit: Orbit) -> float:
+        """What is zero if it does."""
+
+    def row(self, orbit: Orbit) -> Floats:
+        """Derivatives (n + 1,) of the residual in x and p."""
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """The last image is the first point: a cycle."""
+
+    def residual(self, orbit: Orbit) -> float:
+        """P(x_(n-1)) - x_0."""
+        return orbit.images[-1].value - float(orbit.x[0])
+
+    def row(self, orbit: Orbit) -> Floats:
+        """Its derivatives."""
+        row = np.zeros(len(orbit) + 1)
+        row[-2], row[-1] = orbit.images[-1].slope, orbit.images[-1].d_parameter
+        row[0] -= 1.0
+        return row
+
+
+@dataclass(frozen=True, slots=True)
+class Margin:
+    """A margin of the piece of one point has a value; zero if that point lies on a border."""
+
+    index: int
+    code: int
+    value: float = 0.0
+
+    def residual(self, orbit: Orbit) -> float:
+        """The margin less its value; nan if the piece does not have this margin here."""
+        return orbit.images[self.index].margin(self.code) - self.value
+
+    def row(self, orbit: Orbit) -> Floats:
+        """Its derivatives."""
+        row = np.zeros(len(orbit) + 1)
+        row[self.index], row[-1] = orbit.images[self.index].gradient(self.code)
+        return row
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """One of the unknowns has a value: a point of the orbit, or (index -1) the parameter."""
+
+    index: int
+    value: float
+
+    def residual(self, orbit: Orbit) -> float:
+        """The unknown less its value."""
+        return float(orbit.p if self.index == -1 else orbit.x[self.index]) - self.value
+
+    def row(self, orbit: Orbit) -> Floats:
+        """A unit vector."""
+        row = np.zeros(len(orbit) + 1)
+        row[self.index] = 1.0
+        return row
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Distance:
+    """The orbit lies at a distance from a base along a direction, in scaled unknowns."""
+
+    base: Floats
+    direction: Floats
+    distance: float
+    scale: Floats
+
+    def residual(self, orbit: Orbit) -> float:
+        """The projection less the distance."""
+        away = (orbit.point - self.base) / self.scale
+        return float(self.direction @ away) - self.distance
+
+    def row(self, orbit: Orbit) -> Floats:
+        """The direction."""
+        return self.direction / self.scale
+
+
+def scales(n: int, settings: Settings) -> Floats:
+    """Units (n + 1,) of the unknowns of an orbit."""
+    units = np.full(n + 1, settings.x_scale)
+    units[-1] = settings.p_scale
+    return units
+
+
+def jacobian(orbit: Orbit, conditions: Sequence[Condition], scale: Floats) -> Floats:
+    """Derivatives (n - 1 + m, n + 1) of all equations in the scaled unknowns, rows of length 1.
+
+    ``conditions`` are m. A row that is not finite stays so.
+    """
+    n = len(orbit)
+    matrix = np.zeros((n - 1 + len(conditions), n + 1))
+    for i, image in enumerate(orbit.images[:-1]):
+        matrix[i, i], matrix[i, i + 1], matrix[i, n] = image.slope, -1.0, image.d_parameter
+    for k, condition in enumerate(conditions):
+        matrix[n - 1 + k] = condition.row(orbit)
+    return matrix * scale
+
+
+def residuals(orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
+    """Residuals (n - 1 + m,) of all equations."""
+    chain = [
+        image.value - float(x) for image, x in zip(orbit.images[:-1], orbit.x[1:], strict=True)
+    ]
+    return np.array([*chain, *(condition.residual(orbit) for condition in conditions)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """What Newton's method came to.
+
+    Attributes
+    ----------
+    orbit
+        Its last iterate.
+    converged
+        Whether this solves the equations.
+    steps
+        How many steps were taken.
+    """
+
+    orbit: Orbit
+    converged: bool
+    steps: int
+
+
+def solve(
+    start: Orbit, conditions: Sequence[Condition], settings: Settings, *, contracts: bool = False
+) -> Solution:
+    """Newton's method for an orbit with the pieces of ``start`` that obeys two conditions.
+
+    A step that leads where a piece has no value is halved. The last step is so short that the next,
+    if it shrinks no faster than the last one, would be rounding. If the method is to contract from
+    the first step on, as it does near a solution, it is given up as soon as it does not.
+    """
+    orbit, scale = start, scales(len(start), settings)
+    before, halvings = 0.0, 0
+    for k in range(settings.newton):
+        move = newton_step(orbit, conditions, settings) / scale
+        length = float(np.abs(move).max())
+        if not np.isfinite(length):
+            return Solution(orbit, False, k)
+        if 0.0 < before <= length <= settings.stalled and _is_rounded(orbit, conditions):
+            return Solution(orbit, True, k)
+        if contracts and before > 0.0 and length > CONTRACTION * before:
+            return Solution(orbit, False, k)
+        trial = moved(orbit, move * scale)
+        while not trial.defined and halvings < settings.newton:
+            move, halvings = 0.5 * move, halvings + 1
+            trial = moved(orbit, move * scale)
+        if not trial.defined:
+            return Solution(orbit, False, k)
+        orbit = trial
+        if length <= settings.converged or length**2 <= settings.converged * before:
+            return Solution(orbit, True, k + 1)
+        before = length
+    return Solution(orbit, before <= NOISE * settings.converged, settings.newton)
+
+
+def _is_rounded(orbit: Orbit, conditions: Sequence[Condition]) -> bool:
+    """Whether nothing is left of the residuals but what rounding of the unknowns makes of them."""
+    matrix = np.abs(jacobian(orbit, conditions, np.ones(len(orbit) + 1)))
+    size = matrix @ np.maximum(np.abs(orbit.point), 1.0)
+    return bool((np.abs(residuals(orbit, conditions)) <= NOISE * 2.0**-52 * size).all())
+
+
+CONTRACTION = 0.5  # part of a Newton step that the next may have
+NOISE = 64.0  # steps that go on shrinking, slowly, below so many of the shortest are rounding
+
+
+def moved(orbit: Orbit, by: Floats) -> Orbit:
+    """The points of an orbit shifted, with the same pieces."""
+    return orbit_of(orbit.pieces, orbit.x + by[:-1], orbit.p + float(by[-1]))
+
+
+def newton_step(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> Floats:
+    """Newton's step (n + 1,); nan if the equations are singular or not finite."""
+    if len(orbit) == 1:
+        return _step_of_two(orbit, conditions)
+    scale = scales(len(orbit), settings)
+    matrix = jacobian(orbit, conditions, scale)
+    largest = np.abs(matrix).max(axis=1)
+    if not (np.isfinite(largest).all() and largest.all()):
+        return np.full(len(scale), np.nan)
+    try:
+        step = np.linalg.solve(matrix / largest[:, None], -residuals(orbit, conditions) / largest)
+    except np.linalg.LinAlgError:
+        return np.full(len(scale), np.nan)
+    return np.asarray(step * scale)
+
+
+def _step_of_two(orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
+    """The same for one point, by Cramer's rule: fixed points of P_1 are most of the work."""
+    one, other = conditions
+    (a, b), (c, d) = one.row(orbit).tolist(), other.row(orbit).tolist()
+    first, second = -one.residual(orbit), -other.residual(orbit)
+    determinant = a * d - b * c
+    if determinant == 0.0:
+        return np.full(2, np.nan)
+    x, p = first * d - b * second, a * second - first * c
+    return np.array([x / determinant, p / determinant])
+
+
+def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
+    """Unit tangent (n + 1,), in scaled unknowns, of the branch through an orbit; nan if none.
+
+    Its sign makes the determinant of the equations bordered with it positive, so that neighbours
+    point the same way, round folds too, unless a branch point lies between them.
+    """
+    matrix = jacobian(orbit, (closing,), scales(len(orbit), settings))
+    largest = np.abs(matrix).max(axis=1)
+    if not (np.isfinite(largest).all() and largest.all()):
+        return np.full(matrix.shape[1], np.nan)
+    rows = matrix / largest[:, None]
+    if len(rows) == 1:
+        (a, b), length = rows[0], np.hypot(*rows[0])
+        return np.array([-b / length, a / length]) if length else np.full(2, np.nan)
+    direction: Floats = np.linalg.svd(rows)[2][-1]
+    turned = np.linalg.det(np.vstack([rows, direction])) < 0.0
+    return -direction if turned else direction
+
+
+ROUNDING = 20.0 * 2.0**-52  # relative: images and margins are those of points this far away, which
+# is what a return of the toy loses over its events
+
+
+def blurred(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> float:
+    """How far rounding of a map moves the parameter of an orbit that obeys two conditions."""
+    scale = scales(len(orbit), settings)
+    matrix = jacobian(orbit, conditions, scale)
+    point = np.abs(orbit.point / scale)
+    noise = ROUNDING * (np.abs(matrix) @ point)
+    noise[: len(orbit)] += ROUNDING * settings.x_scale * point[:-1]
+    try:
+        back: Floats = np.linalg.inv(matrix)[-1]
+    except np.linalg.LinAlgError:
+        return math.inf
+    return float(np.abs(back) @ noise) * settings.p_scale

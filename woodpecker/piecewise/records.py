@@ -1,0 +1,64 @@
+"""Curves and their ends as a diagram keeps them: words, and how well ends are located."""
+
+from __future__ import annotations
+
+import math
+
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
+from woodpecker.piecewise.branches import Curve, End
+from woodpecker.piecewise.orbits import Closed, blurred
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.stepping import NEAR
+
+
+def stretches(curve: Curve) -> tuple[Stretch, ...]:
+    """Stretches of a curve with one word, each with the cause of the change that begins it.
+
+    A sample at a border has the pieces of one side, and a jump there those of either; words that
+    only such a sample has are passed over. What has no mark is the orbit of a limit of a jump that
+    meets a border where borders accumulate.
+    """
+    causes = {mark.sample + 1: mark.cause for mark in curve.marks}
+    ends = [word.first for word in curve.words[1:]] + [len(curve.parameter)]
+    unmarked = OF_A_LIMIT if curve.kind is BranchKind.JUMP else ""
+    found: list[Stretch] = []
+    for word, end in zip(curve.words, ends, strict=True):
+        first = 0 if not found else word.first
+        at_border = end == word.first + 1 < len(curve.parameter) and (end in causes or end == 1)
+        if at_border or (found and found[-1].word == word.text):
+            continue
+        cause = causes.get(first) or causes.get(first + 1) or unmarked
+        found.append(Stretch(first, word.text, cause if found else ""))
+    return tuple(found)
+
+
+OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
+
+
+def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
+    """How well the parameter of an end of a curve, its sample k, is located.
+
+    At a flip by how far its multiplier is from -1, at all else by what rounding of the map makes of
+    its equations; where that is not known yet, of those of a collision.
+    """
+    if end.status is PointStatus.OPEN:
+        return math.inf
+    if end.precision > 0.0:
+        return end.precision
+    least = settings.converged * settings.p_scale
+    if end.collision is not None:
+        conditions = (Closed(), end.collision.margin)
+        return max(least, blurred(end.collision.orbit, conditions, settings))
+    if end.kind is PointKind.PD and len(curve.parameter) > 1:
+        return max(least, _missed(curve, k))
+    if end.kind is PointKind.BP:
+        return NEAR * settings.max_step * settings.p_scale
+    return 0.0 if end.p in settings.span else least
+
+
+def _missed(curve: Curve, k: int) -> float:
+    """How far a flip lies from where the multiplier, on a straight line, is -1."""
+    beside = 1 if k == 0 else k - 1
+    rise = float(curve.multiplier[beside] - curve.multiplier[k])
+    run = float(curve.parameter[beside] - curve.parameter[k])
+    return abs((curve.multiplier[k] + 1.0) * run / rise) if rise else 0.0

@@ -1,0 +1,247 @@
+"""Brute force beside the branches: what orbits from many starts settle on.
+
+An orbit diagram knows nothing of branches. It shows attractors, periodic or chaotic, and their
+Lyapunov exponents from the exact slopes; what it shows must be explained by stable branches or by a
+positive exponent.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.diagram import BranchKind, Diagram
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import interval, real_array, whole
+from woodpecker.piecewise.orbits import Closed, Coordinate, newton_step, orbit_of, solve
+from woodpecker.piecewise.orbits import Orbit as Cycle
+from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
+from woodpecker.piecewise.settings import Settings
+
+SAME = 1e-6  # distance [rad] within which an orbit that has settled repeats itself
+LONGEST = 64  # period that is looked for
+CLOSER = 0.5  # part of its distance that a Newton step leaves at most, if it leads to a cycle
+
+
+class Swept(Protocol):
+    """What a map makes of many points: arrays of one shape, nan where it has no value."""
+
+    @property
+    def value(self) -> Floats:
+        """The images."""
+
+    @property
+    def slope(self) -> Floats:
+        """The slopes there."""
+
+
+@runtime_checkable
+class SweptMap(Protocol):
+    """A map that takes many points at once, faster than one by one."""
+
+    def sweep(self, x: Floats, p: float) -> Swept:
+        """The map at points (n,) and a parameter."""
+
+
+class Sweep(NamedTuple):
+    """Images and slopes of a map at many points."""
+
+    value: Floats
+    slope: Floats
+
+
+def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: float) -> Swept:
+    """A map at points (n,), at once if it can, otherwise one by one."""
+    if isinstance(map_, SweptMap):
+        return map_.sweep(x, p)
+    images = [map_of_pieces(map_).at(each, p) for each in x.tolist()]
+    value, slope = np.array([(i.value, i.slope) for i in images], dtype=float).reshape(-1, 2).T
+    return Sweep(value, slope)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Orbit:
+    """The end of one orbit at one parameter.
+
+    Attributes
+    ----------
+    p, start
+        Parameter and first point.
+    x
+        The points that were kept, in order.
+    exponent
+        Lyapunov exponent: mean of log |slope| over these; -inf for a superstable orbit.
+    period
+        Smallest shift that repeats the kept points to 1e-6, or 0 if there is none up to 64.
+    """
+
+    p: float
+    start: float
+    x: Floats
+    exponent: float
+    period: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OrbitDiagram:
+    """Where orbits end, over a parameter.
+
+    Attributes
+    ----------
+    orbits
+        One for each parameter and start that stayed in the window.
+    lost
+        How many did not: they fell, or left the window.
+    """
+
+    orbits: tuple[Orbit, ...]
+    lost: int
+
+    def points(self) -> tuple[Floats, Floats]:
+        """Parameters and positions of all kept points, for a scatter plot."""
+        p = [np.full(len(orbit.x), orbit.p) for orbit in self.orbits]
+        x = [orbit.x for orbit in self.orbits]
+        return np.concatenate([*p, []]), np.concatenate([*x, []])
+
+
+def orbit_diagram(
+    map_: PiecewiseMap | SweptMap,
+    parameters: npt.ArrayLike,
+    starts: npt.ArrayLike,
+    window: tuple[float, float],
+    *,
+    transient: int = 300,
+    keep: int = 128,
+) -> OrbitDiagram:
+    """Follow orbits from many starts at many parameters.
+
+    Parameters
+    ----------
+    map_
+        For instance :class:`woodpecker.ToyPieces`. Of its pieces nothing is asked but values and
+        slopes; a map that takes many points at once (``sweep``) is asked so.
+    parameters, starts
+        Shapes (n,) and (m,).
+    window
+        Interval of x; an orbit that leaves it is lost.
+    transient, keep
+        How many iterates are cut, and how many are kept after that.
+
+    Raises
+    ------
+    ValueError
+        If nothing is to be kept, the window is no two ascending numbers, or parameters or starts
+        are no real numbers.
+    """
+    keep, transient = whole("keep", keep), whole("transient", transient, least=0)
+    window = interval("window", window)
+    first = np.atleast_1d(real_array("starts", starts))
+    found: list[Orbit] = []
+    values = np.atleast_1d(real_array("parameters", parameters)).tolist()
+    for p in values:
+        found += _settled(map_, p, first, window, transient, keep)
+    return OrbitDiagram(orbits=tuple(found), lost=len(values) * len(first) - len(found))
+
+
+def _settled(
+    map_: PiecewiseMap | SweptMap,
+    p: float,
+    starts: Floats,
+    window: tuple[float, float],
+    transient: int,
+    keep: int,
+) -> list[Orbit]:
+    """The orbits at one parameter that stay in the window."""
+    alive, x = np.arange(len(starts)), starts.copy()
+    kept, stretch = np.empty((len(starts), keep)), np.zeros(len(starts))
+    for n in range(transient + keep):
+        here = swept(map_, x, p)
+        if n >= transient:
+            kept[alive, n - transient] = x
+            with np.errstate(divide="ignore", invalid="ignore"):
+                stretch[alive] += np.log(np.abs(here.slope))
+        stays = (window[0] <= here.value) & (here.value <= window[1])  # not where it is nan
+        alive, x = alive[stays], here.value[stays]
+        if not len(alive):
+            break
+    return [
+        Orbit(
+            p=p, start=float(starts[i]), x=kept[i], exponent=float(stretch[i]) / keep,
+            period=period_of(kept[i]),
+        )
+        for i in alive.tolist()
+    ]  # fmt: skip
+
+
+def period_of(x: Floats) -> int:
+    """Smallest shift up to LONGEST that repeats a sequence, or 0."""
+    for shift in range(1, min(LONGEST, len(x) // 2) + 1):
+        if np.abs(x[shift:] - x[:-shift]).max() <= SAME:
+            return shift
+    return 0
+
+
+def unexplained(
+    orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float = 1e-3
+) -> list[Orbit]:
+    """Orbits that end on a cycle of which the diagram has no stable branch.
+
+    The cycle is solved for. A branch passes through it if one Newton step leads there from where
+    the branch is between its samples. Chaotic orbits (positive exponent, no period) and cycles of a
+    period the diagram does not hold explain themselves.
+
+    Parameters
+    ----------
+    orbits, diagram
+        Of the same map and parameter.
+    map_
+        This map.
+    distance
+        How far a branch may stray from the line between two of its samples.
+    """
+    held = {branch.order for branch in diagram.branches}
+    slices: dict[float, list[tuple[int, float]]] = {}
+    left = []
+    for orbit in orbits.orbits:
+        if orbit.period not in held or (orbit.exponent > 0.0 and math.isfinite(orbit.exponent)):
+            continue
+        if orbit.p not in slices:
+            slices[orbit.p] = [
+                (hit.branch.order, hit.x)
+                for hit in diagram.at(orbit.p)
+                if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.multiplier) <= 1.0
+            ]
+        stable = np.array([x for order, x in slices[orbit.p] if order == orbit.period])
+        cycle = _cycle(map_, orbit)
+        if cycle is None or not _passes(stable, cycle, distance):
+            left.append(orbit)
+    return left
+
+
+def _cycle(map_: PiecewiseMap, orbit: Orbit) -> Cycle | None:
+    """The cycle on which an orbit has settled; None if Newton's method does not find it there."""
+    x = orbit.x[-orbit.period :]
+    images = tuple(map_.at(each, orbit.p) for each in x.tolist())
+    start = Cycle(x, orbit.p, images)
+    if not start.defined:
+        return None
+    found = solve(start, (Closed(), Coordinate(-1, orbit.p)), Settings())
+    return found.orbit if found.converged else None
+
+
+def _passes(points: Floats, cycle: Cycle, distance: float) -> bool:
+    """Whether points of branches stand for a cycle: one Newton step leads from them to it."""
+    if not len(points):
+        return False
+    nearest = points[np.abs(points[:, None] - cycle.x).argmin(axis=0)]
+    before = float(np.abs(nearest - cycle.x).max())
+    settings = Settings()
+    if before > distance or before <= settings.same:
+        return before <= distance
+    guess = orbit_of(cycle.pieces, nearest, cycle.p)
+    step = newton_step(guess, (Closed(), Coordinate(-1, cycle.p)), settings)
+    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= CLOSER * before

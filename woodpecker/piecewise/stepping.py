@@ -1,0 +1,760 @@
+"""Branches of orbits with fixed pieces: predictor, corrector, step control, and one locator.
+
+A *stretch* is a part of a branch along which no piece changes. It ends where a condition holds: a
+margin vanishes, an orbit leaves the window, the branch turns round. Each such end is an orbit that
+obeys that condition, found by Newton's method, not the last of some halvings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from pwmap.diagrams.diagram import BranchKind
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.borders import THIN
+from woodpecker.piecewise.jumps import Jump, jump_of
+from woodpecker.piecewise.margins import depth, lowest_dip
+from woodpecker.piecewise.orbits import (
+    NOISE,
+    Closed,
+    Condition,
+    Coordinate,
+    Distance,
+    Margin,
+    Orbit,
+    Solution,
+    moved,
+    orbit_of,
+    scales,
+    solve,
+    tangent,
+)
+from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+
+
+class Stop(Enum):
+    """Why a stretch ends."""
+
+    BORDER = "a margin vanishes"
+    FOLD = "the branch turns round"
+    FLIP = "the multiplier is -1"
+    BRANCHING = "another branch crosses"
+    LIMIT = "a limit of the jump meets the diagonal"
+    TAIL = "a limit of the jump meets a border"
+    SPAN = "end of the parameter span"
+    WINDOW = "end of the window"
+    CLOSED = "the branch closes"
+    OTHER_PIECE = "the map takes another piece"
+    SHORT = "steps become too short"
+    MANY = "as many samples as allowed"
+    ASKED = "stopped as asked"
+
+
+class BranchState(NamedTuple):
+    """What a rule to stop sees of a place on a branch.
+
+    Attributes
+    ----------
+    kind, order
+        Cycles of P_order, or jumps of it.
+    parameter
+        The parameter.
+    points
+        (n,) points of the cycle, or those up to the border of a jump.
+    multiplier
+        Of the cycle; nan for a jump.
+    word
+        The words of the pieces.
+    """
+
+    kind: BranchKind
+    order: int
+    parameter: float
+    points: Floats
+    multiplier: float
+    word: str
+
+    @property
+    def x(self) -> float:
+        """The first point."""
+        return float(self.points[0])
+
+
+StopRule = Callable[[BranchState], bool]
+"""Whether a branch is to end at a place."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """An orbit of a branch, and the way it goes.
+
+    Attributes
+    ----------
+    orbit
+        The orbit.
+    tangent
+        (n + 1,) in scaled unknowns, forward.
+    forward
+        Whether this is the sign of :func:`woodpecker.piecewise.orbits.tangent`; it changes at
+        branch points.
+    jump
+        The jump at the end of a border orbit, if one is followed.
+    """
+
+    orbit: Orbit
+    tangent: Floats
+    forward: bool = True
+    jump: Jump | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """Orbits of a branch whose pieces do not change.
+
+    Attributes
+    ----------
+    samples
+        From the start to the end, at least one.
+    stop
+        Why it ends.
+    margins
+        Which margins vanish at the end.
+    inner, meeting
+        Of a jump: which of its limits meets the diagonal or a border there, and the orbit up to
+        that place.
+    step
+        The last step: the next stretch may begin with it.
+    """
+
+    samples: tuple[Sample, ...]
+    stop: Stop
+    margins: tuple[Margin, ...] = ()
+    inner: bool = True
+    meeting: Orbit | None = None
+    step: float = math.inf
+
+    @property
+    def end(self) -> Orbit:
+        """The last orbit."""
+        return self.samples[-1].orbit
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Test:
+    """A function of samples whose change of sign ends a stretch."""
+
+    stop: Stop
+    value: Callable[[Sample], float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Event:
+    """An end that lies between two samples."""
+
+    stop: Stop
+    sample: Sample
+    distance: float
+    margins: tuple[Margin, ...] = ()
+    inner: bool = True
+    meeting: Orbit | None = None
+
+
+class _LostError(Exception):
+    """A branch cannot be followed where it was followed before."""
+
+
+BLURRED = 1e-4  # a step on which a limit may change its pieces without a border being found: there
+# are infinitely many in such places
+
+RESOLVED = 100.0  # times the smallest distance from a border: there slopes have some digits left
+ROOT = 4.0  # times its slope at a distance, a square root rises by at most half as much over it
+BEYOND = 1.5  # times the distance of the next border, to first order: beyond, there may be no map
+NEARLY = 1e-3  # part of a step in which a border does not count as ahead
+FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
+SPACING = 2.0**-52  # a distance along a branch, scaled, below which there are no two orbits
+NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
+
+
+class Stepper:
+    """Follows branches of one kind.
+
+    Parameters
+    ----------
+    map_
+        The map; it has the last word on which piece is taken.
+    closing
+        The condition that makes orbits a branch: a cycle closes, a border orbit ends at a border.
+    settings
+        Steps and tolerances.
+    tests
+        Functions whose changes of sign end a stretch.
+    order
+        Of the jumps; 0 for cycles.
+    stop
+        Whether to end somewhere, if anybody asks for it.
+    """
+
+    def __init__(
+        self, map_: PiecewiseMap, closing: Condition, settings: Settings,
+        tests: Sequence[Test] = (), order: int = 0, stop: StopRule | None = None,
+    ) -> None:  # fmt: skip
+        self.map, self.closing, self.settings, self.tests = map_, closing, settings, tuple(tests)
+        self.order, self.stop = order, stop
+
+    def sample(self, orbit: Orbit, along: Floats) -> Sample:
+        """An orbit with its tangent, which points like another one.
+
+        At a border beside a cube root it may have none: then the other one is taken for it.
+        """
+        direction = tangent(orbit, self.closing, self.settings)
+        if not np.isfinite(direction).all():
+            return self._complete(Sample(orbit, along))
+        forward = bool(direction @ along >= 0.0)
+        return self._complete(Sample(orbit, direction if forward else -direction, forward))
+
+    def _complete(self, sample: Sample) -> Sample:
+        """A sample with its jump, if jumps are followed."""
+        if not (self.order and isinstance(self.closing, Margin)):
+            return sample
+        jump = jump_of(self.map, sample.orbit, self.closing, self.order, self.settings)
+        return replace(sample, jump=jump)
+
+    def follow(
+        self, start: Sample, ignored: Stop | None = None, origin: Sample | None = None,
+        first: float = math.inf,
+    ) -> Stretch:  # fmt: skip
+        """Follow a branch from a sample to its end.
+
+        Parameters
+        ----------
+        start
+            A sample; it may lie on the end of another stretch.
+        ignored
+            What ended that one: it is not looked for in the first step.
+        origin
+            A sample at which the branch has come round.
+        first
+            The first step, if it is shorter than the usual one.
+        """
+        stop = self._leaves(start) or (Stop.ASKED if self._asked(start) else None)
+        if stop is not None:
+            return Stretch((start,), stop)
+        samples, step, grows = [start], min(first, self.settings.step), True
+        while len(samples) < self.settings.max_samples:
+            if step < self.settings.min_step:
+                return Stretch(tuple(samples), Stop.SHORT)
+            last = samples[-1]
+            before = samples[-2] if len(samples) > 1 else None
+            found = self._to_end(last, step) or self.advance(last, step, before)
+            if isinstance(found, float):
+                step, grows = min(found, self._shorter(last, step)), False
+                continue
+            skipped = ignored if len(samples) == 1 else None
+            events = self._events(last, found, step, skipped, origin)
+            event = self._first(events) if events else None
+            if events is None or (event is not None and not self._is_first(event)):
+                step, grows = self._shorter(last, step), False
+                continue
+            if event is not None:
+                return Stretch(
+                    (*samples, event.sample), event.stop, event.margins, event.inner,
+                    event.meeting, step,
+                )  # fmt: skip
+            if not self._agrees(found.orbit):
+                if 0.25 * step < self.settings.min_step:
+                    return Stretch(tuple(samples), Stop.OTHER_PIECE)
+                step, grows = 0.25 * step, False
+                continue
+            samples.append(found)
+            turned = _angle(last.tangent, found.tangent) / self.settings.max_turn
+            growth = min(2.0 if grows else 1.0, 0.7 / max(turned, 0.1))
+            step, grows = min(self.settings.max_step, step * growth), True
+        return Stretch(tuple(samples), Stop.MANY)
+
+    def _shorter(self, last: Sample, step: float) -> float:
+        """The next step to try: half of one that failed, or only just beyond the next border.
+
+        To first order. Margins that vanish at the sample itself, or almost, do not count.
+        """
+        scale, shorter = scales(len(last.orbit), self.settings), 0.5 * step
+        for i, image in enumerate(last.orbit.images):
+            rate = image.gradients @ (last.tangent * scale)[[i, -1]]
+            falling = rate < 0.0
+            away = BEYOND * image.margins[falling] / -rate[falling]
+            shorter = min(shorter, float(away[away > NEARLY * step].min(initial=math.inf)))
+        return shorter
+
+    def _leaves(self, start: Sample) -> Stop | None:
+        """Whether a sample lies at an end of span or window, and the branch leaves it there."""
+        orbit, along = start.orbit, start.tangent
+        for stop, index, (low, high) in self._limits(orbit):
+            value = orbit.point[index]
+            if (value <= low and along[index] < 0.0) or (value >= high and along[index] > 0.0):
+                return stop
+        return None
+
+    def _asked(self, sample: Sample) -> bool:
+        """Whether a branch is to end here."""
+        if self.stop is None:
+            return False
+        orbit, jump = sample.orbit, sample.jump
+        if jump is None:
+            kind, order, multiplier = BranchKind.FIXED_POINT, len(orbit), orbit.multiplier
+        else:
+            kind, order, multiplier = BranchKind.JUMP, jump.order, math.nan
+        word = " | ".join(orbit.words) if jump is None else jump.word
+        return bool(self.stop(BranchState(kind, order, orbit.p, orbit.x.copy(), multiplier, word)))
+
+    def _at_stop(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Where a branch is to end between two samples; None if it is lost on the way."""
+        if not self._asked(b):
+            return []
+        scale = scales(len(a.orbit), self.settings)
+        length = float(a.tangent @ ((b.orbit.point - a.orbit.point) / scale))
+        low, high, found = 0.0, length, b
+        while high - low > FINEST * step:
+            middle = 0.5 * (low + high)
+            sample = self.advance(a, middle)
+            if isinstance(sample, float):
+                return None
+            if not low < middle < high:
+                break
+            if self._asked(sample):
+                high, found = middle, sample
+            else:
+                low = middle
+        return [_Event(Stop.ASKED, found, high)]
+
+    def _limits(self, orbit: Orbit) -> Iterator[tuple[Stop, int, tuple[float, float]]]:
+        yield Stop.SPAN, -1, self.settings.span
+        for i in range(len(orbit)):
+            yield Stop.WINDOW, i, self.settings.window
+
+    def _first(self, events: list[_Event]) -> _Event:
+        """The event that comes first; at the end of the span or of the window nothing else does."""
+        first = min(event.distance for event in events)
+        near = [event for event in events if event.distance <= first + self.settings.same]
+        ends = [event for event in near if event.stop in (Stop.SPAN, Stop.WINDOW)]
+        return (ends or sorted(near, key=lambda event: event.distance))[0]
+
+    def _is_first(self, event: _Event) -> bool:
+        """Whether no margin but those of an event has vanished before it.
+
+        One that the far end of the step does not have is not seen to change its sign on the way.
+        """
+        least = THIN * self.settings.beside * self.settings.x_scale
+        own = {(margin.index, margin.code) for margin in event.margins}
+        for i, image in enumerate(event.sample.orbit.images):
+            if self._on_border(i):
+                continue
+            (code,) = [c for k, c in own if k == i] or [-1]
+            if depth(image, code) < -least:
+                return False
+        return True
+
+    def advance(self, last: Sample, step: float, before: Sample | None = None) -> Sample | float:
+        """The sample one step ahead, or a shorter step to try.
+
+        It is predicted along the tangent, or along the cubic through the sample before too: where
+        orbits are steep Newton's method needs to start close by.
+        """
+        scale = scales(len(last.orbit), self.settings)
+        predicted = self._predicted(last, step, scale, before)
+        if not predicted.defined:
+            return 0.5 * step
+        distance = Distance(last.orbit.point, last.tangent, step, scale)
+        solution = solve(predicted, (self.closing, distance), self.settings, contracts=True)
+        if not solution.converged:
+            return 0.5 * step
+        found = tangent(solution.orbit, self.closing, self.settings)
+        if not np.isfinite(found).all():
+            return 0.5 * step
+        forward = bool(found @ last.tangent >= 0.0)
+        found = found if forward else -found
+        if _angle(last.tangent, found) > self.settings.max_turn:
+            return 0.5 * step
+        return self._complete(Sample(solution.orbit, found, forward))
+
+    def _to_end(self, last: Sample, step: float) -> Sample | None:
+        """The sample at the end of the span if a step leads there: beyond, there may be no map."""
+        scale = scales(len(last.orbit), self.settings)
+        p, along = last.orbit.p, float(last.tangent[-1] * scale[-1])
+        low, high = self.settings.span
+        end = high if along > 0.0 else low
+        if not (along != 0.0 and abs(end - p) < step * abs(along) and p != end):
+            return None
+        predicted = self._predicted(last, (end - p) / along, scale)
+        if not predicted.defined:
+            return None
+        solution = solve(predicted, (self.closing, Coordinate(-1, end)), self.settings)
+        direction = tangent(solution.orbit, self.closing, self.settings)
+        if not solution.converged or not np.isfinite(direction).all():
+            return None
+        if _angle(last.tangent, direction) > 0.5 * math.pi:
+            direction = -direction
+        if _angle(last.tangent, direction) > self.settings.max_turn:
+            return None
+        found = Orbit(solution.orbit.x, end, solution.orbit.images)
+        return self.sample(found, last.tangent)
+
+    @staticmethod
+    def _predicted(last: Sample, step: float, scale: Floats, before: Sample | None = None) -> Orbit:
+        move = step * last.tangent * scale
+        if before is not None:
+            chord = (last.orbit.point - before.orbit.point) / scale
+            length = float(np.linalg.norm(chord))
+            if length > 0.0:
+                mean, part = chord / length, step / length
+                cubic = last.tangent + before.tangent - 2.0 * mean
+                square = 2.0 * last.tangent + before.tangent - 3.0 * mean
+                move = move + step * part * (square + part * cubic) * scale
+        x, p = last.orbit.x + move[:-1], last.orbit.p + float(move[-1])
+        images = tuple(
+            image.piece.at(float(value), p)
+            for image, value in zip(last.orbit.images, x, strict=True)
+        )
+        return Orbit(x, p, images)
+
+    def _agrees(self, orbit: Orbit) -> bool:
+        """Whether the map takes the pieces of an orbit, except at the end of a border orbit."""
+        points = zip(orbit.x.tolist(), orbit.images, strict=True)
+        return all(
+            self._is_taken(x, orbit.p, image)
+            for i, (x, image) in enumerate(points)
+            if not self._on_border(i)
+        )
+
+    def _is_taken(self, x: float, p: float, image: Image) -> bool:
+        """Whether the map takes the piece of an image, and the same of its solutions."""
+        there = self.map.at(x, p)
+        slack = self.settings.same * self.settings.x_scale * max(1.0, abs(image.slope))
+        return there.piece.key == image.piece.key and not abs(there.value - image.value) > slack
+
+    def _on_border(self, i: int) -> bool:
+        return isinstance(self.closing, Margin) and self.closing.index == i
+
+    # --- What lies between two samples ------------------------------------------------------------
+
+    def _events(
+        self, a: Sample, b: Sample, step: float, skipped: Stop | None, start: Sample | None
+    ) -> list[_Event] | None:
+        """Ends between two samples; None if a shorter step is needed to tell."""
+        found: list[_Event] = []
+        crossed = self._crossed(a, b, step)
+        if crossed is None:
+            return None
+        for margin in crossed:
+            event = self._at_border(a, b, step, margin)
+            if event is None:
+                return None
+            found.append(event)
+        if not found and self._dips(a, b, step):
+            return None
+        ends = self._at_ends(a, b, step)
+        if ends is None:
+            return None
+        found += ends
+        crosses = a.forward != b.forward and not self.order
+        for test in (FOLD, *self.tests):
+            if test.stop is skipped or (crosses and test.stop is Stop.FOLD):
+                continue
+            before, after = test.value(a), test.value(b)
+            if before * after < 0.0 or (after == 0.0 and before != 0.0):
+                events = self._located(a, step, test, FINEST)
+                if events is None:
+                    return None
+                found += events
+        if crosses and not found and skipped is not Stop.BRANCHING:
+            folds = a.tangent[-1] * b.tangent[-1] < 0.0
+            events = self._located(a, step, FOLD if folds else BRANCHING, NEAR)
+            if events is None:
+                return None
+            found += events
+        tails = self._at_tails(a, b, step)
+        if tails is None:
+            return None
+        found += tails
+        until = self._first(found).sample if found else b
+        limits = self._at_diagonal(a, until, step) if skipped is not Stop.LIMIT else []
+        if limits is None:
+            return None
+        found += limits
+        asked = self._at_stop(a, self._first(found).sample if found else b, step)
+        if asked is None:
+            return None
+        found += asked
+        if start is not None:
+            found += self._closing_up(a, b, start)
+        return found
+
+    def _crossed(self, a: Sample, b: Sample, step: float) -> list[Margin] | None:
+        """Margins that are positive at a and negative at b; None if one was not there at a."""
+        found = []
+        for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
+            for code in other.causes[other.margins < 0.0].tolist():
+                if self._on_border(i) and self.closing.code == code:  # type: ignore[attr-defined]
+                    continue
+                if not one.margin(code) > 0.0:
+                    return None
+                found.append(Margin(i, code))
+        return found
+
+    def _dips(self, a: Sample, b: Sample, step: float) -> bool:
+        """Whether a margin may vanish between two samples at which it is positive."""
+        scale = scales(len(a.orbit), self.settings)
+        ends = a.tangent * scale, b.tangent * scale
+        for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
+            along, there = (np.array([end[i], end[-1]]) for end in ends)
+            if isinstance(self.closing, Margin) and self.closing.index == i:
+                one, other = one.without(self.closing.code), other.without(self.closing.code)
+            if lowest_dip(one, other, step, along, there) is not None:
+                return True
+        return False
+
+    def _at_border(self, a: Sample, b: Sample, step: float, margin: Margin) -> _Event | None:
+        """Where a margin vanishes between two samples; None if another one does so before."""
+        before = a.orbit.images[margin.index].margin(margin.code)
+        after = b.orbit.images[margin.index].margin(margin.code)
+        part = before / (before - after)
+        orbit = self._between(a, b, part)
+        solution = solve(orbit, (self.closing, margin), self.settings)
+        if solution.converged and not self._joins(a, solution.orbit, margin):
+            inside = self._just_inside(a, margin)
+            solution = solve(a.orbit, (self.closing, inside), self.settings)
+            if not self._joins(a, solution.orbit, margin):
+                return None
+        if not solution.converged:
+            return None
+        softened = self._softened(solution.orbit, margin)
+        return self._event(a, step, Stop.BORDER, softened, (margin,))
+
+    def _joins(self, a: Sample, orbit: Orbit, margin: Margin) -> bool:
+        """Whether a piece has the same value at a border as right inside of it.
+
+        Where two of its solutions meet at the border, as at a square root, rounding may lead to the
+        other one there.
+        """
+        i, image = margin.index, orbit.images[margin.index]
+        side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
+        away = RESOLVED * self.settings.nearest * self.settings.x_scale
+        there = a.orbit.images[i].piece.at(float(orbit.x[i]) - side * away, orbit.p)
+        rise = ROOT * away * max(abs(there.slope), abs(image.slope))
+        slack = rise + self.settings.same * self.settings.x_scale
+        return bool(there.reason) or not abs(there.value - image.value) > slack
+
+    def _just_inside(self, a: Sample, margin: Margin) -> Margin:
+        """A margin that is positive, by more than its rounding."""
+        gradient = np.abs(a.orbit.images[margin.index].gradient(margin.code))
+        size = gradient @ [self.settings.x_scale, self.settings.p_scale]
+        return replace(margin, value=NOISE * 2.0**-52 * float(size))
+
+    def _softened(self, orbit: Orbit, margin: Margin) -> Orbit:
+        """An orbit at a border, with the slopes right beside it if those at it are others.
+
+        Where a time goes like a root of the distance the slope at the border is made of rounding,
+        even where the map is smooth.
+        """
+        i = margin.index
+        image = orbit.images[i]
+        side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
+        away = RESOLVED * self.settings.nearest * self.settings.x_scale
+        there = image.piece.at(float(orbit.x[i]) - side * away, orbit.p)
+        size = self.settings.kink * max(1.0, abs(image.slope), abs(there.slope))
+        if there.reason or abs(there.slope - image.slope) <= size:
+            return orbit
+        image = image._replace(slope=there.slope, d_parameter=there.d_parameter)
+        return Orbit(orbit.x, orbit.p, (*orbit.images[:i], image, *orbit.images[i + 1 :]))
+
+    def _event(
+        self, a: Sample, step: float, stop: Stop, orbit: Orbit, margins: tuple[Margin, ...] = ()
+    ) -> _Event | None:
+        scale = scales(len(orbit), self.settings)
+        distance = float(a.tangent @ ((orbit.point - a.orbit.point) / scale))
+        if not -self.settings.same <= distance <= step * (1.0 + 1e-6) + self.settings.same:
+            return None
+        return _Event(stop, self.sample(orbit, a.tangent), distance, margins)
+
+    @staticmethod
+    def _between(a: Sample, b: Sample, part: float) -> Orbit:
+        x = a.orbit.x + part * (b.orbit.x - a.orbit.x)
+        p = a.orbit.p + part * (b.orbit.p - a.orbit.p)
+        images = tuple(
+            image.piece.at(float(value), p) for image, value in zip(a.orbit.images, x, strict=True)
+        )
+        return Orbit(x, p, images)
+
+    def _at_ends(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Ends of the span and of the window; None if one was passed and is not found."""
+        found = []
+        for stop, index, (low, high) in self._limits(a.orbit):
+            one, other = float(a.orbit.point[index]), float(b.orbit.point[index])
+            for end, outward in ((low, -1.0), (high, 1.0)):
+                if outward * (other - end) >= 0.0 > outward * (one - end):
+                    orbit = self._between(a, b, (end - one) / (other - one))
+                    condition = Coordinate(index, end)
+                    solution = solve(orbit, (self.closing, condition), self.settings)
+                    event = self._event(a, step, stop, solution.orbit)
+                    if not solution.converged or event is None:
+                        return None
+                    found.append(event)
+        return found
+
+    def _located(self, a: Sample, step: float, test: Test, finest: float) -> list[_Event] | None:
+        """Where a test function vanishes; None if the branch is lost on the way.
+
+        Beside a square root a multiplier changes its sign through infinity: that is no event.
+        """
+        found: dict[float, Sample] = {}
+
+        def value(distance: float) -> float:
+            sample = a if distance == 0.0 else self.advance(a, distance)
+            if isinstance(sample, float):
+                raise _LostError
+            found[distance] = sample
+            return test.value(sample)
+
+        try:
+            root = float(brentq(value, 0.0, step, xtol=max(finest * step, SPACING)))
+        except (_LostError, ValueError):
+            return None
+        nearest = min(found, key=lambda distance: abs(distance - root))
+        values = [abs(test.value(found[distance])) for distance in (0.0, nearest, step)]
+        return (
+            [_Event(test.stop, found[nearest], nearest)]
+            if 2.0 * values[1] <= min(values[::2])
+            else []
+        )
+
+    def _at_diagonal(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Where a limit of a jump meets the diagonal: there the orbit of the jump closes."""
+        if a.jump is None:
+            return []
+        found = []
+        for inner, before in zip((True, False), a.jump.offsets, strict=True):
+            one = a.jump.cycle(inner)
+            other = _along(one, b.orbit)
+            after = other.images[-1].value - float(other.x[0])
+            if not before * after < 0.0:
+                continue
+            guess = moved(one, before / (before - after) * (other.point - one.point))
+            margin = Margin(len(a.orbit) - 1, a.jump.code(inner))
+            solution = solve(guess, (Closed(), margin), self.settings)
+            event = self._at_head(a, step, Stop.LIMIT, solution, inner, (margin,))
+            if event is None:
+                return None
+            found.append(event)
+        return found
+
+    def _at_tails(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Where the orbit of a limit meets a border."""
+        if a.jump is None or b.jump is None:
+            return []
+        found = []
+        for inner in (True, False):
+            one, other = (j.inner if inner else j.outer for j in (a.jump, b.jump))
+            if one.keys == other.keys:
+                continue
+            event = self._at_tail(a, b, step, inner)
+            if event is not None:
+                found.append(event)
+            elif step > BLURRED or not b.jump.crosses:
+                return None
+        return found
+
+    def _at_tail(self, a: Sample, b: Sample, step: float, inner: bool) -> _Event | None:
+        """Where the orbit of a limit meets a border."""
+        assert a.jump is not None
+        k, there = len(a.orbit), a.jump.cycle(inner)
+        far = _along(there, b.orbit)
+        found = None
+        for i in range(k - 1, len(far)):
+            own = a.jump.code(inner) if i == k - 1 else -1
+            one, other = there.images[i], far.images[i]
+            fallen = [c for c in other.causes[other.margins < 0.0].tolist() if c != own]
+            fallen = [c for c in fallen if one.margin(c) > 0.0]
+            if fallen:
+                found = Margin(i, fallen[0])
+                break
+        if found is None:
+            return None
+        n, before, after = (
+            found.index + 1,
+            there.images[found.index].margin(found.code),
+            far.images[found.index].margin(found.code),
+        )
+        start = Orbit(there.x[:n], a.orbit.p, there.images[:n])
+        way = np.append(far.x[:n] - there.x[:n], b.orbit.p - a.orbit.p)
+        guess = moved(start, before / (before - after) * way)
+        closing = Margin(k - 1, a.jump.code(inner))
+        solution = solve(guess, (closing, found), self.settings)
+        return self._at_head(a, step, Stop.TAIL, solution, inner, (found,))
+
+    def _holds(self, orbit: Orbit, border: int, margin: Margin) -> bool:
+        """Whether the orbit of a limit lies inside of its pieces, but where it meets borders."""
+        least = THIN * self.settings.beside * self.settings.x_scale
+        for i, image in enumerate(orbit.images):
+            if i == border:  # two margins may vanish there: the nearest is that of the border
+                away = image.margins + least * np.abs(image.gradients[:, 0])
+                if (away < 0.0).any():
+                    return False
+            elif depth(image, margin.code if i == margin.index else -1) < -least:
+                return False
+        return True
+
+    def _at_head(
+        self, a: Sample, step: float, stop: Stop, solution: Solution, inner: bool,
+        margins: tuple[Margin, ...],
+    ) -> _Event | None:  # fmt: skip
+        """An event of a limit as one of the border orbit; None if a piece has ended before."""
+        if not solution.converged or not self._holds(solution.orbit, len(a.orbit) - 1, margins[-1]):
+            return None
+        orbit, k = solution.orbit, len(a.orbit)
+        head = orbit_of(a.orbit.pieces, orbit.x[:k], orbit.p)
+        event = self._event(a, step, stop, head, margins)
+        return None if event is None else replace(event, inner=inner, meeting=orbit)
+
+    def _closing_up(self, a: Sample, b: Sample, start: Sample) -> list[_Event]:
+        """Whether the branch passes through its own start."""
+        if b.orbit.keys != start.orbit.keys:
+            return []
+        scale = scales(len(start.orbit), self.settings)
+        one, other = ((s.orbit.point - start.orbit.point) / scale for s in (a, b))
+        length = float(np.linalg.norm(other - one))
+        before, after = float(start.tangent @ one), float(start.tangent @ other)
+        if not (before < 0.0 <= after and np.linalg.norm(one) <= 2.0 * length):
+            return []
+        off = one + (other - one) * (before / (before - after))
+        if np.linalg.norm(off) > self.settings.max_turn * length:
+            return []
+        return [_Event(Stop.CLOSED, Sample(start.orbit, start.tangent), -float(a.tangent @ one))]
+
+
+def _along(cycle: Orbit, head: Orbit) -> Orbit:
+    """The orbit that starts like ``head`` and goes on with the pieces of a longer one.
+
+    It ends where a piece has no value.
+    """
+    x, images = list(head.x.tolist()), list(head.images[:-1])
+    for piece in cycle.pieces[len(head) - 1 :]:
+        images.append(piece.at(x[-1], head.p))
+        if images[-1].reason or len(images) == len(cycle):
+            break
+        x.append(images[-1].value)
+    return Orbit(np.array(x), head.p, tuple(images))
+
+
+def _angle(one: Floats, other: Floats) -> float:
+    return math.acos(min(1.0, max(-1.0, float(one @ other))))
+
+
+FOLD = Test(Stop.FOLD, lambda sample: float(sample.tangent[-1]))
+BRANCHING = Test(Stop.BRANCHING, lambda sample: sample.orbit.multiplier - 1.0)
+FLIP = Test(Stop.FLIP, lambda sample: sample.orbit.multiplier + 1.0)

@@ -1,0 +1,318 @@
+"""Piecewise-smooth maps from sympy's formulas and from pwmap: derivatives exact, compiled once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from string import ascii_uppercase
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+
+from pwmap import Piece, PiecewiseLinearMap
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.piecewise.formulas import NOT_REAL, Bools, FormulaMap, codes, no_value, real
+from woodpecker.piecewise.pieces import Image
+from woodpecker.piecewise.relations import Bound, bounds_of, bounds_of_pieces
+
+Compiled = Callable[..., Any]
+
+SMOOTH = (
+    sympy.exp, sympy.log, sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan,
+    sympy.sinh, sympy.cosh, sympy.tanh, sympy.asinh, sympy.acosh, sympy.atanh,
+)  # fmt: skip
+ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
+
+
+class Symbols(NamedTuple):
+    """The variable and the parameter of a map."""
+
+    x: sympy.Symbol
+    p: sympy.Symbol
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SymbolicPiece:
+    """A smooth piece of a map, given by sympy's expressions.
+
+    Values, margins and all derivatives come from one compiled function. A pickle holds the
+    expressions; they are compiled again where it is read.
+
+    Parameters
+    ----------
+    word
+        Its name.
+    symbols
+        The variable and the parameter.
+    value
+        The formula.
+    bounds
+        Its margins, each with its sentence.
+    """
+
+    word: str
+    symbols: Symbols
+    value: sympy.Expr
+    bounds: tuple[Bound, ...] = ()
+    _everything: Compiled = field(init=False, repr=False)
+    _inside: Compiled = field(init=False, repr=False)
+    _causes: Ints = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        relations = [bound.relation for bound in self.bounds]
+        for name, value in (
+            ("_everything", compiled(self.symbols, self._expressions())),
+            ("_inside", compiled(self.symbols, sympy.And(*relations, evaluate=False))),
+            ("_causes", codes(len(self.bounds))),
+        ):
+            object.__setattr__(self, name, value)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SymbolicPiece, (self.word, self.symbols, self.value, self.bounds)
+
+    def _expressions(self) -> tuple[sympy.Expr, ...]:
+        """Value and derivatives; the margins; their derivatives in x and p."""
+        margins = [bound.margin for bound in self.bounds]
+        gradients = (sympy.diff(margin, s) for margin in margins for s in self.symbols)
+        slopes = (sympy.diff(self.value, s) for s in self.symbols)
+        return (self.value, *slopes, *margins, *gradients)
+
+    @property
+    def key(self) -> str:
+        """Its name."""
+        return self.word
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point, also outside."""
+        try:
+            value, slope, d_parameter, *rest = self._everything(x, p)
+            value, slope, d_parameter = float(value), float(slope), float(d_parameter)
+            bounds = np.array(rest, dtype=float)
+        except (*NOT_REAL, TypeError):  # one of the expressions has no real value
+            value, slope, d_parameter, *rest = self._one_by_one(x, p)
+            bounds = np.array(rest)
+        n = len(self._causes)
+        return Image(
+            value, slope, d_parameter, bounds[:n], bounds[n:].reshape(n, 2), self._causes, self,
+            "" if math.isfinite(value) else no_value(self.word, x, p),
+        )  # fmt: skip
+
+    def _one_by_one(self, x: float, p: float) -> list[float]:
+        singly = (compiled(self.symbols, (each,)) for each in self._expressions())
+        return [real(lambda x, p, f=f: f(x, p)[0], x, p) for f in singly]  # type: ignore[misc]
+
+    def holds(self, x: float, p: float) -> bool:
+        """Whether the relations hold, strict ones strictly."""
+        try:
+            return bool(self._inside(x, p))
+        except (*NOT_REAL, TypeError):  # a margin has no real value
+            return False
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, also outside."""
+        return self._on_array(self.value, x, p)
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds."""
+        held = np.ones(x.shape, dtype=bool)
+        for bound in self.bounds:
+            margin = self._on_array(bound.margin, x, p)
+            held &= margin >= 0.0 if bound.closed else margin > 0.0
+        return held
+
+    def _on_array(self, expression: sympy.Expr, x: Floats, p: float) -> Floats:
+        function = compiled(self.symbols, (expression,), "numpy")
+        with np.errstate(all="ignore"):
+            (found,) = function(x, np.float64(p))
+        values: Floats = np.broadcast_to(np.asarray(found, dtype=float), x.shape).copy()
+        return values
+
+    def cause(self, code: int) -> str:
+        """What happens where a margin vanishes."""
+        return self.bounds[code].cause
+
+
+@lru_cache(maxsize=1024)
+def compiled(
+    symbols: Symbols, expressions: tuple[sympy.Expr, ...] | sympy.And, module: str = "math"
+) -> Compiled:
+    """A function of (x, p) that returns the values of expressions, or the truth of relations."""
+    function: Compiled = sympy.lambdify(list(symbols), expressions, module, cse=True)
+    return function
+
+
+# --- From sympy -----------------------------------------------------------------------------------
+
+
+def from_sympy(
+    piecewise: sympy.Expr,
+    x: sympy.Symbol,
+    p: sympy.Symbol,
+    values: Mapping[sympy.Symbol, Any] | None = None,
+    words: Sequence[str] | None = None,
+) -> FormulaMap:
+    """A map from a ``sympy.Piecewise``, or from one smooth expression.
+
+    A condition is a relation (<, <=, >, >=) of smooth expressions, or several joined by And; each
+    relation becomes a margin. As the first condition that holds counts, a piece also gets the
+    complements of earlier conditions it overlaps with. A formula must be smooth: Abs, Min, Max,
+    sign and the like are refused, not rewritten, for only who wrote them knows what happens where
+    they have a corner. A root is taken to have no value, not a complex one, beyond its end.
+
+    Parameters
+    ----------
+    piecewise
+        The map, no text.
+    x, p
+        The variable and the parameter.
+    values
+        Numbers for all other symbols. A float is taken as the binary number that it holds.
+    words
+        Names of the pieces, one for each in the order of the formula; by default A, B, C, ...
+
+    Raises
+    ------
+    ValueError, TypeError
+        For text, unknown symbols, functions that are not smooth, conditions with Or, Not, == or !=,
+        and overlaps with an earlier condition of several relations: write such conditions out.
+    """
+    symbols = _symbols(x, p)
+    if not isinstance(piecewise, sympy.Expr):
+        raise TypeError(f"a map must be an expression of sympy, got {piecewise!r}")
+    given = _numbers(values or {}, symbols)
+    whole = isinstance(piecewise, sympy.Piecewise)
+    parts = piecewise.args if whole else ((piecewise, sympy.true),)
+    formulas = [_exact(formula).xreplace(given) for formula, _ in parts]
+    conditions = [_exact(condition).xreplace(given) for _, condition in parts]
+    pieces = zip(_names(words, len(parts)), formulas, _bounds(conditions, symbols), strict=True)
+    found = []
+    for word, formula, bounds in pieces:
+        if bounds is not None:
+            _check(formula, symbols)
+            found.append(SymbolicPiece(word, symbols, formula, bounds))
+    return FormulaMap(found)
+
+
+def _bounds(conditions: Sequence[sympy.Basic], symbols: Symbols) -> list[tuple[Bound, ...] | None]:
+    for condition in conditions:
+        for bound in bounds_of(condition) or ():
+            _check(bound.margin, symbols)
+    return bounds_of_pieces(conditions)
+
+
+def _symbols(x: object, p: object) -> Symbols:
+    for name, symbol in (("x", x), ("p", p)):
+        if not isinstance(symbol, sympy.Symbol):
+            raise TypeError(f"{name} must be a symbol of sympy, got {symbol!r}")
+    if x == p:
+        raise ValueError(f"the variable and the parameter must be two symbols, got {x} twice")
+    return Symbols(x, p)
+
+
+def _numbers(values: Mapping[Any, Any], symbols: Symbols) -> dict[sympy.Symbol, sympy.Expr]:
+    """What is put in for other symbols, exactly."""
+    found = {}
+    for symbol, value in values.items():
+        if not isinstance(symbol, sympy.Symbol) or symbol in symbols:
+            raise ValueError(f"values are for symbols other than {symbols}, got one for {symbol!r}")
+        if isinstance(value, str | bool):
+            raise TypeError(f"the value of {symbol} must be a number, got {value!r}")
+        number = _exact(sympy.sympify(value, strict=True))
+        if not (number.is_number and number.is_extended_real and number.is_finite):
+            raise ValueError(f"the value of {symbol} must be a finite real number, got {value!r}")
+        found[symbol] = number
+    return found
+
+
+def _exact(expression: sympy.Basic) -> sympy.Basic:
+    """The same with floats as the rationals they are, which are printed without loss."""
+    return expression.xreplace({f: sympy.Rational(f) for f in expression.atoms(sympy.Float)})
+
+
+def _check(expression: sympy.Expr, symbols: Symbols) -> None:
+    """Refuse unknown symbols and what is not smooth or not real."""
+    unknown = sorted(expression.free_symbols - set(symbols), key=str)
+    for symbol in unknown:
+        if symbol.name in [known.name for known in symbols]:
+            raise ValueError(
+                f"{symbol} in {expression} and the {symbol} given are two symbols, of different "
+                "assumptions"
+            )
+    if unknown:
+        raise ValueError(f"no value is given for {', '.join(map(str, unknown))} in {expression}")
+    for part in sympy.preorder_traversal(expression):
+        known = part.is_Symbol or (part.is_number and part.is_finite and not part.args)
+        if known and part is not sympy.I:
+            continue
+        if isinstance(part, sympy.Piecewise):
+            raise ValueError(
+                f"{expression} contains a Piecewise: write the map as one Piecewise, which "
+                "sympy.piecewise_fold can do"
+            )
+        if not isinstance(part, (*ARITHMETIC, *SMOOTH)):
+            raise ValueError(
+                f"{part} in {expression} is not among the smooth functions known here: write its "
+                "cases as pieces of the map"
+            )
+
+
+def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
+    """The names of n pieces."""
+    if words is None:
+        return tuple(ascii_uppercase[:n]) if n <= 26 else tuple(f"A{k + 1}" for k in range(n))
+    if isinstance(words, str) or len(words) != n:
+        raise ValueError(f"words must be {n} names, one for each piece, got {words!r}")
+    return tuple(words)
+
+
+# --- From pwmap -----------------------------------------------------------------------------------
+
+
+def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> FormulaMap:
+    """A map from an exact piecewise-linear one with a single symbolic parameter.
+
+    Its pieces keep their names; their margins are distances to the breaks, x - break(p). Pieces
+    that are a single point are left out: no orbit of a branch meets them but by accident. The order
+    of the breaks is known just where the assumptions of the map hold, and so is the new map.
+
+    Parameters
+    ----------
+    map_
+        The map; give other parameters values by :meth:`pwmap.PiecewiseLinearMap.at`.
+    parameter
+        Symbol or name of the parameter.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters than this one.
+    TypeError
+        If it is no map of pwmap.
+    """
+    if not isinstance(map_, PiecewiseLinearMap):
+        raise TypeError(f"the map must be a pwmap.PiecewiseLinearMap, got {map_!r}")
+    names = [str(symbol) for symbol in map_.parameters]
+    if names != [str(parameter)]:
+        listed = ", ".join(names) or "none"
+        raise ValueError(f"the parameters of the map must be {parameter} alone, got {listed}")
+    symbols = Symbols(map_.x, map_.parameters[0])
+    return FormulaMap(
+        [
+            SymbolicPiece(piece.word, symbols, piece.expression, _ends(piece))
+            for piece in map_.pieces
+            if not piece.cylinder.is_point
+        ]
+    )
+
+
+def _ends(piece: Piece) -> tuple[Bound, ...]:
+    """The margins of an affine piece."""
+    x, bounds = piece.owner.x, []
+    if piece.cylinder.lower is not None:
+        bounds.append(Bound(x - piece.lower, piece.lower_closed, f"{x} = {piece.lower}"))
+    if piece.cylinder.upper is not None:
+        bounds.append(Bound(piece.upper - x, piece.upper_closed, f"{x} = {piece.upper}"))
+    return tuple(bounds)

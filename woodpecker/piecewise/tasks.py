@@ -1,0 +1,130 @@
+"""What a search asks for: to follow branches and to take slices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+from pwmap.diagrams.diagram import BranchKind
+from woodpecker.base.executors import Done
+from woodpecker.piecewise.branches import (
+    Collision,
+    Curve,
+    Cycles,
+    End,
+    Jumps,
+    cycle_from,
+    end_of,
+)
+from woodpecker.piecewise.jumps import Jump
+from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit
+from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.slices import Slice, slices_at
+from woodpecker.piecewise.stepping import Sample, StopRule
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where a branch can be picked up.
+
+    Attributes
+    ----------
+    kind, order
+        Cycles of P_order, or jumps of it.
+    samples
+        Its first samples.
+    closing
+        The condition that its orbits obey.
+    end
+        The special point in which it starts.
+    """
+
+    kind: BranchKind
+    order: int
+    samples: tuple[Sample, ...]
+    closing: Condition
+    end: End
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
+
+    map: PiecewiseMap
+    settings: Settings
+    stop: StopRule | None = None
+
+    def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
+        """Carry out a task, a method of :class:`Tasks`."""
+        counted = self.map if isinstance(self.map, Counting) else _Counted(self.map)
+        before = counted.evaluations
+        value = task(Tasks(counted, self.settings, self.stop), *arguments)
+        return Done(value, counted.evaluations - before)
+
+
+@runtime_checkable
+class Counting(PiecewiseMap, Protocol):
+    """A map that knows how often it and its pieces were evaluated in this thread."""
+
+    @property
+    def evaluations(self) -> int:
+        """The number so far."""
+
+
+class _Counted:
+    """A map that counts how often it is asked for a piece; what the piece does is its own."""
+
+    def __init__(self, map_: PiecewiseMap) -> None:
+        self._map, self.evaluations = map_, 0
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point."""
+        self.evaluations += 1
+        return self._map.at(x, p)
+
+
+class Tasks:
+    """The tasks."""
+
+    def __init__(
+        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
+    ) -> None:
+        self.map, self.settings, self.stop = map_, settings, stop
+
+    def cycle(self, orbit: Orbit) -> list[Curve]:
+        """The branch through a cycle."""
+        return Cycles(self.map, self.settings, self.stop).through(orbit)
+
+    def jump(self, jump: Jump) -> list[Curve]:
+        """The branch of a jump."""
+        return Jumps(self.map, jump.order, self.settings, self.stop).through(
+            jump.head, jump.closing
+        )
+
+    def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
+        """Branches that start where a cycle meets a jump."""
+        found = []
+        n, first = len(met.orbit), cycle_from(met, self.settings)
+        if n in orders and first:
+            end = end_of(met, met.orbit)
+            found.append(Start(BranchKind.FIXED_POINT, n, first, Closed(), end))
+        for order in orders:
+            for shift in range(n) if order >= n else ():
+                end = end_of(met, met.orbit.rotated(shift))
+                for samples in Jumps(self.map, order, self.settings).starts(met, shift):
+                    closing = Margin(len(samples[0].orbit) - 1, met.margin.code)
+                    found.append(Start(BranchKind.JUMP, order, samples, closing, end))
+        return found
+
+    def ahead(self, start: Start) -> list[Curve]:
+        """The branch that starts at a collision."""
+        if start.kind is BranchKind.JUMP:
+            jumps = Jumps(self.map, start.order, self.settings, self.stop)
+            return jumps.ahead(start.samples, start.end)
+        return Cycles(self.map, self.settings, self.stop).ahead(start.samples, start.end)
+
+    def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
+        """All cycles and jumps at one parameter."""
+        return slices_at(self.map, p, orders, self.settings)

@@ -1,0 +1,115 @@
+"""Borders of a map at one parameter: all of them in a window, and the one nearest to a point."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from woodpecker.base.checks import interval, number, positive
+from woodpecker.piecewise.borders import Border, beyond
+from woodpecker.piecewise.margins import reach
+from woodpecker.piecewise.orbits import Coordinate, Margin, Orbit, solve
+from woodpecker.piecewise.partition import partition
+from woodpecker.piecewise.pieces import Image, PiecewiseMap, map_of_pieces
+from woodpecker.piecewise.reaches import reach_of
+from woodpecker.piecewise.settings import Settings
+
+
+def borders_in(
+    map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings | None = None
+) -> list[Border]:
+    """All borders of a map in a window of x, in ascending order.
+
+    Each is the root of a margin, to rounding, and says what happens there
+    (:attr:`~woodpecker.Border.cause`).
+
+    Parameters
+    ----------
+    map_, p
+        For instance :class:`woodpecker.ToyPieces`, and its parameter.
+    window
+        Interval of x.
+    settings
+        Scales and cut-offs, those of the window by default. Pieces shorter than ``finest``, or
+        ``coarse`` where they lead out of its window, are passed over.
+
+    Raises
+    ------
+    ValueError
+        If the window is no two finite, ascending numbers.
+    TypeError
+        If the map has no pieces.
+    """
+    ends = interval("window", window, finite=True)
+    chosen = settings if settings is not None else Settings(window=ends)
+    found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders()
+    return [_sharpened(map_, border, chosen) for border in found]
+
+
+def nearest_border(
+    map_: PiecewiseMap, x: float, p: float, within: float, settings: Settings | None = None
+) -> Border | None:
+    """The border nearest to a point of a map; None if the piece there reaches further than asked.
+
+    Parameters
+    ----------
+    map_, x, p
+        The map, the point and the parameter.
+    within
+        How far a border is looked for, to both sides.
+    settings
+        Scales, those of the default by default.
+
+    Raises
+    ------
+    ValueError
+        If the map has no value at the point, or the distance is not positive.
+    TypeError
+        If the map has no pieces.
+    """
+    x, p, within = number("x", x), number("p", p), positive("within", within)
+    chosen = settings if settings is not None else Settings()
+    here = map_of_pieces(map_).at(x, p)
+    if here.reason:
+        raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
+    found = list[Border]()
+    for side in (-1, 1):
+        limit = x + side * within
+        way = reach_of(here, x, p, side, limit, chosen)
+        code = way.code
+        if code < 0 and way.end != limit:
+            code = _ahead(way.images[-1], side, chosen)
+        if code >= 0:
+            found.append(border_of(map_, way.images[-1], code, way.end, p, side, chosen))
+    return min(found, key=lambda border: abs(border.x - x), default=None)
+
+
+def _ahead(image: Image, side: int, settings: Settings) -> int:
+    """The margin that is about to vanish where a piece was followed no further; -1 if none is."""
+    away, code = reach(image, side)
+    return code if away <= settings.beside * settings.x_scale else -1
+
+
+def crosses(border: Border) -> bool:
+    """Whether a map jumps over the diagonal at a border: its limits lie on different sides."""
+    return (border.inner.value - border.x) * (border.outer.value - border.x) < 0.0
+
+
+def border_of(
+    map_: PiecewiseMap, inner: Image, code: int, x: float, p: float, side: int, settings: Settings
+) -> Border:
+    """The border that a piece meets at x, on a side of it, with what lies beyond."""
+    outer, outer_code = beyond(map_, x, p, side, settings)
+    return _sharpened(map_, Border(x, p, inner, code, side, outer, outer_code), settings)
+
+
+def _sharpened(map_: PiecewiseMap, border: Border, settings: Settings) -> Border:
+    """A border at the root of its margin, to rounding; as it is if Newton's method leads away."""
+    start = Orbit(np.array([border.x]), border.p, (border.inner,))
+    root = solve(start, (Margin(0, border.code), Coordinate(-1, border.p)), settings)
+    x = float(root.orbit.x[0])
+    if not root.converged or abs(x - border.x) > settings.beside * settings.x_scale:
+        return border
+    outer, code = beyond(map_, x, border.p, border.side, settings)
+    return replace(border, x=x, inner=root.orbit.images[0], outer=outer, outer_code=code)
