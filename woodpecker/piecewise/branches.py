@@ -315,7 +315,8 @@ class Cycles:
                     persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
                     end = persists if changes else None
             if end is not None:
-                following = () if there is None else (samples[-1], there)
+                begin = self._across(stretch) if end.kind is PointKind.BC else samples[-1]
+                following = () if there is None else (begin, there)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
             assert there is not None
             marks.append(replace(mark, sample=len(samples) - 1))
@@ -348,6 +349,15 @@ class Cycles:
             end = end_at(PointKind.BC, orbit, note, border.cause)
             return mark, replace(end, precision=self._blur(orbit, border, margin)), there
         return mark, None, there
+
+    def _across(self, stretch: Stretch) -> Sample:
+        """The sample at the end as the branch beyond begins with it: with the piece beyond."""
+        margin, last = stretch.margins[0], stretch.samples[-1]
+        border = border_at(self.map, last.orbit, margin, self.settings)
+        if border.outer_code < 0 or border.outer.reason:
+            return last
+        images = _replaced(last.orbit.images, margin.index, border.outer)
+        return replace(last, orbit=Orbit(last.orbit.x, last.orbit.p, images))
 
     def _blur(self, orbit: Orbit, border: Border, margin: Margin) -> float:
         """How well a border is located, by the piece on that side on which it is less steep."""

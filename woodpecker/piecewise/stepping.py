@@ -372,7 +372,7 @@ class Stepper:
             return 0.5 * step
         distance = Distance(last.orbit.point, last.tangent, step, scale)
         solution = solve(predicted, (self.closing, distance), self.settings, contracts=True)
-        if not solution.converged:
+        if not solution.converged or not self._is_met(solution.orbit):
             return 0.5 * step
         found = tangent(solution.orbit, self.closing, self.settings)
         if not np.isfinite(found).all():
@@ -382,6 +382,27 @@ class Stepper:
         if _angle(last.tangent, found) > self.settings.max_turn:
             return 0.5 * step
         return self._complete(Sample(solution.orbit, found, forward))
+
+    def _is_met(self, orbit: Orbit) -> bool:
+        """Whether each image meets the next point, or would within rounding of its own point.
+
+        Where a piece ends in a square root Newton's steps become short also if there is no orbit.
+        """
+        away = self.settings.converged * self.settings.x_scale
+        for image, x, to in zip(orbit.images, orbit.x.tolist(), self._targets(orbit), strict=True):
+            off = image.value - to
+            if abs(off) <= self.settings.same * self.settings.x_scale:
+                continue
+            beside = [image.piece.at(x + side * away, orbit.p).value - to for side in (-1.0, 1.0)]
+            if not any(off * other <= 0.0 for other in beside):
+                return False
+        return True
+
+    def _targets(self, orbit: Orbit) -> list[float]:
+        """Where the points of an orbit are to go; the last of a border orbit may go anywhere."""
+        if isinstance(self.closing, Margin):
+            return [*orbit.x[1:].tolist(), orbit.images[-1].value]
+        return [*orbit.x[1:].tolist(), float(orbit.x[0])]
 
     def _to_end(self, last: Sample, step: float) -> Sample | None:
         """The sample at the end of the span if a step leads there: beyond, there may be no map."""
