@@ -161,7 +161,7 @@ def counted(diagram: Diagram, part: Part, order: int, eps_n1: float) -> Seen:
         crossings=len(slice_.jumps),
         drawn_crossings=len(jumps),
         changes=len(changes),
-        unexplained=sum(np.abs(explained - x).min(initial=math.inf) > CHORD for x in changes),
+        unexplained=int(sum(np.abs(explained - x).min(initial=math.inf) > CHORD for x in changes)),
     )
 
 

@@ -17,13 +17,14 @@ import pytest
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus
 from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
-from woodpecker.continued import OUT_OF_DOMAIN, WINDOW, continuation
+from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.pieces import Image, Piece
 from woodpecker.piecewise.search import Explorer
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Tasks, Worker
+from woodpecker.piecewise.tasks import Worker
+from woodpecker.runs import OUT_OF_DOMAIN, WINDOW
 from woodpecker.shooting import shoot
 from woodpecker.toypieces import ToyPieces
 
@@ -171,7 +172,7 @@ def test_the_unit_of_a_parameter_does_not_matter() -> None:
     orbit = shoot(toy, -0.53)
     image = map_.at(orbit.phi_s, 1.0)
     explorer = Explorer(Serial(Worker(map_, settings)), settings, (1,))
-    explorer.follow(Tasks.cycle, Orbit(np.array([orbit.phi_s]), 1.0, (image,)))
+    explorer.follow(Orbit(np.array([orbit.phi_s]), 1.0, (image,)))
     same = explorer.network.diagram("j_s / its value", "phi_s")
     assert [p[:2] for p in places(found, toy.j_s)] == [p[:2] for p in places(same, 1.0)]
     for a, b in zip(places(found, toy.j_s), places(same, 1.0), strict=True):

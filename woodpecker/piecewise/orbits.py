@@ -234,8 +234,8 @@ def solve(
     """Newton's method for an orbit with the pieces of ``start`` that obeys two conditions.
 
     A step that leads where a piece has no value is halved. The last step is so short that the next,
-    if it shrinks no faster than the last one, would be rounding. If the method is to contract from
-    the first step on, as it does near a solution, it is given up as soon as it does not.
+    if it shrinks no faster than the last one, would be rounding. If the method ``contracts``, as
+    it does near a solution, it is given up as soon as a step is much longer than the one before.
     """
     orbit, scale = start, scales(len(start), settings)
     before, halvings = 0.0, 0
@@ -268,7 +268,7 @@ def _is_rounded(orbit: Orbit, conditions: Sequence[Condition]) -> bool:
     return bool((np.abs(residuals(orbit, conditions)) <= NOISE * 2.0**-52 * size).all())
 
 
-CONTRACTION = 0.5  # part of a Newton step that the next may have
+CONTRACTION = 2.0  # times a Newton step that the next may have: longer ones lead to another orbit
 NOISE = 64.0  # steps that go on shrinking, slowly, below so many of the shortest are rounding
 
 

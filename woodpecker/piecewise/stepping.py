@@ -176,8 +176,6 @@ BLURRED = 1e-4  # a step on which a limit may change its pieces without a border
 
 RESOLVED = 100.0  # times the smallest distance from a border: there slopes have some digits left
 ROOT = 4.0  # times its slope at a distance, a square root rises by at most half as much over it
-BEYOND = 1.5  # times the distance of the next border, to first order: beyond, there may be no map
-NEARLY = 1e-3  # part of a step in which a border does not count as ahead
 FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
 SPACING = 2.0**-52  # a distance along a branch, scaled, below which there are no two orbits
 NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
@@ -255,13 +253,13 @@ class Stepper:
             before = samples[-2] if len(samples) > 1 else None
             found = self._to_end(last, step) or self.advance(last, step, before)
             if isinstance(found, float):
-                step, grows = min(found, self._shorter(last, step)), False
+                step, grows = found, False
                 continue
             skipped = ignored if len(samples) == 1 else None
             events = self._events(last, found, step, skipped, origin)
             event = self._first(events) if events else None
             if events is None or (event is not None and not self._is_first(event)):
-                step, grows = self._shorter(last, step), False
+                step, grows = 0.5 * step, False
                 continue
             if event is not None:
                 return Stretch(
@@ -278,19 +276,6 @@ class Stepper:
             growth = min(2.0 if grows else 1.0, 0.7 / max(turned, 0.1))
             step, grows = min(self.settings.max_step, step * growth), True
         return Stretch(tuple(samples), Stop.MANY)
-
-    def _shorter(self, last: Sample, step: float) -> float:
-        """The next step to try: half of one that failed, or only just beyond the next border.
-
-        To first order. Margins that vanish at the sample itself, or almost, do not count.
-        """
-        scale, shorter = scales(len(last.orbit), self.settings), 0.5 * step
-        for i, image in enumerate(last.orbit.images):
-            rate = image.gradients @ (last.tangent * scale)[[i, -1]]
-            falling = rate < 0.0
-            away = BEYOND * image.margins[falling] / -rate[falling]
-            shorter = min(shorter, float(away[away > NEARLY * step].min(initial=math.inf)))
-        return shorter
 
     def _leaves(self, start: Sample) -> Stop | None:
         """Whether a sample lies at an end of span or window, and the branch leaves it there."""
