@@ -345,7 +345,7 @@ class Cycles:
             lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
         note = "fold" if last.tangent[-1] * there.tangent[-1] < 0.0 else "persistence"
-        if note == "fold" or _changes_stability(orbit.multiplier, kind, there.orbit.multiplier):
+        if note == "fold" or _changes_stability(_inside(stretch), kind, there.orbit.multiplier):
             end = end_at(PointKind.BC, orbit, note, border.cause)
             return mark, replace(end, precision=self._blur(orbit, border, margin)), there
         return mark, None, there
@@ -462,6 +462,15 @@ def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:
     if margin is None or not least <= settings.same * settings.x_scale:
         return stretch
     return replace(stretch, stop=Stop.BORDER, margins=(margin,))
+
+
+def _inside(stretch: Stretch) -> float:
+    """The multiplier on the way to the end of a stretch: at a square root it may be rounding.
+
+    No fold or flip lies between the last two samples, so both are stable or neither is.
+    """
+    before = stretch.samples[-2:][0].orbit.multiplier
+    return stretch.end.multiplier if abs(abs(before) - 1.0) <= TORN else before
 
 
 def _changes_stability(before: float, kind: BorderKind, after: float) -> bool:
