@@ -317,46 +317,9 @@ def kernel(results: All) -> str:
     )
 
 
-def checked(seen: Sequence[Results], order: int, table: int) -> str:
-    """What slices and tables between special points say of the diagram of P_j."""
-    shown, missing, drawn, crossings, lines, changes, unexplained = (
-        sum(each[key] for each in seen)
-        for key in (
-            "fixed_points", "missing", "drawn", "crossings", "drawn_crossings", "changes",
-            "unexplained",
-        )
-    )  # fmt: skip
-    return (
-        f"Checked at {len(seen)} parameters between special points: fresh slices show {shown} fixed "
-        f"points of minimal period {order} and {crossings} jump crossings, the diagram has {drawn} and "
-        f"{lines}, and {missing} of the fixed points lie on no branch. In tables of "
-        f"{table} starts P_{order}(x) − x changes its sign {changes} times, {unexplained} times where "
-        f"no branch of fixed points or jumps is."
-    )
-
-
-def counts(found: Results, orders: int) -> str:
-    """How many branches of each iterate there are."""
-    fixed, jumps = (
-        [str(found["branches"][f"{kind} of P_{j}"]) for j in range(1, orders + 1)]
-        for kind in ("fixed-point", "jump")
-    )
-    return f"{' + '.join(fixed)} branches of fixed points and {' + '.join(jumps)} of jumps"
-
-
-def again(inner: Results) -> str:
-    """What became of samples that were simulated once more."""
-    return (
-        f"Simulated once more, {inner['above']} of {inner['samples']} samples inside branches have "
-        f"|P_j(x) − x| above 1e-11."
-    )
-
-
 def diagrams(results: All) -> str:
-    """What the searches for everything found, and what they cost."""
-    one, two, three = (
-        results[name] for name in ("fig09_order_one", "fig10_order_two", "order_three")
-    )
+    """What the search for everything found, and what it cost."""
+    one = results["fig09_order_one"]
     coarse, fine = sorted(one["tables"], key=lambda table: -table["spacing"])
     return "\n\n".join(
         [
@@ -369,14 +332,6 @@ def diagrams(results: All) -> str:
             f"at a spacing of {coarse['spacing']:g} rad, {number(fine['ratio'])} times at {fine['spacing']:g}. "
             f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
             f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos.",
-            f"P_1 and P_2 over the same span: {counts(two, 2)}, in {number(two['seconds']['wall'])} s of "
-            f"wall time and {number(two['evaluations'] / 1e6)} million evaluations. {checked(two['seen'], 2, two['table'])} "
-            f"P_1 maps all but {two['unpaired']} branches of period 2 to another; the number of jump "
-            f"crossings is odd in {len(two['odd_jumps'])} slices. {again(two['residuals'])}",
-            shown(two),
-            f"P_1, P_2 and P_3: {counts(three, 3)}, in {number(three['seconds']['wall'])} s and "
-            f"{number(three['evaluations'] / 1e6)} million evaluations. {checked(three['seen'], 3, three['table'])} "
-            f"{again(three['residuals'])}",
         ]
     )
 
@@ -402,27 +357,6 @@ def named(one: Results) -> str:
         "φ_S, sum [rad]",
     ]
     return rows(header, lines)
-
-
-def shown(two: Results) -> str:
-    """What the paper's Figure 10 shows, in numbers."""
-    low, high = (fixed(x, 3) for x in sorted(two["two_cycle"]))
-    (_, *_), (_, start, end), (_, *_) = (list(stretch.values()) for stretch in two["way"])
-    lower, upper = two["loops"]
-    cell = [
-        f"{pair[0]:.4f} to {pair[1]:.4f}, φ_S from {fixed(x[0])} to {fixed(x[1])}"
-        for pair, x in ((loop["eps_n1"], loop["phi_s"]) for loop in (lower, upper))
-    ]
-    return (
-        f"The paper's Figure 10 is there: a cycle of period 2 that attracts, with its points at {low} "
-        f"and {high} rad at ε_N1 = 0.05; the jump branch of P_2 from A to "
-        f"({start[0]:.5f}, {fixed(start[1], 5)}), from there a real cycle of period 2 to "
-        f"({end[0]:.5f}, {fixed(end[1], 5)}), which the paper's grid could not show, and a jump "
-        f"again to C; a loop of P_2 over ε_N1 from {cell[0]}, with its partner from {cell[1]} rad. "
-        f"Contact by contact the jump branches of P_2 that start at A end at "
-        f"{places(two['separate']['from_a'])}. (For that panel the search began with "
-        f"{two['separate']['first_slices']} slices instead of {two['first_slices']}.)"
-    )
 
 
 def places(found: Sequence[Sequence[Any]]) -> str:
