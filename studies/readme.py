@@ -32,7 +32,7 @@ NAMED = {
     "end of the branch from B": (0.04532574, None),
     "I_1 at its top, left": (0.34192345, 0.34192345),
     "I_1 at its top, right": (0.38834959, 0.38834959),
-    "I_2 at its end": (0.79516064, 0.79934549),
+    "I_2 at its end": (0.79516064, 0.79587658),
 }
 SAME = 1e-6  # in eps_N1: a named point
 
