@@ -55,7 +55,7 @@ def test_a_margin_in_the_parameter_alone() -> None:
 
 @pytest.mark.parametrize("apart", [1e-3, 1e-5])
 def test_two_fixed_points_close_together_in_one_piece(apart: float) -> None:
-    """P(x) - x dips below the diagonal between two samples; residuals are rounding over the slope."""
+    """P(x) - x dips below zero between two samples; a root is off by rounding over its slope."""
     roots = (-0.5, 1 / 3, 1 / 3 + apart)
     assert fixed(shown(rising(*roots), 1, (-1.0, 1.0))) == pytest.approx(roots, abs=1e-15 / apart)
 
