@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Distance, Margin, Orbit, scales, solve
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.settings import Settings
@@ -22,6 +23,8 @@ BESIDE = (1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)  # those beside the jump that
 # [rad] of more spokes there. A piece that ends in the corner is a wedge of any width
 ASIDE = 0.1  # parts of the radius: how far from its spoke a border may be found
 NARROW = 1e-4  # angle [rad] between two spokes from which the border between them is solved for
+TURNED = 0.1  # of it: so much further lies a spoke that would run along a border, and so belong to
+# neither side of it: what the map does just where two events coincide is no sector
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,6 +106,19 @@ def _spoke(
     map_: PiecewiseMap, corner: tuple[float, float], order: int, radius: float, angle: float,
     settings: Settings,
 ) -> _Spoke:  # fmt: skip
+    found = _straight(map_, corner, order, radius, angle, settings)
+    least = settings.converged * settings.x_scale
+    if any(abs(depth(image)) <= least for image in found.orbit.images):
+        aside = angle + TURNED * NARROW
+        return _straight(map_, corner, order, radius, aside, settings)
+    return found
+
+
+def _straight(
+    map_: PiecewiseMap, corner: tuple[float, float], order: int, radius: float, angle: float,
+    settings: Settings,
+) -> _Spoke:  # fmt: skip
+    """The spoke at just this angle."""
     x = [corner[0] + radius * settings.x_scale * math.cos(angle)]
     p = corner[1] + radius * settings.p_scale * math.sin(angle)
     images = [map_.at(x[0], p)]
