@@ -9,7 +9,9 @@ import numpy as np
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
-from woodpecker.piecewise.branches import Curve, Cycles, End
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.formulas import FormulaMap
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, orbit_of, solve

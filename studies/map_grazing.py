@@ -44,7 +44,7 @@ from following import branch_near, ends_of, searched, stable_part
 from record import Results, command
 
 from pwmap import PointKind
-from woodpecker.piecewise.branches import Curve
+from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.formulas import FormulaMap
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings

@@ -9,8 +9,9 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.compiled import COMPILED
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.branches import LIMIT_LOST, PASSED_OVER
 from woodpecker.piecewise.corners import leaving
+from woodpecker.piecewise.cycle_branches import PASSED_OVER
+from woodpecker.piecewise.jump_branches import LIMIT_LOST
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stepping import BLURRED
 from woodpecker.shooting import shoot

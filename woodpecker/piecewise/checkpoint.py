@@ -19,7 +19,8 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checkpoint import Checkpoint, Entry, checked_number, checked_type, read
 from woodpecker.piecewise.borders import BorderKind
-from woodpecker.piecewise.branches import Collision, Curve, End, Mark, Word
+from woodpecker.piecewise.curves import Curve, Mark, Word
+from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Margin, orbit_of
 from woodpecker.piecewise.pieces import PiecewiseMap

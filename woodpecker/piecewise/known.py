@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Bools, Floats, Ints
-from woodpecker.piecewise.branches import Curve, Word, is_inside
+from woodpecker.piecewise.crossings import is_inside
+from woodpecker.piecewise.curves import Curve, Word
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import (
     Closed,
@@ -60,7 +61,7 @@ class Known:
         orbit, closing
             The orbit, and the condition that makes it a cycle or a border orbit.
         keys
-            Its pieces, see :class:`woodpecker.piecewise.branches.Word`.
+            Its pieces, see :class:`woodpecker.piecewise.curves.Word`.
         """
         places = sorted(
             self._places(orbit), key=lambda place: float(np.abs(place.x - orbit.x).max())

@@ -10,7 +10,8 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.branches import Collision, Curve, End
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.records import precision, stretches
 from woodpecker.piecewise.settings import Settings
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
-from woodpecker.piecewise.branches import Curve, End
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.orbits import Closed, blurred
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stepping import NEAR

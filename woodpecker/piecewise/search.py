@@ -19,7 +19,8 @@ from typing import Any, NamedTuple, Protocol
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
-from woodpecker.piecewise.branches import Collision, Curve, keys_of
+from woodpecker.piecewise.curves import Curve, keys_of
+from woodpecker.piecewise.ends import Collision
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.known import Known
 from woodpecker.piecewise.network import Network

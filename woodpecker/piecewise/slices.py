@@ -11,7 +11,7 @@ import numpy as np
 
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.bracketing import bracketed
-from woodpecker.piecewise.branches import is_inside
+from woodpecker.piecewise.crossings import is_inside
 from woodpecker.piecewise.itineraries import Itineraries
 from woodpecker.piecewise.jumps import Jump, jump_of, limit_of
 from woodpecker.piecewise.margins import depth

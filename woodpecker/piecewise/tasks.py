@@ -8,15 +8,10 @@ from typing import Any, Protocol, runtime_checkable
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Done
-from woodpecker.piecewise.branches import (
-    Collision,
-    Curve,
-    Cycles,
-    End,
-    Jumps,
-    cycle_from,
-    end_of,
-)
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.ends import Collision, End, end_of
+from woodpecker.piecewise.jump_branches import Jumps, cycle_from
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit
 from woodpecker.piecewise.pieces import Image, PiecewiseMap

@@ -11,8 +11,10 @@ from maps import BORDER, A, Line, lines, moving_border, paper, staircase, two_li
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, slices_at
-from woodpecker.piecewise.branches import Curve, End, Jumps
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.formulas import Formula
+from woodpecker.piecewise.jump_branches import Jumps
 from woodpecker.piecewise.settings import Settings
 
 BC, EP, FALL, FF = PointKind.BC, PointKind.EP, PointKind.FALL, PointKind.FF

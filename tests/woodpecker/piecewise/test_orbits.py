@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from pwmap.diagrams.diagram import PointKind
-from woodpecker.piecewise.branches import Curve, Cycles
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
 from woodpecker.piecewise.orbits import (
     Closed,

@@ -1,0 +1,101 @@
+"""Where a branch meets a border: what is there, and the orbit beyond it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from woodpecker.piecewise.borders import Border, beyond
+from woodpecker.piecewise.orbits import Condition, Coordinate, Margin, Orbit, scales, solve, tangent
+from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.stepping import RESOLVED, Sample
+
+SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
+HELD = 0.1  # part of a distance from a border by which an orbit moves at most when it is corrected
+
+
+def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settings) -> Border:
+    """The border that a point of an orbit meets."""
+    i = margin.index
+    image, x = orbit.images[i], float(orbit.x[i])
+    side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
+    outer, code = beyond(map_, x, orbit.p, side, settings)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = abs(outer.margin(code) / outer.gradient(code)[0])
+    if away > settings.same * settings.x_scale:
+        code = -1  # the piece that was found beyond does not begin here: there are others between
+    return Border(x, orbit.p, image, margin.code, side, outer, code)
+
+
+def restart(
+    orbit: Orbit, closing: Condition, border: Border, index: int, settings: Settings
+) -> Sample | None:
+    """The orbit beyond a border, whose margin there is small and positive; None if there is none.
+
+    That is well posed also where the piece beyond begins with a square root. It lies so close to
+    the border that no fold or flip is passed that is not one point with the border.
+    """
+    tiny = border.side * RESOLVED * settings.nearest * settings.x_scale
+    right_beside = border.outer.piece.at(border.x + tiny, border.p)  # at a root only there is one
+    outer = border.outer if right_beside.reason else right_beside  # slope that rounding leaves
+    at_border = Orbit(orbit.x, orbit.p, replaced(orbit.images, index, outer)).multiplier
+    found: Sample | None = None
+    away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
+    while away >= settings.nearest * settings.x_scale and (found is None or away >= same):
+        there = _restarted(orbit, closing, border, index, away, settings)
+        if there is not None:  # from here the piece is followed back: at a root it may start badly
+            found, border = there, replace(border, outer=_led_back(there, border, index))
+        if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
+            return there
+        away *= SHRINK
+    return found
+
+
+def _led_back(there: Sample, border: Border, index: int) -> Image:
+    """The image of a border beyond, whose piece continues from an orbit that was found there."""
+    return border.outer._replace(piece=there.orbit.images[index].piece)
+
+
+def _sides(multiplier: float) -> tuple[bool, bool]:
+    """On which sides of a fold and a flip a multiplier lies."""
+    return multiplier > 1.0, multiplier > -1.0
+
+
+def _restarted(
+    orbit: Orbit, closing: Condition, border: Border, index: int, away: float, settings: Settings
+) -> Sample | None:
+    """The orbit about a distance beyond a border; None if there is none that is admissible."""
+    x, images = orbit.x.copy(), list(orbit.images)
+    x[index] += border.side * away
+    images[index] = border.outer.piece.at(float(x[index]), orbit.p)
+    value = images[index].margin(border.outer_code)
+    if not value > 0.0:
+        return None
+    margin = Margin(index, border.outer_code, value)
+    solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
+    found = solution.orbit
+    held = solve(found, (closing, Coordinate(-1, found.p)), settings)
+    moves = np.abs(held.orbit.x - found.x).max()
+    if held.converged and moves <= HELD * away:  # beside a square root a margin cannot be held to
+        found = held.orbit  # the last bit, the parameter can, unless the branch turns round there
+    direction = tangent(found, closing, settings)
+    if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
+        return None
+    forward = float(direction @ ((found.point - orbit.point) / scales(len(orbit), settings))) > 0.0
+    return Sample(found, direction if forward else -direction, forward)
+
+
+def replaced(images: tuple[Image, ...], i: int, image: Image) -> tuple[Image, ...]:
+    """Images with another one in the place of one of them."""
+    return (*images[:i], image, *images[i + 1 :])
+
+
+def is_inside(orbit: Orbit, closing: Condition) -> bool:
+    """Whether all margins are positive, but for the one at the end of a border orbit."""
+    for i, image in enumerate(orbit.images):
+        own = closing.code if isinstance(closing, Margin) and closing.index == i else -1
+        if ((image.margins < 0.0) & (image.causes != own)).any():
+            return False
+    return True

@@ -1,0 +1,274 @@
+"""Branches of cycles, followed from piece to piece.
+
+Where a cycle meets a border at which the map is continuous it goes on with the piece beyond. At a
+jump it ends, in a border collision.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
+from woodpecker.piecewise.borders import Border, BorderKind
+from woodpecker.piecewise.crossings import border_at, is_inside, replaced, restart
+from woodpecker.piecewise.curves import (
+    Curve,
+    Leg,
+    Mark,
+    curves_from,
+    curves_of,
+    follow_legs,
+    turned,
+)
+from woodpecker.piecewise.ends import End, end_at, end_of, folded, given_up_or_left, located_to
+from woodpecker.piecewise.jump_branches import GROW, collision
+from woodpecker.piecewise.orbits import (
+    Closed,
+    Coordinate,
+    Margin,
+    Orbit,
+    minimal_period,
+    scales,
+    solve,
+)
+from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.stepping import FLIP, Sample, Stepper, Stop, StopRule, Stretch
+
+NOTHING_BEYOND = "no branch beyond a border"
+PASSED_OVER = "borders accumulate"
+ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
+TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
+# distance of a restart it changes by some 1e-4
+FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
+ROOTED = 10.0  # times the slope beyond a border, that of a square root next to it is larger
+
+
+class Cycles:
+    """Follows branches of cycles.
+
+    Parameters
+    ----------
+    map_, settings
+        The map, and how to follow it.
+    stop
+        Whether to end somewhere, if anybody asks for it.
+    """
+
+    def __init__(
+        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
+    ) -> None:
+        self.map, self.settings = map_, settings
+        self.stepper = Stepper(map_, Closed(), settings, [FLIP], stop=stop)
+
+    def through(self, orbit: Orbit) -> list[Curve]:
+        """The branch through a cycle, both ways, with those that continue it."""
+        start = self.stepper.sample(orbit, np.eye(len(orbit) + 1)[-1])
+        ahead = self.legs((start,), start)
+        closes = ahead[-1].stop is Stop.CLOSED
+        behind = [] if closes else self.legs((turned(start),), start)
+        return curves_of(ahead, behind, BranchKind.FIXED_POINT, len(orbit))
+
+    def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
+        """The branch from a special point on, with those that continue it."""
+        legs = self.legs(start, start[-1], Stop.BORDER)
+        return curves_from(end, legs, BranchKind.FIXED_POINT, len(start[0].orbit))
+
+    def legs(
+        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None = None
+    ) -> list[Leg]:
+        """Follow a branch one way, across special points that it passes."""
+        return follow_legs(self._leg, first, origin, ignored, self.settings)
+
+    def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
+        samples, marks, step = list(first), list[Mark](), math.inf
+        while True:
+            stretch = self.stepper.follow(samples[-1], ignored, origin, step)
+            ignored, step = None, max(stretch.step, self.settings.again)
+            stretch = self._sharpened(_at_nearest(stretch, self.settings))
+            samples += stretch.samples[1:]
+            if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+                there = self._passed_over(stretch)
+                if there is not None:
+                    marks.append(Mark(len(samples) - 1, PASSED_OVER, BorderKind.SMOOTH))
+                    samples.append(there)
+                    continue
+            if stretch.stop is not Stop.BORDER:
+                passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
+                passes &= not self._halves(stretch)
+                here, on = self._end(stretch), (samples[-1],) if passes else ()
+                return Leg(tuple(samples), tuple(marks), here, on, stretch.stop)
+            mark, end, there = self._meet(stretch)
+            if end is not None and end.status is PointStatus.OPEN:
+                there = self._passed_over(stretch)
+                if there is not None:
+                    mark = replace(mark, cause=f"{mark.cause}: {PASSED_OVER}")
+                    before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
+                    changes = _changes_stability(before, mark.kind, after)
+                    persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
+                    end = persists if changes else None
+            if end is not None:
+                begin = self._across(stretch) if end.kind is PointKind.BC else samples[-1]
+                following = () if there is None else (begin, there)
+                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+            assert there is not None
+            marks.append(replace(mark, sample=len(samples) - 1))
+            samples.append(there)
+
+    def _meet(self, stretch: Stretch) -> tuple[Mark, End | None, Sample | None]:
+        """What happens to a branch at a border, whether that is special, and where it goes on."""
+        orbit, margin, last = stretch.end, stretch.margins[0], stretch.samples[-1]
+        border = border_at(self.map, orbit, margin, self.settings)
+        kind = border.kind(self.settings)
+        mark = Mark(sample=0, cause=border.cause, kind=kind)
+        if self._halves(stretch):
+            return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
+        if kind is BorderKind.LOST:
+            lost = end_at(PointKind.FALL, orbit, border.outer.reason, border.cause)
+            return mark, lost, None
+        if kind is BorderKind.JUMP:
+            met = collision(self.map, orbit, margin, border, self.settings)
+            return mark, end_of(met, orbit), None
+        there = restart(orbit, Closed(), border, margin.index, self.settings)
+        if there is None:
+            met = collision(self.map, orbit, margin, border, self.settings)
+            if any(note for _, note in met.kinds):  # the jump vanishes just where a cycle meets it
+                return mark, end_of(met, orbit), None
+            note = NOTHING_BEYOND if border.outer_code >= 0 else PASSED_OVER
+            lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
+            return mark, lost, None
+        note = "fold" if last.tangent[-1] * there.tangent[-1] < 0.0 else "persistence"
+        if note == "fold" or _changes_stability(_inside(stretch), kind, there.orbit.multiplier):
+            end = end_at(PointKind.BC, orbit, note, border.cause)
+            return mark, replace(end, precision=self._blur(orbit, border, margin)), there
+        return mark, None, there
+
+    def _across(self, stretch: Stretch) -> Sample:
+        """The sample at the end as the branch beyond begins with it: with the piece beyond."""
+        margin, last = stretch.margins[0], stretch.samples[-1]
+        border = border_at(self.map, last.orbit, margin, self.settings)
+        if border.outer_code < 0 or border.outer.reason:
+            return last
+        images = replaced(last.orbit.images, margin.index, border.outer)
+        return replace(last, orbit=Orbit(last.orbit.x, last.orbit.p, images))
+
+    def _blur(self, orbit: Orbit, border: Border, margin: Margin) -> float:
+        """How well a border is located, by the piece on that side on which it is less steep."""
+        i = margin.index
+        outer = Orbit(orbit.x, orbit.p, replaced(orbit.images, i, border.outer))
+        if abs(border.outer.slope) < abs(orbit.images[i].slope):
+            orbit, margin = outer, Margin(i, border.outer_code)
+        return located_to(orbit, (Closed(), margin), self.settings)
+
+    def _sharpened(self, stretch: Stretch) -> Stretch:
+        """A stretch that ends at a square root, with its end as the piece beyond locates it.
+
+        The map is continuous there, and the piece beyond is not steep: it is not rounding of the
+        root that decides.
+        """
+        orbit = stretch.end
+        if stretch.stop is not Stop.BORDER:
+            return stretch
+        margin = stretch.margins[0]
+        i, image = margin.index, orbit.images[margin.index]
+        if abs(image.slope) <= ROOTED:
+            return stretch
+        border = border_at(self.map, orbit, margin, self.settings)
+        kind = border.kind(self.settings)
+        if kind in (BorderKind.JUMP, BorderKind.LOST) or border.outer_code < 0:
+            return stretch
+        if abs(image.slope) <= ROOTED * max(1.0, abs(border.outer.slope)):
+            return stretch
+        beyond_it = Orbit(orbit.x, orbit.p, replaced(orbit.images, i, border.outer))
+        root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
+        away = np.abs((root.orbit.point - orbit.point) / scales(len(orbit), self.settings)).max()
+        if not (root.converged and away <= self.settings.beside):
+            return stretch
+        inner = image._replace(value=root.orbit.images[i].value)
+        end = Orbit(root.orbit.x, root.orbit.p, replaced(root.orbit.images, i, inner))
+        last = replace(stretch.samples[-1], orbit=end)
+        return replace(stretch, samples=(*stretch.samples[:-1], last))
+
+    def _passed_over(self, stretch: Stretch) -> Sample | None:
+        """The branch beyond a place where borders accumulate, the nearest there is.
+
+        It is looked for along the tangent, with the pieces that the map takes there.
+        """
+        end = stretch.samples[-1]
+        x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
+        sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
+        away, limit = self.settings.same, high if sign > 0.0 else low
+        p, slope = end.orbit.p, end.tangent[:-1] * x_scale / (end.tangent[-1] * p_scale)
+        while away <= self.settings.max_step and p != limit:
+            p = min(max(end.orbit.p + sign * away * p_scale, low), high)
+            x = end.orbit.x + (p - end.orbit.p) * slope
+            start = Orbit(x, p, tuple(self.map.at(float(each), p) for each in x))
+            away *= GROW
+            if not start.defined:
+                continue
+            solution = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
+            found = solution.orbit
+            aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
+            if solution.converged and is_inside(found, Closed()) and aside <= FASTEST * away:
+                return self.stepper.sample(found, sign * np.eye(len(found) + 1)[-1])
+        return None
+
+    def _halves(self, stretch: Stretch) -> bool:
+        """Whether the cycle at the end, and none before it, goes round one of smaller period."""
+        first, last = (
+            minimal_period(s.orbit, self.settings)
+            for s in (stretch.samples[0], stretch.samples[-1])
+        )
+        return last < first
+
+    def _end(self, stretch: Stretch) -> End:
+        kinds = {
+            Stop.FOLD: PointKind.LP, Stop.FLIP: PointKind.PD, Stop.BRANCHING: PointKind.BP,
+        }  # fmt: skip
+        kind = kinds.get(stretch.stop, PointKind.EP)
+        if kind is PointKind.EP:
+            return given_up_or_left(stretch, self.settings)
+        cause = stretch.stop.value
+        if self._halves(stretch):  # a branch of doubled period folds where it began
+            kind, cause = PointKind.PD, Stop.FLIP.value
+        end = end_at(kind, stretch.end, cause=cause)
+        return folded(end, stretch.end, Closed(), self.settings) if kind is PointKind.LP else end
+
+
+def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:
+    """A stretch whose steps have become too short beside a border, as one that ends there."""
+    if stretch.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
+        return stretch
+    found = list[tuple[float, Margin]]()
+    for i, image in enumerate(stretch.end.images):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away = image.margins / np.abs(image.gradients[:, 0])
+        found += [
+            (abs(d), Margin(i, code))
+            for d, code in zip(away.tolist(), image.causes.tolist(), strict=True)
+        ]
+    least, margin = min(found, key=lambda each: each[0], default=(math.inf, None))
+    if margin is None or not least <= settings.same * settings.x_scale:
+        return stretch
+    return replace(stretch, stop=Stop.BORDER, margins=(margin,))
+
+
+def _inside(stretch: Stretch) -> float:
+    """The multiplier on the way to the end of a stretch: at a square root it may be rounding.
+
+    No fold or flip lies between the last two samples, so both are stable or neither is.
+    """
+    before = stretch.samples[-2:][0].orbit.multiplier
+    return stretch.end.multiplier if abs(abs(before) - 1.0) <= TORN else before
+
+
+def _changes_stability(before: float, kind: BorderKind, after: float) -> bool:
+    """Whether a branch is stable on one side of a border only; not where it is smooth there.
+
+    Multipliers that differ by far say that the border is not smooth.
+    """
+    torn = kind is not BorderKind.SMOOTH or abs(after - before) > TORN * max(1.0, abs(before))
+    return torn and (abs(before) < 1.0) != (abs(after) < 1.0)
