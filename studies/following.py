@@ -68,7 +68,7 @@ def searched(
 ) -> Network:
     """All branches of some iterates that a search finds."""
     worker = Worker(map_, settings)
-    explorer = Explorer(Serial(worker), settings, orders)
+    explorer = Explorer(map_, Serial(worker), settings, orders)
     complete(explorer, settings, search)
     return explorer.network
 

@@ -93,8 +93,9 @@ def continuation(
     run_of = about(toy, parameter, chosen, wanted) | {AT: p, START: orbit.points}
     with recorded(run, run_of, resume) as record:
         explorer = Explorer(
-            Serial(Worker(map_, chosen, stop)), chosen, (len(start),), progress or nothing, record
-        )
+            map_, Serial(Worker(map_, chosen, stop)), chosen, (len(start),), progress or nothing,
+            record,
+        )  # fmt: skip
         if record is not None and record.entries:
             restored(explorer, record, map_)
             explorer.go_on()

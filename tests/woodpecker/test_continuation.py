@@ -415,7 +415,7 @@ def entry_of(motion: PeriodicOrbit, path: Path) -> dict[str, Any]:
     settings = Settings(span=(0.49, 0.51), window=WINDOW)
     map_ = ToyPieces(Toy())
     record = Record(path, {"parameter": "eps_n1"})
-    explorer = Explorer(Serial(Worker(map_, settings)), settings, (1,), recorder=record)
+    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (1,), recorder=record)
     explorer.follow(cycle_near(map_, motion.points, 0.5, settings))
     record.close()
     entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8").splitlines()[1])

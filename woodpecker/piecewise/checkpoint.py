@@ -19,17 +19,17 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checkpoint import Checkpoint, Entry, checked_number, checked_type, read
 from woodpecker.piecewise.borders import BorderKind
+from woodpecker.piecewise.crossings import cycle_at_border
 from woodpecker.piecewise.curves import Curve, Mark, Word
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.orbits import Margin, orbit_of
+from woodpecker.piecewise.orbits import Margin
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.search import Past, Seen
 from woodpecker.piecewise.settings import Settings
 
 CURVES, DONE, SLICE = "curves", "done", "slice"  # kinds of entries, by their first key
 VERSION = 3  # of the lines below; raised when older code would misread them
-CLOSER = 0.1  # of a distance from a border at which the piece inside was not found
 Rebuild = Callable[[Entry], Collision | None]
 
 
@@ -246,13 +246,12 @@ class _OtherMapError(Exception):
 
 def _of_collision(met: Collision) -> Entry:
     """The orbit, which of its points lies on a border, and on which side its piece is."""
-    gradient = met.orbit.images[met.margin.index].gradient(met.margin.code)
     return {
         "x": met.orbit.x.tolist(),
         "p": met.orbit.p,
         "index": met.margin.index,
         "code": met.margin.code,
-        "side": 1 if gradient[0] > 0.0 else -1,
+        "side": met.side,
         "kinds": [[kind.value, note] for kind, note in met.kinds],
         "cause": met.cause,
     }
@@ -271,20 +270,11 @@ def _parts_of_collision(data: Entry) -> None:
 def _collision(data: Entry, map_: PiecewiseMap, settings: Settings) -> Collision:
     """A collision with the pieces that the map takes at its points, and inside of the border."""
     x, p, margin = _floats(data["x"]), float(data["p"]), Margin(data["index"], data["code"])
-    pieces = [map_.at(float(value), p).piece for value in x]
-    away, on = settings.beside * settings.x_scale, margin.index
-    while away >= settings.nearest * settings.x_scale:
-        pieces[on] = map_.at(float(x[on]) + data["side"] * away, p).piece
-        orbit = orbit_of(pieces, x, p)
-        value, (slope, _) = (
-            orbit.images[on].margin(margin.code),
-            orbit.images[on].gradient(margin.code),
+    orbit = cycle_at_border(map_, x, p, margin, data["side"], settings)
+    if orbit is None:
+        raise _OtherMapError(
+            f"expected a collision of this map, got one at x = {x[margin.index]}, p = {p}, where "
+            "its piece does not end"
         )
-        if orbit.defined and abs(value) <= settings.same * settings.x_scale * abs(slope):
-            kinds = tuple((PointKind(kind), note) for kind, note in data["kinds"])
-            return Collision(orbit=orbit, margin=margin, kinds=kinds, cause=data["cause"])
-        away *= CLOSER
-    raise _OtherMapError(
-        f"expected a collision of this map, got one at x = {x[on]}, p = {p}, where its piece does "
-        "not end"
-    )
+    kinds = tuple((PointKind(kind), note) for kind, note in data["kinds"])
+    return Collision(orbit=orbit, margin=margin, kinds=kinds, cause=data["cause"])

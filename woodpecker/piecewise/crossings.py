@@ -6,12 +6,23 @@ from dataclasses import replace
 
 import numpy as np
 
+from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, beyond
-from woodpecker.piecewise.orbits import Condition, Coordinate, Margin, Orbit, scales, solve, tangent
+from woodpecker.piecewise.orbits import (
+    Condition,
+    Coordinate,
+    Margin,
+    Orbit,
+    orbit_of,
+    scales,
+    solve,
+    tangent,
+)
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stepping import RESOLVED, Sample
 
+CLOSER = 0.1  # of a distance from a border at which the piece inside was not found
 SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
 HELD = 0.1  # part of a distance from a border by which an orbit moves at most when it is corrected
 
@@ -27,6 +38,26 @@ def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settin
     if away > settings.same * settings.x_scale:
         code = -1  # the piece that was found beyond does not begin here: there are others between
     return Border(x, orbit.p, image, margin.code, side, outer, code)
+
+
+def cycle_at_border(
+    map_: PiecewiseMap, x: Floats, p: float, margin: Margin, side: int, settings: Settings
+) -> Orbit | None:
+    """A cycle by its places: with the pieces the map takes there, and right inside of a border.
+
+    None if the map has no such border.
+    """
+    pieces = [map_.at(float(each), p).piece for each in x]
+    away, on = settings.beside * settings.x_scale, margin.index
+    while away >= settings.nearest * settings.x_scale:
+        pieces[on] = map_.at(float(x[on]) + side * away, p).piece
+        orbit = orbit_of(pieces, x, p)
+        image = orbit.images[on]
+        off = settings.same * settings.x_scale * abs(image.gradient(margin.code)[0])
+        if orbit.defined and abs(image.margin(margin.code)) <= off:
+            return orbit
+        away *= CLOSER
+    return None
 
 
 def restart(

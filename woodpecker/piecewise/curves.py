@@ -14,7 +14,6 @@ from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.orbits import Orbit, scales
-from woodpecker.piecewise.pieces import Piece
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stepping import Sample, Stop
 
@@ -51,14 +50,11 @@ class Word:
     keys
         The keys of the pieces of a cycle; of a jump those of the points before the border, and a
         set of those on its two sides with the margins that vanish, for a piece has two ends.
-    pieces
-        The pieces of a cycle, or of the points up to the border of a jump.
     """
 
     first: int
     text: str
     keys: tuple[object, ...]
-    pieces: tuple[Piece, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -193,7 +189,7 @@ def _curve(
         keys = keys_of(sample.orbit, sample.jump)
         if not words or keys != words[-1].keys:
             text = word_of(sample.orbit) if sample.jump is None else sample.jump.word
-            words.append(Word(k, text, keys, sample.orbit.pieces))
+            words.append(Word(k, text, keys))
     return Curve(
         kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
         points=tuple(s.orbit.x for s in samples),

@@ -105,7 +105,7 @@ def connected(
     """
     start = cycle_near(map_, x, p, settings)
     worker = Serial(Worker(map_, settings))
-    explorer = Explorer(worker, settings, (len(start),), progress or _nothing)
+    explorer = Explorer(map_, worker, settings, (len(start),), progress or _nothing)
     explorer.follow(start)
     return explorer.network.diagram(parameter_name, x_name)
 
@@ -162,7 +162,7 @@ def whole_diagram(
     wanted = iterates(orders)
     finite_window(settings)
     with scheduler(Worker(map_, settings), workers, executor) as tasks:
-        explorer = Explorer(tasks, settings, wanted, progress or _nothing, record)
+        explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
         past = restored(explorer, record, map_)
         seen = complete(explorer, settings, search or Search(), past)
     return Found(

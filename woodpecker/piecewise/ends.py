@@ -37,6 +37,12 @@ class Collision:
     kinds: tuple[tuple[PointKind, str], ...]
     cause: str
 
+    @property
+    def side(self) -> int:
+        """On which side of the border the piece inside lies."""
+        gradient = self.orbit.images[self.margin.index].gradient(self.margin.code)
+        return 1 if gradient[0] > 0.0 else -1
+
     def kind_at(self, x: float) -> tuple[PointKind, str]:
         """Code and note at the point nearest to a place."""
         return self.kinds[int(np.argmin(np.abs(self.orbit.x - x)))]

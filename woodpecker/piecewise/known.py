@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
@@ -26,6 +26,7 @@ from woodpecker.piecewise.orbits import (
     solve,
     tangent,
 )
+from woodpecker.piecewise.pieces import Piece, PiecewiseMap
 
 Keys = tuple[object, ...]
 T = TypeVar("T")
@@ -44,10 +45,12 @@ class Known:
         The branches; what is added to it later counts too.
     kind, order
         Cycles of P_order, or jumps of it.
+    map_
+        The map.
     """
 
-    def __init__(self, network: Network, kind: BranchKind, order: int) -> None:
-        self.network, self.kind, self.order = network, kind, order
+    def __init__(self, network: Network, kind: BranchKind, order: int, map_: PiecewiseMap) -> None:
+        self.network, self.kind, self.order, self.map = network, kind, order, map_
         self.settings = network.settings
         self._seen = 0
         self._chords: list[_Chords] = []
@@ -126,18 +129,35 @@ class Known:
         holds = self._at.holds
         if place.chord not in holds:
             curve, k, shift = self.network.curves[place.chord[0]], *place.chord[1:]
+            one_word = _word(curve, k) is _word(curve, k + 1)
             holds[place.chord] = any(
-                self._is_cycle(word, shift, place.x) for word in _words(curve, k)
+                self._is_cycle(curve, samples, shift, place.x)
+                for samples in ([(k, k + 1)] if one_word else [(k, k - 1), (k + 1, k + 2)])
             )
         return holds[place.chord]
 
-    def _is_cycle(self, word: Word, shift: int, x: Floats) -> bool:
-        """Whether a cycle near some points takes the pieces of a word, from one of its points."""
-        if len(word.pieces) < len(x):
-            return True  # a branch that was read from a file knows no pieces
-        p, pieces = self._at.p, _turned(word.pieces, shift)
-        found = solve(orbit_of(pieces, x, p), (Closed(), Coordinate(-1, p)), self.settings)
+    def _is_cycle(self, curve: Curve, samples: Sequence[int], shift: int, x: Floats) -> bool:
+        """Whether a cycle near some points takes the pieces of a branch at a sample.
+
+        At one on a border the map may take others: then those at the other sample are as good.
+        """
+        p, pieces = self._at.p, self._pieces(curve, samples)
+        if not pieces:
+            return True
+        start = orbit_of(_turned(pieces, shift), x, p)
+        found = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
         return found.converged and is_inside(found.orbit, Closed())
+
+    def _pieces(self, curve: Curve, samples: Sequence[int]) -> tuple[Piece, ...]:
+        """The pieces of a branch at the first of two samples; none if the map takes others."""
+        word = _word(curve, samples[0])
+        for k in samples:
+            if 0 <= k < len(curve.points) and _word(curve, k) is word:
+                p = float(curve.parameter[k])
+                pieces = tuple(self.map.at(x, p).piece for x in curve.points[k].tolist())
+                if tuple(piece.key for piece in pieces) == word.keys:
+                    return pieces
+        return ()
 
     def _places(self, orbit: Orbit) -> list[_Place]:
         """Where branches are at the parameter of an orbit, if its first point is near."""
@@ -240,10 +260,15 @@ class _Place(NamedTuple):
     keys: tuple[Keys, ...]
 
 
+def _word(curve: Curve, k: int) -> Word:
+    """Which pieces a branch takes at a sample."""
+    return curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1]
+
+
 def _words(curve: Curve, k: int) -> list[Word]:
     """Which pieces a branch takes at a sample and at the next."""
-    one, other = (bisect_right(curve.words, j, key=lambda word: word.first) - 1 for j in (k, k + 1))
-    return [curve.words[one]] if one == other else [curve.words[one], curve.words[other]]
+    one, other = _word(curve, k), _word(curve, k + 1)
+    return [one] if one is other else [one, other]
 
 
 def _turned(values: tuple[T, ...], shift: int) -> tuple[T, ...]:

@@ -25,6 +25,7 @@ from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.known import Known
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Closed, Condition, Orbit
+from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import Slice
 from woodpecker.piecewise.tasks import Start, Tasks
@@ -167,6 +168,8 @@ class Explorer:
 
     Parameters
     ----------
+    map_
+        The map.
     scheduler
         Where tasks are carried out.
     settings
@@ -180,14 +183,14 @@ class Explorer:
     """
 
     def __init__(
-        self, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
+        self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
         progress: Progress = lambda _: None, recorder: Recorder | None = None,
     ) -> None:  # fmt: skip
         self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
         self.recorder = recorder
         self.network, self.slices, self.evaluations = Network(settings), 0, 0
         self._known = {
-            (kind, order): Known(self.network, kind, order)
+            (kind, order): Known(self.network, kind, order, map_)
             for kind in BranchKind
             for order in self.orders
         }

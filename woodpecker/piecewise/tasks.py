@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Done
+from woodpecker.piecewise.crossings import cycle_at_border
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.ends import Collision, End, end_of
@@ -99,8 +100,14 @@ class Tasks:
         )
 
     def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
-        """Branches that start where a cycle meets a jump."""
-        found = []
+        """Branches that start where a cycle meets a jump.
+
+        Its pieces are met afresh, so that nothing depends on how a branch came there, and a run
+        that was interrupted goes on to the last bit like one that was not.
+        """
+        found, at = [], met.orbit
+        fresh = cycle_at_border(self.map, at.x, at.p, met.margin, met.side, self.settings)
+        met = met if fresh is None else replace(met, orbit=fresh)
         n, first = len(met.orbit), cycle_from(met, self.settings)
         if n in orders and first:
             end = end_of(met, met.orbit)

@@ -53,7 +53,7 @@ def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> 
         (skew_tent(-1.0, 5.0), lambda p: 0.5 * p, lambda p: -0.25 * p),
     ):
         network = network_of(map_, *(fixed_point(map_, x(-0.5), -0.5) for x in (left, right)))
-        known = Known(network, BranchKind.FIXED_POINT, 1)
+        known = Known(network, BranchKind.FIXED_POINT, 1, map_)
         for p in (-0.8123, -0.3456, -0.1001):
             for x in (left(p), right(p)):
                 orbit = fixed_point(map_, x, p)
@@ -65,7 +65,7 @@ def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
     """It is asked whether it holds there, once, however many orbits are near it."""
     map_, p = two_lines(), -0.3456
     network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Known(network, BranchKind.FIXED_POINT, 1)
+    known = Known(network, BranchKind.FIXED_POINT, 1, map_)
     right = map_.at(1.0, p).piece
     for _ in range(3):
         orbit = orbit_of([right], np.array([2.0 * p]), p)  # where the left branch is
@@ -78,7 +78,7 @@ def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
 def test_a_branch_that_is_added_later_counts() -> None:
     map_, p = two_lines(), -0.3456
     network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Known(network, BranchKind.FIXED_POINT, 1)
+    known = Known(network, BranchKind.FIXED_POINT, 1, map_)
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
     assert not known.explains(other, Closed(), other.keys)
     for curve in Tasks(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)):

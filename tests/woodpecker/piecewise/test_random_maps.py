@@ -22,7 +22,7 @@ WIDE = 3.0 * FARTHEST + 4.0  # an image of the farthest point: slopes below 3, o
 
 def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
     settings = Settings(span=SPAN, window=(-WIDE, WIDE))
-    explorer = Explorer(Serial(Worker(map_, settings)), settings, orders)
+    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, orders)
     complete(explorer, settings, SEARCH)
     return explorer.network.diagram("p", "x")
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagrams import assert_alike, to_the_last_bit
+from diagrams import to_the_last_bit
 from maps import moving, paper
 
 from pwmap import Diagram
@@ -358,11 +358,7 @@ def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
-    """SIGKILL leaves no time to tidy up; what was finished is there all the same.
-
-    A collision that was to be followed is rebuilt from its places. The toy's pieces are then met
-    from elsewhere, and the last bits of what starts there are others: some 1e-14 of rounding.
-    """
+    """SIGKILL leaves no time to tidy up; what was finished is there all the same."""
     path = tmp_path / "run.jsonl"
     code = (
         "from pathlib import Path\nfrom woodpecker import *\n"
@@ -381,8 +377,21 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     assert len(kept.branches) >= 1
     found = of_toy(run=path, resume=True)
     whole = find_all(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW)
-    assert_alike(found, whole.diagram, within=1e-12)
+    assert to_the_last_bit(found) == to_the_last_bit(whole.diagram)
     assert whole.evaluations > 1000
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_run_goes_on_from_any_line_to_the_last_bit(tmp_path: Path) -> None:
+    """Collisions are met afresh, by a run that goes on and by one that was never interrupted."""
+    path, part = tmp_path / "run.jsonl", tmp_path / "part.jsonl"
+    whole = to_the_last_bit(of_toy(run=path))
+    lines = path.read_bytes().splitlines(keepends=True)
+    assert len(lines) > 10
+    for n in range(1, len(lines)):
+        part.write_bytes(b"".join(lines[:n]))
+        assert to_the_last_bit(of_toy(run=part, resume=True)) == whole
 
 
 @pytest.mark.parametrize(

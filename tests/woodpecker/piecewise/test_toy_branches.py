@@ -34,7 +34,7 @@ def network() -> Network:
     stable = solve(start, (Closed(), Coordinate(-1, 0.5)), SETTINGS)
     assert stable.converged
     assert stable.orbit.x[0] == pytest.approx(-0.52947197, abs=1e-8)
-    explorer = Explorer(Serial(Worker(map_, SETTINGS)), SETTINGS, (1,))
+    explorer = Explorer(map_, Serial(Worker(map_, SETTINGS)), SETTINGS, (1,))
     explorer.follow(stable.orbit)
     return explorer.network
 
