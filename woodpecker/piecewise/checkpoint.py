@@ -29,7 +29,7 @@ from woodpecker.piecewise.search import Past, Seen
 from woodpecker.piecewise.settings import Settings
 
 CURVES, DONE, SLICE = "curves", "done", "slice"  # kinds of entries, by their first key
-VERSION = 3  # of the lines below; raised when older code would misread them
+VERSION = 4  # of the lines below; raised when older code would misread them
 Rebuild = Callable[[Entry], Collision | None]
 
 
@@ -245,13 +245,14 @@ class _OtherMapError(Exception):
 
 
 def _of_collision(met: Collision) -> Entry:
-    """The orbit, which of its points lies on a border, and on which side its piece is."""
+    """The orbit, which of its points lies on a border, and of which piece on which side."""
     return {
         "x": met.orbit.x.tolist(),
         "p": met.orbit.p,
         "index": met.margin.index,
         "code": met.margin.code,
         "side": met.side,
+        "key": _of_key(met.key),
         "kinds": [[kind.value, note] for kind, note in met.kinds],
         "cause": met.cause,
     }
@@ -262,6 +263,7 @@ def _parts_of_collision(data: Entry) -> None:
     checked_number(data["p"])
     index, code, side, cause = (data[name] for name in ("index", "code", "side", "cause"))
     _typed([index, code, side, cause], int, int, int, str)
+    _key(data["key"])
     kinds = [(PointKind(kind), *_typed([note], str)) for kind, note in data["kinds"]]
     if not (0 <= index < len(x) == len(kinds) and side in (-1, 1)):
         raise ValueError("a collision has a kind for each of its points, one of them on a border")
@@ -270,7 +272,7 @@ def _parts_of_collision(data: Entry) -> None:
 def _collision(data: Entry, map_: PiecewiseMap, settings: Settings) -> Collision:
     """A collision with the pieces that the map takes at its points, and inside of the border."""
     x, p, margin = _floats(data["x"]), float(data["p"]), Margin(data["index"], data["code"])
-    orbit = cycle_at_border(map_, x, p, margin, data["side"], settings)
+    orbit = cycle_at_border(map_, x, p, margin, data["side"], _key(data["key"]), settings)
     if orbit is None:
         raise _OtherMapError(
             f"expected a collision of this map, got one at x = {x[margin.index]}, p = {p}, where "

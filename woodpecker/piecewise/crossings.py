@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 
 import numpy as np
@@ -41,11 +42,13 @@ def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settin
 
 
 def cycle_at_border(
-    map_: PiecewiseMap, x: Floats, p: float, margin: Margin, side: int, settings: Settings
-) -> Orbit | None:
-    """A cycle by its places: with the pieces the map takes there, and right inside of a border.
+    map_: PiecewiseMap, x: Floats, p: float, margin: Margin, side: int, key: Hashable,
+    settings: Settings,
+) -> Orbit | None:  # fmt: skip
+    """A cycle by its places, with the pieces that the map takes there.
 
-    None if the map has no such border.
+    One of its points lies on a border of the piece of a key, which is met right inside of it. None
+    if the map has no such border.
     """
     pieces = [map_.at(float(each), p).piece for each in x]
     away, on = settings.beside * settings.x_scale, margin.index
@@ -54,7 +57,7 @@ def cycle_at_border(
         orbit = orbit_of(pieces, x, p)
         image = orbit.images[on]
         off = settings.same * settings.x_scale * abs(image.gradient(margin.code)[0])
-        if orbit.defined and abs(image.margin(margin.code)) <= off:
+        if orbit.defined and image.piece.key == key and abs(image.margin(margin.code)) <= off:
             return orbit
         away *= CLOSER
     return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,6 +43,11 @@ class Collision:
         """On which side of the border the piece inside lies."""
         gradient = self.orbit.images[self.margin.index].gradient(self.margin.code)
         return 1 if gradient[0] > 0.0 else -1
+
+    @property
+    def key(self) -> Hashable:
+        """The key of the piece inside."""
+        return self.orbit.keys[self.margin.index]
 
     def kind_at(self, x: float) -> tuple[PointKind, str]:
         """Code and note at the point nearest to a place."""

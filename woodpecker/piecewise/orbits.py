@@ -10,7 +10,7 @@ parameter or a coordinate picks a point of it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -53,7 +53,7 @@ class Orbit:
         return tuple(image.piece.word for image in self.images)
 
     @property
-    def keys(self) -> tuple[object, ...]:
+    def keys(self) -> tuple[Hashable, ...]:
         """What tells the pieces from others."""
         return tuple(image.piece.key for image in self.images)
 

@@ -106,7 +106,7 @@ class Tasks:
         that was interrupted goes on to the last bit like one that was not.
         """
         found, at = [], met.orbit
-        fresh = cycle_at_border(self.map, at.x, at.p, met.margin, met.side, self.settings)
+        fresh = cycle_at_border(self.map, at.x, at.p, met.margin, met.side, met.key, self.settings)
         met = met if fresh is None else replace(met, orbit=fresh)
         n, first = len(met.orbit), cycle_from(met, self.settings)
         if n in orders and first:
