@@ -18,7 +18,7 @@ from woodpecker.piecewise.iterates import Iterate
 from woodpecker.piecewise.local import LocalModel, Start, local_model
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.search import Search, Seen, Stage
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.piecewise.slices import Slice, slices_at
 from woodpecker.piecewise.stepping import BranchState
@@ -57,6 +57,7 @@ __all__ = [
     "Impulse",
     "Iterate",
     "LocalModel",
+    "Numerics",
     "OnBranch",
     "Orbit",
     "OrbitDiagram",

@@ -22,8 +22,6 @@ from woodpecker.shooting import PeriodicOrbit
 from woodpecker.simulation.returns import RESTITUTIONS
 from woodpecker.toypieces import ToyPieces
 
-SMALLEST = 1e-9  # where a branch starts that would start at zero restitution
-
 
 def continuation(
     toy: Toy,
@@ -118,5 +116,5 @@ def _start(map_: ToyPieces, orbit: PeriodicOrbit, settings: Settings) -> Orbit:
             f"got ({low}, {high})"
         )
     if p == 0.0 and parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond it
-        p = min(SMALLEST, 0.5 * settings.span[1])
+        p = settings.same * settings.p_scale
     return cycle_near(map_, x, p, settings)

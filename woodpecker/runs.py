@@ -15,7 +15,7 @@ from woodpecker.base.checks import interval
 from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.piecewise.checkpoint import Record, read_record, restore
 from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.toypieces import ToyPieces
 
 WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
@@ -73,7 +73,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
         parameter, fixed = run_of["parameter"], run_of["toy"]
         toy = Toy(**{name: _number(value) for name, value in fixed.items()})
         toy = toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
-        settings = Settings(**{name: _pair(value) for name, value in run_of["settings"].items()})
+        settings = settings_of(run_of["settings"])
         wanted = interval("span", run_of[SPAN], finite=True)
     except (KeyError, TypeError, AttributeError, ValueError):
         raise ValueError(
@@ -120,6 +120,14 @@ def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, flo
     fixed = {name: value for name, value in asdict(toy).items() if name != parameter}
     finite = {n: str(v) if v in (math.inf, -math.inf) else v for n, v in fixed.items()}
     return {SPAN: wanted, "toy": finite, "parameter": parameter, "settings": asdict(settings)}
+
+
+def settings_of(kept: Entry) -> Settings:
+    """Settings as a file keeps them."""
+    named = {name: _pair(value) for name, value in kept.items()}
+    inner = named.pop("numerics", {})  # older files had the defaults, and did not say so
+    numerics = Numerics(**{name: _pair(value) for name, value in inner.items()})
+    return Settings(**named, numerics=numerics)
 
 
 def _number(value: Any) -> Any:

@@ -28,8 +28,6 @@ from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
 
 DEFAULT = Settings()
-RESIDUAL = 1e-12  # rad; of returns that close where there is no slope for Newton's method
-BESIDE = 0.01  # rad; how far from a guess a jump is looked for
 
 
 class ShootingStatus(Enum):
@@ -166,7 +164,8 @@ def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit
             return found.orbit, True
         step = newton_step(orbit, conditions, settings)
         if not np.isfinite(step).all():
-            return orbit, bool(np.abs(residuals(orbit, (Closed(),))).max() <= RESIDUAL)
+            least = settings.nearest * settings.x_scale
+            return orbit, bool(np.abs(residuals(orbit, (Closed(),))).max() <= least)
         orbit = _taken(map_, orbit.x + step[:-1], start.p)
     return orbit, False
 
@@ -174,7 +173,8 @@ def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit
 def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None:
     """The jump of P_1 at the nearer end of the piece that a point lies in; None if it has none."""
     x, p = float(first.x[0]), first.p
-    ends = [reach_of(first.images[0], x, p, side, x + side * BESIDE, settings) for side in (-1, 1)]
+    far = settings.numerics.looked * settings.x_scale
+    ends = [reach_of(first.images[0], x, p, side, x + side * far, settings) for side in (-1, 1)]
     borders = sorted((e for e in ends if e.code >= 0), key=lambda e: abs(e.end - x))
     if not borders:
         return None

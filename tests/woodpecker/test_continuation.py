@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,9 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.checkpoint import Record, check_entry
 from woodpecker.piecewise.diagrams import cycle_near
 from woodpecker.piecewise.search import Explorer, Search, Stage
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.tasks import Worker
-from woodpecker.runs import DEFAULT, WINDOW, saved_diagram
+from woodpecker.runs import DEFAULT, WINDOW, about, saved_diagram, settings_of
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
@@ -393,8 +394,13 @@ def test_only_the_same_run_goes_on(
     with pytest.raises(ValueError, match=r"there span is \[0.1, 0.5\], now it is \[0.2, 0.5\]"):
         continuation(Toy(), motion, span=(0.2, 0.5), run=path, resume=True)
     toy = Toy(mu_3=0.31)
-    with pytest.raises(ValueError, match=r"cannot resume .* there toy is"):
+    with pytest.raises(
+        ValueError, match=r"cannot resume .* there mu_3 of toy is 0.3, now it is 0.31"
+    ):
         continuation(toy, shoot(toy, -0.53), span=SPAN, run=path, resume=True)
+    varied = replace(DEFAULT, numerics=Numerics(thin=2e-3))
+    with pytest.raises(ValueError, match=r"there thin of numerics of settings is 0.001, now"):
+        continuation(Toy(), motion, span=SPAN, settings=varied, run=path, resume=True)
     lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
     other = tmp_path / "other.jsonl"
     # a collision that is moved by 1e-4 rad is none of this map
@@ -449,6 +455,15 @@ def test_lines_that_are_refused(
     with pytest.raises(ValueError, match=r"run\.jsonl, line 2: expected an entry of a run, got "):
         saved_diagram(path)
     assert path.read_bytes() == before
+
+
+def test_a_run_keeps_all_of_its_settings(tmp_path: Path) -> None:
+    numerics = Numerics(thin=2e-3, wedges=(0.01, 0.1), spokes=16)
+    settings = Settings(span=SPAN, window=WINDOW, max_turn=0.05, numerics=numerics)
+    kept = json.loads(json.dumps(about(Toy(), "eps_n1", settings, SPAN)))
+    assert settings_of(kept["settings"]) == settings
+    del kept["settings"]["numerics"]  # a file of times before they were kept
+    assert settings_of(kept["settings"]) == replace(settings, numerics=Numerics())
 
 
 def test_a_run_of_something_else_is_refused(tmp_path: Path, motion: PeriodicOrbit) -> None:

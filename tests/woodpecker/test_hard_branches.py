@@ -13,7 +13,6 @@ from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.cycle_branches import PASSED_OVER
 from woodpecker.piecewise.jump_branches import LIMIT_LOST
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import BLURRED
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
@@ -89,7 +88,7 @@ def test_jumps_that_leave_a_corner() -> None:
     settings = Settings(span=(0.2, 0.4), window=(-2.5, -0.24))
     corner = -0.44246591990646, 0.2832280737670356
     back = np.array([0.0, 1.0])
-    for radius in (1e-8, 1e-6, BLURRED):
+    for radius in (1e-8, 1e-6, settings.numerics.blurred):
         found = leaving(ToyPieces(Toy(), "mu_2"), corner, 1, back, radius, settings)
         assert len(found) == 2
         for each in found:

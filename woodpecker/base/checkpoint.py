@@ -199,9 +199,16 @@ def _compare(old: Entry, new: Entry, path: Path) -> None:
         if key == START and _close(old.get(key), new.get(key)):
             continue
         if old.get(key) != new.get(key):
-            raise ValueError(
-                f"cannot resume {path}: there {key} is {old.get(key)}, now it is {new.get(key)}"
-            )
+            name, there, here = _difference(key, old.get(key), new.get(key))
+            raise ValueError(f"cannot resume {path}: there {name} is {there}, now it is {here}")
+
+
+def _difference(name: str, old: object, new: object) -> tuple[str, object, object]:
+    """What differs first between two values, by its name, and how; they are not the same."""
+    if not (isinstance(old, dict) and isinstance(new, dict) and old.keys() == new.keys()):
+        return name, old, new
+    key = next(key for key in old if old[key] != new[key])
+    return _difference(f"{key} of {name}", old[key], new[key])
 
 
 def _close(old: object, new: object) -> bool:

@@ -8,7 +8,7 @@ from enum import Enum
 
 from woodpecker.piecewise.margins import depth, nearest_code
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 
 
 class BorderKind(Enum):
@@ -65,15 +65,11 @@ class Border:
         same = max(settings.jump, settings.nearest * steepest)  # as close as x is to the border
         if abs(self.jump) > same * settings.x_scale:
             return BorderKind.JUMP
-        if not (abs(one) < STEEP and abs(other) < STEEP):
+        steep = settings.numerics.steep
+        if not (abs(one) < steep and abs(other) < steep):
             return BorderKind.GRAZING
         size = max(1.0, abs(one), abs(other))
         return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
-
-
-# A slope beside a border above which it is that of a square root: the derivative of one, rounded at
-# the border, is about 1e8.
-STEEP = 1e6
 
 
 def beyond(
@@ -85,33 +81,30 @@ def beyond(
     there is another in between, and the distance shrinks.
     """
     away = settings.beside * settings.x_scale
-    least = settings.nearest * settings.x_scale
+    least, thin = settings.nearest * settings.x_scale, settings.numerics.thin
     found, code = map_.at(x + side * away, p), -1
     while True:
         there = found.piece.at(x, p) if not found.reason else found
-        if found.reason or there.reason or strays(found, there, away):
-            there = _limit_of(found, x, p, side * away)
-        elif depth(there) >= -max(least, THIN * away):
+        if found.reason or there.reason or strays(found, there, away, settings):
+            there = _limit_of(found, x, p, side * away, settings.numerics)
+        elif depth(there) >= -max(least, thin * away):
             return there, nearest_code(there, -side)
         code = nearest_code(there, -side)
         if away <= least:
             return there, code
-        away *= 0.1
+        away *= settings.numerics.nearer
         found = map_.at(x + side * away, p)
 
 
-def _limit_of(image: Image, x: float, p: float, away: float) -> Image:
+def _limit_of(image: Image, x: float, p: float, away: float, numerics: Numerics) -> Image:
     """An image at a distance from a border at which its piece has no value, taken to the border."""
-    closer = image.piece.at(x + CLOSER * away, p) if not image.reason else image
+    probe = numerics.probe
+    closer = image.piece.at(x + probe * away, p) if not image.reason else image
     if closer.reason:
         return limit(image, away)
-    root = is_square_root(image.slope, closer.slope, 1.0 / CLOSER)
-    there = limit(closer, CLOSER * away) if root else closer
+    root = is_square_root(image.slope, closer.slope, 1.0 / probe, numerics)
+    there = limit(closer, probe * away) if root else closer
     return there._replace(piece=image.piece)  # one met at a grazing may be continued the wrong way
-
-
-CLOSER = 1e-4  # part of a distance: a limit is off by the square root's next term, linear in it
-THIN = 1e-3  # a piece beside a border that is thinner than this part of a distance is passed over
 
 
 def limit(image: Image, away: float) -> Image:
@@ -126,24 +119,24 @@ def limit(image: Image, away: float) -> Image:
     )
 
 
-def is_square_root(slope: float, closer: float, ratio: float) -> bool:
+def is_square_root(slope: float, closer: float, ratio: float, numerics: Numerics) -> bool:
     """Whether slopes at two distances from a border are those of a square root.
 
     They grow with the root of the ratio of the distances; beside a pole or a logarithm, in which
     the dips of a map end, much more.
     """
-    return ratio**0.25 <= abs(closer / slope) <= ratio**0.75 if slope != 0.0 else False
+    if slope == 0.0:
+        return False
+    least, most = 0.5 - numerics.exponent, 0.5 + numerics.exponent
+    return bool(ratio**least <= abs(closer / slope) <= ratio**most)
 
 
-def strays(here: Image, there: Image, way: float) -> bool:
+def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
     """Whether a piece went another way than its slopes say: where roots meet it may take the other.
 
     Beside a singularity, however steep, the slope at the nearer point is the largest on the way.
     """
     steepest = max(abs(here.slope), abs(there.slope))
     rounding = max(1.0, steepest) * max(math.ulp(here.value), math.ulp(way))
-    return abs(there.value - here.value) > STRAYS * (steepest * abs(way) + ROUNDINGS * rounding)
-
-
-STRAYS = 2.0  # times as far as the larger slope: where it is largest in between that is more
-ROUNDINGS = 16.0  # spacings of doubles
+    allowed = steepest * abs(way) + settings.spacings * rounding
+    return abs(there.value - here.value) > settings.numerics.strays * allowed

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.pieces import Image
+from woodpecker.piecewise.settings import Numerics
 
 
 def bracketed(
@@ -17,6 +18,7 @@ def bracketed(
     to: float,
     p: float,
     function: Callable[[Image, float], tuple[float, float]],
+    numerics: Numerics,
     tolerance: float = 0.0,
 ) -> tuple[float, Image] | None:
     """Where a function of a piece vanishes between two points; None if it does not.
@@ -32,6 +34,8 @@ def bracketed(
     function
         The function and its slope, of an image and its point; the function changes its sign
         between the two points.
+    numerics
+        How a piece is continued from one point to another.
     tolerance
         How closely, if not to the last bit.
     """
@@ -39,7 +43,7 @@ def bracketed(
     finest = max(tolerance, math.ulp(x))
 
     def value(at: float) -> float:
-        return function(image_near(images, at, p), at)[0]
+        return function(image_near(images, at, p, numerics), at)[0]
 
     first, at = value(x), x
     low, high = x, to
@@ -64,10 +68,10 @@ def bracketed(
         root = float(brentq(value, low, high, xtol=finest))
     except ValueError:  # the piece has no value on the way
         return None
-    return root, image_near(images, root, p)
+    return root, image_near(images, root, p, numerics)
 
 
-def image_near(known: dict[float, Image], x: float, p: float) -> Image:
+def image_near(known: dict[float, Image], x: float, p: float, numerics: Numerics) -> Image:
     """The image of a point between known ones of a piece, from the nearest; it becomes known.
 
     Beside a singularity a piece may be continued the wrong way, or lost: it is outside of its
@@ -75,15 +79,16 @@ def image_near(known: dict[float, Image], x: float, p: float) -> Image:
     """
     if x in known:
         return known[x]
-    slack = SLACK * (max(known) - min(known))
+    slack = numerics.slack * (max(known) - min(known))
     starts = sorted((at for at in known if not known[at].reason), key=lambda at: abs(at - x))
-    for start in starts[:STARTS]:
+    starts = starts[: numerics.starts]
+    for start in starts:
         image = known[start].piece.at(x, p)
         if not image.reason and depth(image) >= -slack:
             return known.setdefault(x, image)
-    for start in starts[:STARTS]:
+    for start in starts:
         at, here = x, known[start]
-        for _ in range(HALVINGS):
+        for _ in range(numerics.continued):
             at = 0.5 * (start + at)
             image = here.piece.at(at, p)
             if not image.reason and depth(image) >= -slack:
@@ -95,7 +100,4 @@ def image_near(known: dict[float, Image], x: float, p: float) -> Image:
     return known.setdefault(x, known[starts[0]].piece.at(x, p))
 
 
-STARTS = 4  # known points from which a piece is continued to another
-HALVINGS = 8  # of a way on which a piece is lost: after that it is said to have no value
-SLACK = 1e-6  # part of the interval by which a point may seem to lie outside, by rounding
-NEWTON = 6  # steps after which Newton's method is given up: five are enough where it converges
+NEWTON = 6  # steps after which Brent's method takes over: no result, but work, depends on it

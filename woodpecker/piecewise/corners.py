@@ -18,14 +18,6 @@ from woodpecker.piecewise.orbits import Distance, Margin, Orbit, scales, solve
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 
-SPOKES = 32  # of a circle: sectors narrower than an eighth of a right angle may be missed, but for
-BESIDE = (1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)  # those beside the jump that is known: angles
-# [rad] of more spokes there. A piece that ends in the corner is a wedge of any width
-ASIDE = 0.1  # parts of the radius: how far from its spoke a border may be found
-NARROW = 1e-4  # angle [rad] between two spokes from which the border between them is solved for
-TURNED = 0.1  # of it: so much further lies a spoke that would run along a border, and so belong to
-# neither side of it: what the map does just where two events coincide is no sector
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Spoke:
@@ -78,9 +70,9 @@ def leaving(
     radius
         Of the circle, in the scaled unknowns.
     """
-    way = math.atan2(known[1], known[0])
-    even = np.linspace(0.0, 2.0 * math.pi, SPOKES, endpoint=False)[1:]
-    beside = np.array(BESIDE)
+    numerics, way = settings.numerics, math.atan2(known[1], known[0])
+    even = np.linspace(0.0, 2.0 * math.pi, numerics.spokes, endpoint=False)[1:]
+    beside = np.array(numerics.wedges)
     angles = way + np.sort([*-beside, *beside, *even])
     angles = np.append(angles, angles[0] + 2.0 * math.pi)
     spokes = [_spoke(map_, corner, order, radius, a, settings) for a in angles[:-1].tolist()]
@@ -90,7 +82,7 @@ def leaving(
         if not one.offset * other.offset < 0.0:
             continue
         low, high, to = one, other, float(angles[k + 1])
-        while to - low.angle > NARROW:
+        while to - low.angle > numerics.narrow:
             middle = _spoke(map_, corner, order, radius, 0.5 * (low.angle + to), settings)
             if low.offset * middle.offset < 0.0:
                 high, to = middle, middle.angle
@@ -109,7 +101,7 @@ def _spoke(
     found = _straight(map_, corner, order, radius, angle, settings)
     least = settings.converged * settings.x_scale
     if any(abs(depth(image)) <= least for image in found.orbit.images):
-        aside = angle + TURNED * NARROW
+        aside = angle + settings.numerics.aside * settings.numerics.narrow
         return _straight(map_, corner, order, radius, aside, settings)
     return found
 
@@ -153,5 +145,5 @@ def _between(
     on_circle = Distance(base, direction, radius, scales(n, settings))
     root = solve(head, (closing, on_circle), settings)
     off = np.abs((root.orbit.point - head.point) / scales(n, settings))[[0, -1]].max()
-    near = root.converged and off <= ASIDE * radius
+    near = root.converged and off <= settings.numerics.held * radius
     return Leaving(root.orbit, closing, direction[[0, -1]]) if near else None

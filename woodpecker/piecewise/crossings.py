@@ -21,11 +21,7 @@ from woodpecker.piecewise.orbits import (
 )
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import RESOLVED, Sample
-
-CLOSER = 0.1  # of a distance from a border at which the piece inside was not found
-SHRINK = 0.01  # of a distance from a border, if there is no orbit of the piece beyond at it
-HELD = 0.1  # part of a distance from a border by which an orbit moves at most when it is corrected
+from woodpecker.piecewise.stepping import Sample
 
 
 def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settings) -> Border:
@@ -59,7 +55,7 @@ def cycle_at_border(
         off = settings.same * settings.x_scale * abs(image.gradient(margin.code)[0])
         if orbit.defined and image.piece.key == key and abs(image.margin(margin.code)) <= off:
             return orbit
-        away *= CLOSER
+        away *= settings.numerics.nearer
     return None
 
 
@@ -71,7 +67,7 @@ def restart(
     That is well posed also where the piece beyond begins with a square root. It lies so close to
     the border that no fold or flip is passed that is not one point with the border.
     """
-    tiny = border.side * RESOLVED * settings.nearest * settings.x_scale
+    tiny = border.side * settings.numerics.resolved * settings.nearest * settings.x_scale
     right_beside = border.outer.piece.at(border.x + tiny, border.p)  # at a root only there is one
     outer = border.outer if right_beside.reason else right_beside  # slope that rounding leaves
     at_border = Orbit(orbit.x, orbit.p, replaced(orbit.images, index, outer)).multiplier
@@ -83,7 +79,7 @@ def restart(
             found, border = there, replace(border, outer=_led_back(there, border, index))
         if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
             return there
-        away *= SHRINK
+        away *= settings.numerics.restart
     return found
 
 
@@ -112,7 +108,9 @@ def _restarted(
     found = solution.orbit
     held = solve(found, (closing, Coordinate(-1, found.p)), settings)
     moves = np.abs(held.orbit.x - found.x).max()
-    if held.converged and moves <= HELD * away:  # beside a square root a margin cannot be held to
+    if (
+        held.converged and moves <= settings.numerics.held * away
+    ):  # beside a square root a margin cannot be held to
         found = held.orbit  # the last bit, the parameter can, unless the branch turns round there
     direction = tangent(found, closing, settings)
     if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):

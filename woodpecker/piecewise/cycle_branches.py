@@ -24,7 +24,7 @@ from woodpecker.piecewise.curves import (
     turned,
 )
 from woodpecker.piecewise.ends import End, end_at, end_of, folded, given_up_or_left, located_to
-from woodpecker.piecewise.jump_branches import GROW, collision
+from woodpecker.piecewise.jump_branches import collision
 from woodpecker.piecewise.orbits import (
     Closed,
     Coordinate,
@@ -41,10 +41,6 @@ from woodpecker.piecewise.stepping import FLIP, Sample, Stepper, Stop, StopRule,
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
-TORN = 0.01  # part by which a multiplier changes beyond a border only if slopes differ: over the
-# distance of a restart it changes by some 1e-4
-FASTEST = 10.0  # |dx/dp|, scaled, of a branch beyond a place where borders accumulate, at most
-ROOTED = 10.0  # times the slope beyond a border, that of a square root next to it is larger
 
 
 class Cycles:
@@ -107,7 +103,7 @@ class Cycles:
                 if there is not None:
                     mark = replace(mark, cause=f"{mark.cause}: {PASSED_OVER}")
                     before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
-                    changes = _changes_stability(before, mark.kind, after)
+                    changes = _changes_stability(before, mark.kind, after, self.settings)
                     persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
                     end = persists if changes else None
             if end is not None:
@@ -141,7 +137,8 @@ class Cycles:
             lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
         note = "fold" if last.tangent[-1] * there.tangent[-1] < 0.0 else "persistence"
-        if note == "fold" or _changes_stability(_inside(stretch), kind, there.orbit.multiplier):
+        before, after = _inside(stretch, self.settings), there.orbit.multiplier
+        if note == "fold" or _changes_stability(before, kind, after, self.settings):
             end = end_at(PointKind.BC, orbit, note, border.cause)
             return mark, replace(end, precision=self._blur(orbit, border, margin)), there
         return mark, None, there
@@ -174,13 +171,14 @@ class Cycles:
             return stretch
         margin = stretch.margins[0]
         i, image = margin.index, orbit.images[margin.index]
-        if abs(image.slope) <= ROOTED:
+        rooted = self.settings.numerics.rooted
+        if abs(image.slope) <= rooted:
             return stretch
         border = border_at(self.map, orbit, margin, self.settings)
         kind = border.kind(self.settings)
         if kind in (BorderKind.JUMP, BorderKind.LOST) or border.outer_code < 0:
             return stretch
-        if abs(image.slope) <= ROOTED * max(1.0, abs(border.outer.slope)):
+        if abs(image.slope) <= rooted * max(1.0, abs(border.outer.slope)):
             return stretch
         beyond_it = Orbit(orbit.x, orbit.p, replaced(orbit.images, i, border.outer))
         root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
@@ -201,18 +199,19 @@ class Cycles:
         x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
         sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
         away, limit = self.settings.same, high if sign > 0.0 else low
+        fastest = self.settings.numerics.fastest
         p, slope = end.orbit.p, end.tangent[:-1] * x_scale / (end.tangent[-1] * p_scale)
         while away <= self.settings.max_step and p != limit:
             p = min(max(end.orbit.p + sign * away * p_scale, low), high)
             x = end.orbit.x + (p - end.orbit.p) * slope
             start = Orbit(x, p, tuple(self.map.at(float(each), p) for each in x))
-            away *= GROW
+            away *= self.settings.numerics.farther
             if not start.defined:
                 continue
             solution = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
             found = solution.orbit
             aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
-            if solution.converged and is_inside(found, Closed()) and aside <= FASTEST * away:
+            if solution.converged and is_inside(found, Closed()) and aside <= fastest * away:
                 return self.stepper.sample(found, sign * np.eye(len(found) + 1)[-1])
         return None
 
@@ -256,19 +255,20 @@ def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:
     return replace(stretch, stop=Stop.BORDER, margins=(margin,))
 
 
-def _inside(stretch: Stretch) -> float:
+def _inside(stretch: Stretch, settings: Settings) -> float:
     """The multiplier on the way to the end of a stretch: at a square root it may be rounding.
 
     No fold or flip lies between the last two samples, so both are stable or neither is.
     """
     before = stretch.samples[-2:][0].orbit.multiplier
-    return stretch.end.multiplier if abs(abs(before) - 1.0) <= TORN else before
+    return stretch.end.multiplier if abs(abs(before) - 1.0) <= settings.numerics.torn else before
 
 
-def _changes_stability(before: float, kind: BorderKind, after: float) -> bool:
+def _changes_stability(before: float, kind: BorderKind, after: float, settings: Settings) -> bool:
     """Whether a branch is stable on one side of a border only; not where it is smooth there.
 
     Multipliers that differ by far say that the border is not smooth.
     """
-    torn = kind is not BorderKind.SMOOTH or abs(after - before) > TORN * max(1.0, abs(before))
+    least = settings.numerics.torn * max(1.0, abs(before))
+    torn = kind is not BorderKind.SMOOTH or abs(after - before) > least
     return torn and (abs(before) < 1.0) != (abs(after) < 1.0)

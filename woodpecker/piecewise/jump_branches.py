@@ -13,9 +13,9 @@ import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.borders import STEEP, Border, BorderKind
+from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.corners import leaving
-from woodpecker.piecewise.crossings import SHRINK, border_at, is_inside, restart
+from woodpecker.piecewise.crossings import border_at, is_inside, restart
 from woodpecker.piecewise.curves import (
     Curve,
     Leg,
@@ -37,13 +37,10 @@ from woodpecker.piecewise.ends import (
 from woodpecker.piecewise.orbits import Closed, Margin, Orbit, minimal_period, scales, tangent
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import BLURRED, Sample, Stepper, Stop, StopRule, Stretch
+from woodpecker.piecewise.stepping import Sample, Stepper, Stop, StopRule, Stretch
 
 MEET = "borders meet, closer than can be resolved"
 LIMIT_LOST = "a limit of the jump is lost"
-TIGHT = 0.01  # of the distance from a border at which a piece is asked for: a corner's first circle
-SAME_WAY = 0.9  # cosine of the angle within which a jump at a corner is the one that led there
-GROW = 10.0  # of a distance from a place where borders accumulate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,7 +164,7 @@ class Jumps:
             found = self._at(base, away)
             if found is not None:
                 return found if self._is_good(found) else None
-            away *= SHRINK
+            away *= self.settings.numerics.restart
         return None
 
     def _at(self, base: Sample, away: float) -> Sample | None:
@@ -210,7 +207,7 @@ class Jumps:
             if found is not None and reason:
                 lost = end_at(PointKind.FALL, stretch.end, reason, LIMIT_LOST)
                 return replace(lost, precision=abs(found.orbit.p - lost.p))
-            away *= GROW
+            away *= self.settings.numerics.farther
         return None
 
     @staticmethod
@@ -280,9 +277,10 @@ class Jumps:
         leaves the corner. Infinitely many borders can accumulate at such a place, so the distance
         grows.
         """
-        away, bases = TIGHT * self.settings.beside, self._bases(end)
+        numerics = self.settings.numerics
+        away, bases = numerics.restart * self.settings.beside, self._bases(end)
         while away <= self.settings.max_step:
-            found = self._from_corner(end, away, narrow) if away <= BLURRED else None
+            found = self._from_corner(end, away, narrow) if away <= numerics.blurred else None
             if found is not None:
                 return found
             for base in bases if away >= self.settings.beside else ():
@@ -294,7 +292,7 @@ class Jumps:
                         return found
                     bases = []  # it ends here
                     break
-            away *= GROW
+            away *= numerics.farther
         return None
 
     def _bases(self, end: Sample) -> list[Sample]:
@@ -317,10 +315,11 @@ class Jumps:
         corner = float(end.orbit.x[0]), end.orbit.p
         found = leaving(self.map, corner, self.order, back, away, self.settings)
         found.sort(key=lambda each: float(each.direction @ back), reverse=True)
-        if len(found) < 2 or float(found[0].direction @ back) < SAME_WAY:
+        same_way = self.settings.numerics.same_way
+        if len(found) < 2 or float(found[0].direction @ back) < same_way:
             return None
         other = found[1]
-        if len(found) > 2 and not (narrow and float(other.direction @ back) >= SAME_WAY):
+        if len(found) > 2 and not (narrow and float(other.direction @ back) >= same_way):
             return None
         along = np.zeros(len(other.head) + 1)
         along[[0, -1]] = other.direction
@@ -412,7 +411,7 @@ def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:
     gradient = image.gradient(met.margin.code)
     forward = float(gradient @ (direction * scale)[[i, -1]]) > 0.0
     first = Sample(met.orbit, direction if forward else -direction, forward)
-    if abs(image.slope) < STEEP:
+    if abs(image.slope) < settings.numerics.steep:
         return (first,)
     code, side = met.margin.code, 1 if gradient[0] > 0.0 else -1
     border = Border(float(met.orbit.x[i]), met.orbit.p, image, code, side, image, code)

@@ -13,14 +13,13 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit, part
 from woodpecker.piecewise.pieces import Image
+from woodpecker.piecewise.settings import Numerics
 
 REACH, NEAREST, DEPTH, DIP, FIRST = range(5)  # tasks
-FAR = 2.0**52  # a distance that is infinite for all purposes
-FLAT = 1e-200  # a slope of a margin that is zero for all purposes
-WORTH = 0.25  # a margin that falls below this part of its smaller end is looked at
-STEEPENED = 100.0  # a slope this much larger than the other is one beside a square root
-BENT = 10.0  # and a margin's there, against what the margin changes
-CUBIC_STEPS = 60  # of Newton's method: a handful, or halvings
+FAR = 2.0**52  # a distance that is infinite for all purposes: added to one of 1, that is lost
+FLAT = 1e-200  # a slope of a margin that is zero for all purposes: what divides by it is infinite
+CUBIC_STEPS = 60  # of Newton's method: a handful, or halvings down to rounding
+ROUNDED = 1e-15  # a place in (0, 1) is not known better
 IN_X = np.array([1.0, 0.0])  # the direction of x, in (x, p)
 
 
@@ -50,8 +49,9 @@ def is_within(image: Image) -> bool:
 
 
 def lowest_dip(
-    here: Image, there: Image, step: float, along: Floats, along_there: Floats
-) -> float | None:
+    here: Image, there: Image, step: float, along: Floats, along_there: Floats,
+    numerics: Numerics,
+) -> float | None:  # fmt: skip
     """Where between two points a margin may come closest to zero, as a part of the way; or None.
 
     Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
@@ -61,11 +61,12 @@ def lowest_dip(
     """
     ends = abs(here.slope), abs(there.slope)
     steep = 0
-    if ends[0] > STEEPENED * max(1.0, ends[1]):
+    if ends[0] > numerics.steepened * max(1.0, ends[1]):
         steep = -1
-    elif ends[1] > STEEPENED * max(1.0, ends[0]):
+    elif ends[1] > numerics.steepened * max(1.0, ends[0]):
         steep = 1
-    part, found = _of_two(DIP, here, there, step, along, along_there, steep)
+    bounds = numerics.worth, numerics.bent
+    part, found = _of_two(DIP, here, there, step, along, along_there, steep, bounds)
     return part if found >= 0 else None
 
 
@@ -82,18 +83,19 @@ def first_part(here: Image, there: Image, step: float) -> tuple[float, int]:
 def _of_one(task: int, image: Image, side: float, ignored: int = -1) -> tuple[float, int]:
     found = np.empty(1)
     a, g, c = image.margins, np.asfortranarray(image.gradients), image.causes
-    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found)
+    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, 0.0, 0.0)
     return found.item(), code
 
 
 def _of_two(
     task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats,
-    steep: int = 0,
+    steep: int = 0, bounds: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[float, int]:  # fmt: skip
     found = np.empty(1)
     code = _margins(
         task, steep, step, here.margins, np.asfortranarray(here.gradients), here.causes,
         there.margins, np.asfortranarray(there.gradients), there.causes, along, along_there, found,
+        *bounds,
     )  # fmt: skip
     return found.item(), code
 
@@ -102,6 +104,7 @@ def _of_two(
 def _margins(
     task: int, code: int, step: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
     slopes_there: Floats, causes_there: Ints, along: Floats, along_there: Floats, found: Floats,
+    worth: float, bent: float,
 ) -> int:  # fmt: skip
     """Go through the margins of one image, or of two.
 
@@ -122,6 +125,8 @@ def _margins(
         (2,) directions of the way in (x, p).
     found
         (1,) output: the distance, or the part of the way.
+    worth, bent
+        DIP: see :class:`woodpecker.piecewise.settings.Numerics`.
 
     Returns
     -------
@@ -147,7 +152,7 @@ def _margins(
             if s <= best:
                 best, which = s, cause
         elif here and there:
-            s, below = _dip(x, dx, y, dy, code)
+            s, below = _dip(x, dx, y, dy, code, worth, bent)
             if below < best:
                 best, which, found[0] = below, cause, s
         elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
@@ -204,20 +209,22 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
         after = s - f / slope if slope != 0.0 else low
         if not low < after < high:
             after = 0.5 * (low + high)
-        if abs(after - s) <= 1e-15:
+        if abs(after - s) <= ROUNDED:
             break
         s = after
     return s
 
 
 @part
-def _dip(a: float, da: float, b: float, db: float, steep: int) -> tuple[float, float]:
+def _dip(
+    a: float, da: float, b: float, db: float, steep: int, worth: float, bent: float
+) -> tuple[float, float]:
     """Where on the way a margin is least, and how far below what is worth a look."""
-    worth = WORTH * min(a, b)
+    worth *= min(a, b)
     if not (da < 0.0 < db) or min(a + da / 3.0, b - db / 3.0) >= worth:  # its control points
         return 0.0, 0.0
-    if (steep > 0 and db > BENT * (abs(b - a) - da)) or (
-        steep < 0 and -da > BENT * (abs(b - a) + db)
+    if (steep > 0 and db > bent * (abs(b - a) - da)) or (
+        steep < 0 and -da > bent * (abs(b - a) + db)
     ):
         near, rate, far = (a, 2.0 * da, b) if steep > 0 else (b, -2.0 * db, a)
         bend = far - near - rate

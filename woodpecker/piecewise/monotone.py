@@ -14,10 +14,10 @@ from woodpecker.piecewise.bracketing import bracketed
 from woodpecker.piecewise.margins import is_within
 from woodpecker.piecewise.partition import Partition, Stretch
 from woodpecker.piecewise.pieces import Image
-from woodpecker.piecewise.reaches import Sample
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.reaches import Knot
+from woodpecker.piecewise.settings import Numerics, Settings
 
-DEEPEST = 60  # samples with which a turning point is closed in on; a handful is usual
+DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +32,8 @@ class Branches:
         (m,) samples; a slope is infinite where a branch ends in a square root.
     images
         m images.
+    numerics
+        How pieces are continued between them.
     """
 
     first: Ints
@@ -40,6 +42,7 @@ class Branches:
     y: Floats
     slope: Floats
     images: tuple[Image, ...]
+    numerics: Numerics
 
     def __len__(self) -> int:
         return len(self.first)
@@ -108,7 +111,7 @@ class Branches:
         x, to = float(self.x[i]), float(self.x[i + 1])
         return bracketed(
             {x: self.images[i], to: self.images[i + 1]}, x, to, p,
-            lambda image, _: (image.value - y, image.slope),
+            lambda image, _: (image.value - y, image.slope), self.numerics,
         )  # fmt: skip
 
 
@@ -136,7 +139,8 @@ def _root(s: Floats, y0: Floats, y1: Floats, rate1: Floats) -> Floats:
 def branches_of(partition: Partition, settings: Settings) -> Branches:
     """The branches of a partition, from turning point to turning point."""
     refined = _Refined(partition.p, settings)
-    return _joined([part for each in partition.stretches for part in refined.parts(each)])
+    parts = [part for each in partition.stretches for part in refined.parts(each)]
+    return _joined(parts, settings.numerics)
 
 
 class _Refined:
@@ -145,11 +149,11 @@ class _Refined:
     def __init__(self, p: float, settings: Settings) -> None:
         self.p, self._turned = p, settings.same * settings.x_scale
 
-    def parts(self, stretch: Stretch) -> Iterator[list[Sample]]:
+    def parts(self, stretch: Stretch) -> Iterator[list[Knot]]:
         """Samples of the parts of a piece between its turning points, values ascending."""
         if len(stretch.x) < 2:
             return
-        ends = [Sample(*each) for each in zip(stretch.x, stretch.images, strict=True)]
+        ends = [Knot(*each) for each in zip(stretch.x, stretch.images, strict=True)]
         samples = [ends[0]]
         for a, b in pairwise(ends):
             samples += [*self._between(a, b), b]
@@ -159,9 +163,9 @@ class _Refined:
             part = samples[first : last + 1]
             yield part if part[-1].image.value >= part[0].image.value else part[::-1]
 
-    def _between(self, a: Sample, b: Sample) -> list[Sample]:
+    def _between(self, a: Knot, b: Knot) -> list[Knot]:
         """Samples about a turning point between two, the last ones next to it."""
-        left, right = list[Sample](), list[Sample]()
+        left, right = list[Knot](), list[Knot]()
         for _ in range(DEEPEST):
             run, rise = b.x - a.x, b.image.value - a.image.value
             rates = a.image.slope * run, b.image.slope * run
@@ -172,10 +176,10 @@ class _Refined:
             if not (a.x < x < b.x and is_within(image)):
                 break
             if image.slope * rates[0] > 0.0:
-                a = Sample(x, image)
+                a = Knot(x, image)
                 left.append(a)
             else:
-                b = Sample(x, image)
+                b = Knot(x, image)
                 right.append(b)
         return [*left, *right[::-1]]
 
@@ -192,7 +196,7 @@ def _turning(rise: float, rate0: float, rate1: float) -> float:
     return way if 0.0 < way < 1.0 else rate0 / (rate0 - rate1)
 
 
-def _joined(parts: list[list[Sample]]) -> Branches:
+def _joined(parts: list[list[Knot]], numerics: Numerics) -> Branches:
     """Monotone parts, one after the other."""
     counts = np.array([len(part) for part in parts], dtype=np.int64)
     last = np.cumsum(counts) - 1
@@ -200,4 +204,4 @@ def _joined(parts: list[list[Sample]]) -> Branches:
     images = tuple(sample.image for sample in samples)
     x = np.array([sample.x for sample in samples])
     y, slope = (np.array([each[k] for each in images]) for k in range(2))
-    return Branches(last - counts + 1, last, x, y, slope, images)
+    return Branches(last - counts + 1, last, x, y, slope, images, numerics)

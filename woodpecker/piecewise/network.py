@@ -15,9 +15,7 @@ from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.records import precision, stretches
 from woodpecker.piecewise.settings import Settings
 
-AT_FLIP = 1e-4  # in x, scaled: a doubled cycle leaves its flip like a square root
-DRAWN = 1e-8  # ends of branches this close are the same, scaled: steep ones are located so well
-TINY = 1e-300  # in place of a length that is zero
+TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
 COLLISIONS = (PointKind.BC, PointKind.FF)
 
 
@@ -141,9 +139,10 @@ class Network:
         units = np.array([self.settings.p_scale, self.settings.x_scale])
         ends = [_place(curve, k) / units for k in (0, -1)]
         there = [_place(known, k) / units for k in (0, -1)]
-        if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > DRAWN:
+        drawn = self.settings.numerics.drawn
+        if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > drawn:
             there.reverse()
-            if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > DRAWN:
+            if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > drawn:
                 return False
         k = len(curve.parameter) // 2
         samples = np.array([_place(known, j) for j in range(len(known.parameter))]) / units
@@ -190,12 +189,12 @@ class Network:
     def _meets(self, node: Node, end: End, x: float, order: int) -> bool:
         kinds = {node.end.kind, end.kind}
         flips = PointKind.PD in kinds and kinds <= {PointKind.PD, PointKind.LP}
-        near = self.settings.same * self.settings.x_scale
+        near, at_flip = self.settings.same * self.settings.x_scale, self.settings.numerics.at_flip
         if flips:
-            near = AT_FLIP * self.settings.x_scale
+            near = at_flip * self.settings.x_scale
         if abs(node.x - x) > near:
             return False
-        wide = 1e-8 if flips else self.settings.same
+        wide = at_flip**2 if flips else self.settings.same
         if abs(node.end.p - end.p) > wide * self.settings.p_scale:
             return False
         return len(kinds) == 1 or flips or bool(kinds & set(COLLISIONS))

@@ -18,7 +18,9 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.pieces import Image, Piece
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
+
+SPACING = 2.0**-52  # of doubles at 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,14 +90,9 @@ def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
 
 def minimal_period(orbit: Orbit, settings: Settings) -> int:
     """The smallest shift that maps a cycle to itself."""
-    n, same = len(orbit), ROUGHLY * settings.x_scale
+    n, same = len(orbit), settings.numerics.doubled * settings.x_scale
     divisors = (d for d in range(1, n + 1) if n % d == 0)
     return next(d for d in divisors if np.abs(np.roll(orbit.x, -d) - orbit.x).max() <= same)
-
-
-# Distance within which points of a cycle are one: a doubled cycle leaves its flip like a square
-# root, so that its points are this close where the parameter is located to rounding.
-ROUGHLY = 1e-5
 
 
 class Condition(Protocol):
@@ -237,16 +234,16 @@ def solve(
     if it shrinks no faster than the last one, would be rounding. If the method ``contracts``, as
     it does near a solution, it is given up as soon as a step is much longer than the one before.
     """
-    orbit, scale = start, scales(len(start), settings)
+    orbit, scale, numerics = start, scales(len(start), settings), settings.numerics
     before, halvings = 0.0, 0
     for k in range(settings.newton):
         move = newton_step(orbit, conditions, settings) / scale
         length = float(np.abs(move).max())
         if not np.isfinite(length):
             return Solution(orbit, False, k)
-        if 0.0 < before <= length <= settings.stalled and _is_rounded(orbit, conditions):
+        if 0.0 < before <= length <= settings.stalled and _is_rounded(orbit, conditions, numerics):
             return Solution(orbit, True, k)
-        if contracts and before > 0.0 and length > CONTRACTION * before:
+        if contracts and before > 0.0 and length > numerics.contraction * before:
             return Solution(orbit, False, k)
         trial = moved(orbit, move * scale)
         while not trial.defined and halvings < settings.newton:
@@ -258,18 +255,15 @@ def solve(
         if length <= settings.converged or length**2 <= settings.converged * before:
             return Solution(orbit, True, k + 1)
         before = length
-    return Solution(orbit, before <= NOISE * settings.converged, settings.newton)
+    return Solution(orbit, before <= numerics.noise * settings.converged, settings.newton)
 
 
-def _is_rounded(orbit: Orbit, conditions: Sequence[Condition]) -> bool:
+def _is_rounded(orbit: Orbit, conditions: Sequence[Condition], numerics: Numerics) -> bool:
     """Whether nothing is left of the residuals but what rounding of the unknowns makes of them."""
     matrix = np.abs(jacobian(orbit, conditions, np.ones(len(orbit) + 1)))
     size = matrix @ np.maximum(np.abs(orbit.point), 1.0)
-    return bool((np.abs(residuals(orbit, conditions)) <= NOISE * 2.0**-52 * size).all())
-
-
-CONTRACTION = 2.0  # times a Newton step that the next may have: longer ones lead to another orbit
-NOISE = 64.0  # steps that go on shrinking, slowly, below so many of the shortest are rounding
+    least = numerics.noise * SPACING * size
+    return bool((np.abs(residuals(orbit, conditions)) <= least).all())
 
 
 def moved(orbit: Orbit, by: Floats) -> Orbit:
@@ -324,17 +318,14 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
     return -direction if turned else direction
 
 
-ROUNDING = 20.0 * 2.0**-52  # relative: images and margins are those of points this far away, which
-# is what a return of the toy loses over its events
-
-
 def blurred(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> float:
     """How far rounding of a map moves the parameter of an orbit that obeys two conditions."""
     scale = scales(len(orbit), settings)
     matrix = jacobian(orbit, conditions, scale)
     point = np.abs(orbit.point / scale)
-    noise = ROUNDING * (np.abs(matrix) @ point)
-    noise[: len(orbit)] += ROUNDING * settings.x_scale * point[:-1]
+    rounding = settings.numerics.blur
+    noise = rounding * (np.abs(matrix) @ point)
+    noise[: len(orbit)] += rounding * settings.x_scale * point[:-1]
     try:
         back: Floats = np.linalg.inv(matrix)[-1]
     except np.linalg.LinAlgError:

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from woodpecker.piecewise.borders import THIN, Border, beyond
+from woodpecker.piecewise.borders import Border, beyond
 from woodpecker.piecewise.margins import depth, reach
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.reaches import Reach, Sample, reach_of, uneven
+from woodpecker.piecewise.reaches import Knot, Reach, reach_of, uneven
 from woodpecker.piecewise.settings import Settings
 
 
@@ -174,7 +174,7 @@ class _Walk:
         self.stretches: list[Stretch] = []
         self.gaps: list[tuple[float, float]] = []
         self._even = settings.even * settings.x_scale
-        self._thin = THIN * settings.beside * settings.x_scale
+        self._thin = settings.numerics.thin * settings.beside * settings.x_scale
 
     def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""
@@ -195,10 +195,12 @@ class _Walk:
                 return self._passed(rest)
             at, after = way.end, True
 
-    def _missing(self, here: Sample, there: Sample) -> float:
+    def _missing(self, here: Knot, there: Knot) -> float:
         """Where samples of a piece do not tell what lies between them, if it matters."""
         sides = [self._side_of(each.x, each.image.value) for each in (here, there)]
-        return 0.0 if self._common(sides) else uneven(here, there, self._even)
+        return (
+            0.0 if self._common(sides) else uneven(here, there, self._even, self.settings.numerics)
+        )
 
     def _reach(self, image: Image, x: float, side: int, limit: float) -> Reach:
         return reach_of(image, x, self.p, side, limit, self.settings, self._missing)
@@ -227,7 +229,7 @@ class _Walk:
     def _passed(self, gap: _Gap) -> list[_Gap]:
         """Pass something by starting anew at a distance, back and ahead."""
         gap = self._skimmed(gap)
-        step = self._cut_off(gap)
+        step, long = self._cut_off(gap), self.settings.numerics.long
         if gap.length <= step:
             self.gaps.append((gap.low, gap.high))
             return []
@@ -237,7 +239,7 @@ class _Walk:
             found = self.map.at(middle, self.p)
             if self._holds(found):
                 back = self._reach(found, middle, -1, gap.low)
-                if last or middle - back.end >= 0.25 * step:
+                if last or middle - back.end >= long * step:
                     return self._around(gap, back)
             elif last:
                 return [gap._replace(high=middle), _Gap(middle, gap.high, gap.side)]

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from woodpecker.piecewise.borders import is_square_root, limit, strays
 from woodpecker.piecewise.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
 from woodpecker.piecewise.pieces import Image
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 
-BEYOND = 1.25  # a step over a border that is ahead is this part of the way to it
 OTHER_WAY = "the piece goes another way"
 INSIDE, NO_VALUE = -1, -2  # instead of a margin that vanishes
 
@@ -40,15 +39,18 @@ class Reach:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sample:
-    """A point of a piece, and the margin that vanishes there, or INSIDE, or NO_VALUE beyond it."""
+class Knot:
+    """A point at which a piece was evaluated; between such points it is interpolated.
+
+    ``code`` is the margin that vanishes there, or INSIDE, or NO_VALUE beyond it.
+    """
 
     x: float
     image: Image
     code: int = INSIDE
 
 
-Missing = Callable[[Sample, Sample], float]
+Missing = Callable[[Knot, Knot], float]
 
 
 def reach_of(
@@ -68,40 +70,40 @@ def reach_of(
     missing
         Where a sample is missing between two, as a part of the way; 0 if none is.
     """
-    samples, code = [Sample(x, image)], INSIDE
+    samples, code = [Knot(x, image)], INSIDE
     longest = settings.max_step * settings.x_scale
-    least = settings.nearest * settings.x_scale
+    least, over = settings.nearest * settings.x_scale, settings.numerics.ahead
     while samples[-1].x != limit and code == INSIDE:
         ahead, code = reach(samples[-1].image, side)
         if ahead <= 0.0:
             break
-        to = samples[-1].x + side * min(longest, BEYOND * ahead + least)
+        to = samples[-1].x + side * min(longest, over * ahead + least)
         to = limit if side * (to - limit) >= 0.0 else to
-        found = _followed(samples[-1], to, p, least, missing)
+        found = _followed(samples[-1], to, p, settings, missing)
         samples += found
         code = found[-1].code if found else NO_VALUE
     xs, images = tuple(each.x for each in samples), tuple(each.image for each in samples)
     return Reach(xs, images, max(code, -1))
 
 
-def _followed(here: Sample, to: float, p: float, least: float, missing: Missing) -> list[Sample]:
+def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Missing) -> list[Knot]:
     """Samples from a point on, to another or to where the first margin vanishes; none if lost.
 
     Where a margin may dip to zero between two of them there is another one.
     """
-    found = list[Sample]()
-    todo = [_next(here, to, p, least)]  # the farthest first
+    found, least = list[Knot](), settings.nearest * settings.x_scale
+    todo = [_next(here, to, p, settings)]  # the farthest first
     while todo:
         there = todo[-1]
         if there is None:
             break
         way = there.x - here.x
-        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X)
+        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X, settings.numerics)
         if dip is None or not least < dip * abs(way) < abs(way) - least:
             dip = missing(here, there)
         if least < dip * abs(way) < abs(way) - least:
             at = here.x + dip * way
-            between = _next(here, at, p, least)
+            between = _next(here, at, p, settings)
             if between is None or between.x != at or between.code != INSIDE:
                 todo.clear()
             todo.append(between)
@@ -112,85 +114,85 @@ def _followed(here: Sample, to: float, p: float, least: float, missing: Missing)
     return found
 
 
-def _next(here: Sample, to: float, p: float, least: float) -> Sample | None:
+def _next(here: Knot, to: float, p: float, settings: Settings) -> Knot | None:
     """The sample at a point if the piece reaches it, or where it ends before; None if it is lost.
 
     Where it ends may not be clear at once; a shorter step is taken then.
     """
     while True:
-        there = Sample(to, here.image.piece.at(to, p))
+        there = Knot(to, here.image.piece.at(to, p))
         if is_within(there.image):
             return there
-        root = _first_root(here, _continued(here, to, p, there.image), p, least)
+        root = _first_root(here, _continued(here, to, p, settings, there.image), p, settings)
         if root is not None:  # a piece that was met at a grazing may be continued the wrong way
             return replace(root, image=root.image._replace(piece=here.image.piece))
-        to = here.x + 0.25 * (to - here.x)
-        if abs(to - here.x) < least:
+        to = here.x + settings.numerics.retry * (to - here.x)
+        if abs(to - here.x) < settings.nearest * settings.x_scale:
             return None
 
 
-def _continued(here: Sample, x: float, p: float, image: Image | None = None) -> Sample:
+def _continued(
+    here: Knot, x: float, p: float, settings: Settings, image: Image | None = None
+) -> Knot:
     """A piece at another point, or its image there; it has no value if it went another way."""
     there = here.image.piece.at(x, p) if image is None else image
-    other = not there.reason and strays(here.image, there, x - here.x)
-    return Sample(x, there._replace(reason=OTHER_WAY) if other else there)
+    other = not there.reason and strays(here.image, there, x - here.x, settings)
+    return Knot(x, there._replace(reason=OTHER_WAY) if other else there)
 
 
 # --- Where a margin vanishes ----------------------------------------------------------------------
 
-ROOT_STEPS = 60  # after some all halve, so that 50 halvings are left where cubics mislead
-BOTH = 16.0  # times as closely as a border is located other margins may vanish there too
-STRAYED = 6  # steps after which every third halves: three are enough where cubics do not mislead
-LOST = 0.125  # part of a step that is tried where a piece has no value at its end
-SHORT = 2.0**-4  # part of the way to a root at which a piece is lost that is left, at first
-WIDEN = 8.0  # how much more of it is left if the piece was lost all the same
+ROOT_STEPS = 60  # after that a shorter way is tried; a handful is usual
 
 
-def _first_root(low: Sample, high: Sample, p: float, tolerance: float) -> Sample | None:
+def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | None:
     """Where between two points the first margin vanishes; None if that is not clear yet.
 
     Each margin that is negative at the far end is a cubic in between; the point where the first of
     them vanishes takes the place of one of the ends. Where the piece has no value at the far end it
     is approached from inside.
     """
-    before, left = low, 1.0
+    before, left, numerics = low, 1.0, settings.numerics
+    tolerance = settings.nearest * settings.x_scale
     for k in range(ROOT_STEPS):
         way = high.x - low.x
         ahead, code = reach(low.image, math.copysign(1.0, way))
         lost = bool(high.image.reason)
         if abs(way) <= tolerance or (ahead <= tolerance and (k > 0 or lost)):
             code = code if ahead <= 2.0 * tolerance else NO_VALUE
-            return _at_end(before, low, way, code) if lost else Sample(low.x, low.image, code)
+            return (
+                _at_end(before, low, way, code, numerics) if lost else Knot(low.x, low.image, code)
+            )
         ahead /= abs(way)
         if lost and ahead >= 1.0:
-            part = 0.5 if k > 0 else LOST
+            part = 0.5 if k > 0 else numerics.split
         elif lost:
-            part = _short_of(before, low, code, way, left, tolerance)
+            part = _short_of(before, low, code, way, left, settings)
         else:
             part, first = first_part(low.image, high.image, way)
             if first < 0:
                 return None
-            if ahead < LOST or (ahead < 1.0 and not high.image.margin(code) < 0.0):
+            if ahead < numerics.split or (ahead < 1.0 and not high.image.margin(code) < 0.0):
                 part = ahead
             else:
                 code = first
-        trial = low.x + (part if k < STRAYED or k % 3 < 2 else 0.5) * way
+        trial = low.x + (part if k < numerics.strayed or k % 3 < 2 else 0.5) * way
         for end in (high, low):
             if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
-                if depth(end.image, code) >= -BOTH * tolerance:
-                    return Sample(end.x, end.image, code)
-                high, left = Sample(high.x, high.image._replace(reason=OTHER_WAY)), 1.0
+                if depth(end.image, code) >= -numerics.both * tolerance:
+                    return Knot(end.x, end.image, code)
+                high, left = Knot(high.x, high.image._replace(reason=OTHER_WAY)), 1.0
                 break
         else:
-            found = _continued(low, trial, p)
+            found = _continued(low, trial, p, settings)
             if is_within(found.image):
                 before, low, left = low, found, 1.0
             else:
-                high, left = found, left * WIDEN
+                high, left = found, left * numerics.widen
     return None
 
 
-def _at_end(before: Sample, low: Sample, way: float, code: int) -> Sample:
+def _at_end(before: Knot, low: Knot, way: float, code: int, numerics: Numerics) -> Knot:
     """The last sample of a piece that has no value beyond.
 
     Where it ends in a square root its slope there is infinite, and the value is the limit.
@@ -199,48 +201,48 @@ def _at_end(before: Sample, low: Sample, way: float, code: int) -> Sample:
     ahead, first = reach(low.image, side)
     run = side * (low.x - before.x)
     if first != code or ahead <= 0.0 or run <= 0.0:
-        return Sample(low.x, low.image, code)
-    if not is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead):
-        return Sample(low.x, low.image, code)
-    return Sample(low.x + side * ahead, limit(low.image, -side * ahead), code)
+        return Knot(low.x, low.image, code)
+    if not is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead, numerics):
+        return Knot(low.x, low.image, code)
+    return Knot(low.x + side * ahead, limit(low.image, -side * ahead), code)
 
 
 def _short_of(
-    before: Sample, low: Sample, code: int, way: float, left: float, tolerance: float
+    before: Knot, low: Knot, code: int, way: float, left: float, settings: Settings
 ) -> float:
     """A point short of the one where a margin vanishes and the piece is lost, as a part of the way.
 
     The margin is a parabola, by its slopes at two points if there are; how far that is from a
     straight line says how much of the way is left.
     """
-    side = math.copysign(1.0, way)
+    numerics, side = settings.numerics, math.copysign(1.0, way)
     h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
     straight = distance = -h / slope
-    short = SHORT
+    short = numerics.short
     run = side * (low.x - before.x)
     slope_before = side * float(before.image.gradient(code)[0])
     if run > 0.0 and math.isfinite(slope_before):
         square = slope * slope - 2.0 * h * (slope - slope_before) / run
         if square > 0.0:
             distance = 2.0 * h / (math.sqrt(square) - slope)
-            short = min(SHORT, 4.0 * (distance / straight - 1.0) ** 2)
-    short = min(0.5, left * max(short, 0.25 * tolerance / distance))
+            short = min(short, numerics.safety * (distance / straight - 1.0) ** 2)
+    least = settings.nearest * settings.x_scale / numerics.safety
+    short = min(0.5, left * max(short, least / distance))
     return min(0.5 if distance >= abs(way) else 1.0, distance / abs(way)) * (1.0 - short)
 
 
 # --- Whether samples tell what lies between them --------------------------------------------------
 
-UNEVEN = 16.0  # slopes whose ratio is larger are split beside the steeper one
-BESIDE = 0.125  # at this part of the way
 
-
-def uneven(here: Sample, there: Sample, even: float) -> float:
+def uneven(here: Knot, there: Knot, even: float, numerics: Numerics) -> float:
     """Where a sample is missing between two, as a part of the way; 0 if none is.
 
     Parameters
     ----------
     even
         By how much a rise may differ from those that the slopes at both ends make of it.
+    numerics
+        Where to split beside a steep end.
     """
     run, rise = there.x - here.x, there.image.value - here.image.value
     rates = here.image.slope * run, there.image.slope * run
@@ -251,6 +253,6 @@ def uneven(here: Sample, there: Sample, even: float) -> float:
     if abs(rates[0] + rates[1] - 2.0 * rise) <= even:
         return 0.0
     steep = abs(rates[0]), abs(rates[1])
-    if max(steep) <= UNEVEN * min(steep):
+    if max(steep) <= numerics.uneven * min(steep):
         return 0.5
-    return BESIDE if steep[0] > steep[1] else 1.0 - BESIDE
+    return numerics.split if steep[0] > steep[1] else 1.0 - numerics.split

@@ -9,7 +9,6 @@ from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.orbits import Closed, blurred
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import NEAR
 
 
 def stretches(curve: Curve) -> tuple[Stretch, ...]:
@@ -53,7 +52,7 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
     if end.kind is PointKind.PD and len(curve.parameter) > 1:
         return max(least, _missed(curve, k))
     if end.kind is PointKind.BP:
-        return NEAR * settings.max_step * settings.p_scale
+        return settings.numerics.crossing * settings.max_step * settings.p_scale
     return 0.0 if end.p in settings.span else least
 
 

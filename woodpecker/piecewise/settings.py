@@ -3,9 +3,226 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 from woodpecker.base.checks import interval, positive, whole
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Numerics:
+    """Numbers that decide how borders, steps and solutions are told apart.
+
+    None of them needs to be tuned: they are here to be seen, kept with a run, and varied. Those
+    without a unit are parts of a length, or factors, so they hold on any scale.
+
+    Parameters
+    ----------
+    contraction
+        Newton's method for a sample: times a step that the next may have; a longer one leads to
+        another orbit, for next to a solution steps shrink.
+    noise
+        Newton's method: times ``Settings.converged`` below which steps that shrink slowly are
+        rounding; also roundings that may be left of an equation. Two bits above the shortest step.
+    held
+        Part of a distance by which Newton's method may move an orbit that was asked for at it, from
+        a border or from a corner: one that lies elsewhere is off by all of it.
+    blur
+        Relative rounding of the images and margins of a map, which says how well a special point is
+        located: 20 spacings of doubles, what a return of the toy loses over its events.
+    doubled
+        In x, a part of the window: points of a cycle this close are one. A doubled cycle leaves its
+        flip like a square root, and the parameter there is good to rounding.
+    at_flip
+        In x, a part of the window: a flip and the fold of the doubled cycle this close are one
+        point, if their parameters are as close as its square. As far again above ``doubled``.
+    drawn
+        Ends of branches this close, scaled, are the same: the ends of steep branches are located so
+        well.
+    nearer
+        Part of a distance from a border at which the piece was not found that is tried next; the
+        same factor widens a distance from a place where borders accumulate.
+    restart
+        The same if there is no orbit of the piece at that distance: each trial is Newton's method,
+        so steps are twice as large. A corner is looked at first one such step inside of ``beside``.
+    thin
+        A piece next to a border that is thinner than this part of a distance is passed over: it is
+        another one, not rounding, from some parts in a thousand on.
+    resolved
+        Times ``Settings.nearest``: a distance from a border at which slopes have some digits left.
+    slack
+        Part of an interval by which a point of it may seem to lie outside, by rounding: half of the
+        digits.
+    strays
+        A value that is this many times as far away as the larger slope at two points allows lies on
+        another solution of the piece: the slope in between may be larger, but not by that.
+    steep
+        A slope above this is that of a square root right at its border: rounded, it is about 1e8.
+    rooted
+        Times the slope beyond a border by which that of a square root next to it is larger.
+    probe
+        Part of a distance from a border at which a second slope tells a square root: its next term,
+        linear in it, is then too small to matter.
+    exponent
+        By how much the power of the distance with which a slope grows may differ from 1/2, that of
+        a square root: half of the way to a pole or a kink.
+    kept_turn
+        Part of ``Settings.max_turn`` by which the next step is to turn: so that it is not often
+        refused.
+    retry
+        Part of a step that is tried next if the map takes another piece at its end.
+    blurred
+        A step, scaled, on which a limit of a jump may change its pieces without a border being
+        found: there are infinitely many in such places.
+    crossing
+        Part of a step to which a branch point is located: there the equations are singular, and
+        rounding moves an orbit by its root.
+    worth
+        A margin that falls, between two samples, below this part of its smaller end is looked at
+        there: a cubic is well within that.
+    steepened, bent
+        Where a slope is so many times that at the other end of a step, and a margin's slope so many
+        times what the margin changes, that end lies beside a square root, and the margin is a
+        parabola in the root of the distance.
+    ahead
+        Part of the way to a border that a step over it has: to first order it lies there.
+    both
+        Times as closely as a border is located other margins may vanish there too.
+    split
+        Part of a way that is tried first where its far end is lost, or the near one steep.
+    uneven
+        Slopes whose ratio is larger are split beside the steeper one.
+    short, widen
+        Part of the way to the border of a piece that has no value beyond it that is left at first;
+        and how much more if the piece was lost all the same. Both are closed in on fast.
+    safety
+        Times an estimated error, in the same place: one bit more than the next term of a series
+        makes of it.
+    strayed
+        Steps to a root after which every third halves: three are enough where cubics do not
+        mislead.
+    long
+        A piece that reaches back by this part of a step is worth stopping at; shorter ones are
+        stepped over, where infinitely many accumulate.
+    edge
+        Where a turning point seems to lie within this part of an end of an interval the interval is
+        halved instead.
+    starts, continued
+        A piece is continued to a point from at most so many known ones, and the way is halved at
+        most so often before it is said to have no value there.
+    spokes
+        Points of the first circle about a corner: sectors narrower than an eighth of a right angle
+        may be missed, but for those next to the jump that is known.
+    wedges
+        Angles [rad] of more points there, on both sides of that jump: a piece that ends in the
+        corner is a wedge of any width.
+    narrow
+        Angle [rad] between two points of the circle from which the border between them is solved
+        for.
+    aside
+        Part of it by which a point that lies on a border is turned: what a map does just where two
+        events coincide is no sector.
+    same_way
+        Cosine of the angle within which a jump at a corner is the one that led there: 26 degrees.
+    torn
+        Part by which a multiplier changes beyond a border only if the slopes differ: over the
+        distance of a restart it changes by some 1e-4.
+    fastest
+        |dx/dp|, scaled, at most, of a branch beyond a place where borders accumulate: a steeper one
+        is another branch.
+    repeats
+        In x, a part of the window: an orbit that has settled repeats itself so closely.
+    longest
+        Longest period that is looked for in an orbit that has settled.
+    looked
+        In x, a part of the window: how far from a guess, from which shooting finds no cycle, a jump
+        is looked for.
+
+    Raises
+    ------
+    ValueError
+        If a number is not positive, or a part is not less than 1, a factor not more.
+    """
+
+    contraction: float = 2.0
+    noise: float = 64.0
+    held: float = 0.1
+    blur: float = 20.0 * 2.0**-52
+    doubled: float = 1e-5
+    at_flip: float = 1e-4
+    drawn: float = 1e-8
+    nearer: float = 0.1
+    restart: float = 0.01
+    thin: float = 1e-3
+    resolved: float = 100.0
+    slack: float = 1e-6
+    strays: float = 2.0
+    steep: float = 1e6
+    rooted: float = 10.0
+    probe: float = 1e-4
+    exponent: float = 0.25
+    kept_turn: float = 0.7
+    retry: float = 0.25
+    blurred: float = 1e-4
+    crossing: float = 1e-6
+    worth: float = 0.25
+    steepened: float = 100.0
+    bent: float = 10.0
+    ahead: float = 1.25
+    both: float = 16.0
+    split: float = 0.125
+    uneven: float = 16.0
+    short: float = 2.0**-4
+    widen: float = 8.0
+    safety: float = 4.0
+    strayed: int = 6
+    long: float = 0.25
+    edge: float = 0.02
+    starts: int = 4
+    continued: int = 8
+    spokes: int = 32
+    wedges: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
+    narrow: float = 1e-4
+    aside: float = 0.1
+    same_way: float = 0.9
+    torn: float = 0.01
+    fastest: float = 10.0
+    repeats: float = 1e-6
+    longest: int = 64
+    looked: float = 0.01
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(each.default, tuple):
+                checked: object = _several(each.name, value)
+            elif isinstance(each.default, int):
+                checked = whole(each.name, value)
+            else:
+                checked = _part_or_factor(each.name, value, part=float(each.default) < 1.0)  # type: ignore[arg-type]
+            object.__setattr__(self, each.name, checked)
+
+    @property
+    def farther(self) -> float:
+        """Times a distance from a place where borders accumulate that is tried next."""
+        return 1.0 / self.nearer
+
+
+def _several(name: str, value: Any) -> tuple[float, ...]:
+    """Positive numbers."""
+    try:
+        given = tuple(value)
+    except TypeError:
+        raise ValueError(f"{name} must be several numbers, got {value}") from None
+    return tuple(positive(name, one) for one in given)
+
+
+def _part_or_factor(name: str, value: Any, *, part: bool) -> float:
+    """A positive number, less than 1 if it is a part of something, and more if it is a factor."""
+    checked = positive(name, value)
+    if not (checked < 1.0 if part else checked > 1.0):
+        raise ValueError(f"{name} must be {'less' if part else 'more'} than 1, got {value}")
+    return checked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,11 +301,15 @@ class Settings:
     pulls
         How often an orbit is pulled back point by point, if Newton's method fails from a guess:
         each time what it is off falls by the product of its slopes.
+    numerics
+        Numbers that hardly anybody will want to change.
 
     Raises
     ------
     ValueError
         If span or window are no two ascending numbers, or a number is not positive.
+    TypeError
+        If ``numerics`` are none.
     """
 
     span: tuple[float, float] = (0.0, 1.0)
@@ -117,6 +338,7 @@ class Settings:
     zooms: int = 4
     loose: float = 0.02
     pulls: int = 3
+    numerics: Numerics = Numerics()
 
     def __post_init__(self) -> None:
         for name in ("span", "window"):
@@ -134,6 +356,13 @@ class Settings:
             )
         for name in ("max_samples", "newton", "halvings", "interior", "zooms", "pulls"):
             object.__setattr__(self, name, whole(name, getattr(self, name)))
+        if not isinstance(self.numerics, Numerics):
+            raise TypeError(f"numerics must be woodpecker.Numerics, got {self.numerics!r}")
+
+    @property
+    def spacings(self) -> float:
+        """How many spacings of doubles rounding of a map leaves."""
+        return self.converged * 2.0**52
 
     @property
     def x_scale(self) -> float:

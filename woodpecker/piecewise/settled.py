@@ -22,10 +22,6 @@ from woodpecker.piecewise.orbits import Orbit as Cycle
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.piecewise.settings import Settings
 
-SAME = 1e-6  # distance [rad] within which an orbit that has settled repeats itself
-LONGEST = 64  # period that is looked for
-CLOSER = 0.5  # part of its distance that a Newton step leaves at most, if it leads to a cycle
-
 
 class Swept(Protocol):
     """What a map makes of many points: arrays of one shape, nan where it has no value."""
@@ -76,7 +72,7 @@ class Orbit:
     exponent
         Lyapunov exponent: mean of log |slope| over these; -inf for a superstable orbit.
     period
-        Smallest shift that repeats the kept points to 1e-6, or 0 if there is none up to 64.
+        Smallest shift that repeats the kept points, or 0 if there is none of those looked for.
     """
 
     p: float
@@ -116,6 +112,7 @@ def orbit_diagram(
     *,
     transient: int = 300,
     keep: int = 128,
+    settings: Settings | None = None,
 ) -> OrbitDiagram:
     """Follow orbits from many starts at many parameters.
 
@@ -130,6 +127,8 @@ def orbit_diagram(
         Interval of x; an orbit that leaves it is lost.
     transient, keep
         How many iterates are cut, and how many are kept after that.
+    settings
+        What counts as a period, see :class:`woodpecker.Numerics`; by default in units of x.
 
     Raises
     ------
@@ -143,7 +142,7 @@ def orbit_diagram(
     found: list[Orbit] = []
     values = np.atleast_1d(real_array("parameters", parameters)).tolist()
     for p in values:
-        found += _settled(map_, p, first, window, transient, keep)
+        found += _settled(map_, p, first, window, transient, keep, settings or Settings())
     return OrbitDiagram(orbits=tuple(found), lost=len(values) * len(first) - len(found))
 
 
@@ -154,6 +153,7 @@ def _settled(
     window: tuple[float, float],
     transient: int,
     keep: int,
+    settings: Settings,
 ) -> list[Orbit]:
     """The orbits at one parameter that stay in the window."""
     alive, x = np.arange(len(starts)), starts.copy()
@@ -171,23 +171,25 @@ def _settled(
     return [
         Orbit(
             p=p, start=float(starts[i]), x=kept[i], exponent=float(stretch[i]) / keep,
-            period=period_of(kept[i]),
+            period=period_of(kept[i], settings),
         )
         for i in alive.tolist()
     ]  # fmt: skip
 
 
-def period_of(x: Floats) -> int:
-    """Smallest shift up to LONGEST that repeats a sequence, or 0."""
-    for shift in range(1, min(LONGEST, len(x) // 2) + 1):
-        if np.abs(x[shift:] - x[:-shift]).max() <= SAME:
+def period_of(x: Floats, settings: Settings) -> int:
+    """Smallest shift that repeats a sequence, or 0 if none does of those looked for."""
+    same = settings.numerics.repeats * settings.x_scale
+    for shift in range(1, min(settings.numerics.longest, len(x) // 2) + 1):
+        if np.abs(x[shift:] - x[:-shift]).max() <= same:
             return shift
     return 0
 
 
 def unexplained(
-    orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float = 1e-3
-) -> list[Orbit]:
+    orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float = 1e-3,
+    settings: Settings | None = None,
+) -> list[Orbit]:  # fmt: skip
     """Orbits that end on a cycle of which the diagram has no stable branch.
 
     The cycle is solved for. A branch passes through it if one Newton step leads there from where
@@ -202,7 +204,10 @@ def unexplained(
         This map.
     distance
         How far a branch may stray from the line between two of its samples.
+    settings
+        Tolerances.
     """
+    chosen = settings or Settings()
     held = {branch.order for branch in diagram.branches}
     slices: dict[float, list[tuple[int, float]]] = {}
     left = []
@@ -216,32 +221,31 @@ def unexplained(
                 if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.multiplier) <= 1.0
             ]
         stable = np.array([x for order, x in slices[orbit.p] if order == orbit.period])
-        cycle = _cycle(map_, orbit)
-        if cycle is None or not _passes(stable, cycle, distance):
+        cycle = _cycle(map_, orbit, chosen)
+        if cycle is None or not _passes(stable, cycle, distance, chosen):
             left.append(orbit)
     return left
 
 
-def _cycle(map_: PiecewiseMap, orbit: Orbit) -> Cycle | None:
+def _cycle(map_: PiecewiseMap, orbit: Orbit, settings: Settings) -> Cycle | None:
     """The cycle on which an orbit has settled; None if Newton's method does not find it there."""
     x = orbit.x[-orbit.period :]
     images = tuple(map_.at(each, orbit.p) for each in x.tolist())
     start = Cycle(x, orbit.p, images)
     if not start.defined:
         return None
-    found = solve(start, (Closed(), Coordinate(-1, orbit.p)), Settings())
+    found = solve(start, (Closed(), Coordinate(-1, orbit.p)), settings)
     return found.orbit if found.converged else None
 
 
-def _passes(points: Floats, cycle: Cycle, distance: float) -> bool:
+def _passes(points: Floats, cycle: Cycle, distance: float, settings: Settings) -> bool:
     """Whether points of branches stand for a cycle: one Newton step leads from them to it."""
     if not len(points):
         return False
     nearest = points[np.abs(points[:, None] - cycle.x).argmin(axis=0)]
     before = float(np.abs(nearest - cycle.x).max())
-    settings = Settings()
-    if before > distance or before <= settings.same:
+    if before > distance or before <= settings.same * settings.x_scale:
         return before <= distance
     guess = orbit_of(cycle.pieces, nearest, cycle.p)
     step = newton_step(guess, (Closed(), Coordinate(-1, cycle.p)), settings)
-    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= CLOSER * before
+    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= settings.closer * before

@@ -32,7 +32,7 @@ from woodpecker.piecewise.partition import (
     partition,
 )
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,10 +162,10 @@ def _within(orbit: Orbit, settings: Settings) -> bool:
 
 def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
     for stretch in pieces.stretches:
-        for (a, one), (b, other) in _parts(stretch, pieces.p):
+        for (a, one), (b, other) in _parts(stretch, pieces.p, settings.numerics):
             if (one.value - a) * (other.value - b) > 0.0:
                 continue
-            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap)
+            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap, settings.numerics)
             if root is None:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
@@ -179,14 +179,14 @@ class _Point(NamedTuple):
     image: Image
 
 
-def _parts(stretch: Stretch, p: float) -> Iterator[tuple[_Point, _Point]]:
+def _parts(stretch: Stretch, p: float, numerics: Numerics) -> Iterator[tuple[_Point, _Point]]:
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
     points = [_Point(x, image) for x, image in zip(stretch.x, stretch.images, strict=True)]
     for pair in pairwise(points):
         todo = [pair]
         while todo:
             a, b = todo.pop()
-            x = _lowest(a, b)
+            x = _lowest(a, b, numerics.edge)
             middle = None if x is None else _Point(x, a.image.piece.at(x, p))
             if middle is None or middle.image.reason:
                 yield a, b
@@ -194,7 +194,7 @@ def _parts(stretch: Stretch, p: float) -> Iterator[tuple[_Point, _Point]]:
                 todo += [(middle, b), (a, middle)]
 
 
-def _lowest(a: _Point, b: _Point) -> float | None:
+def _lowest(a: _Point, b: _Point, edge: float) -> float | None:
     """Where |P(x) - x| is least between two points; None if it does not come down to zero there.
 
     It does not if the tangents at both ends meet before: as long as it does not bend the other way.
@@ -205,11 +205,8 @@ def _lowest(a: _Point, b: _Point) -> float | None:
     run = b.x - a.x
     meet = (other - one - up * run) / (down - up)  # from a
     part = down / (down - up)
-    x = a.x + part * run if LEAST < part < 1.0 - LEAST else a.x + 0.5 * run
+    x = a.x + part * run if edge < part < 1.0 - edge else a.x + 0.5 * run
     return x if a.x < x < b.x and (one + down * meet) * one <= 0.0 else None
-
-
-LEAST = 0.02  # of an interval: less is cut off by halving
 
 
 def _gap(image: Image, x: float) -> tuple[float, float]:

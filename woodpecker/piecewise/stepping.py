@@ -18,11 +18,10 @@ from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.borders import THIN
 from woodpecker.piecewise.jumps import Jump, jump_of
 from woodpecker.piecewise.margins import depth, lowest_dip
 from woodpecker.piecewise.orbits import (
-    NOISE,
+    SPACING,
     Closed,
     Condition,
     Coordinate,
@@ -171,16 +170,6 @@ class _LostError(Exception):
     """A branch cannot be followed where it was followed before."""
 
 
-BLURRED = 1e-4  # a step on which a limit may change its pieces without a border being found: there
-# are infinitely many in such places
-
-RESOLVED = 100.0  # times the smallest distance from a border: there slopes have some digits left
-ROOT = 4.0  # times its slope at a distance, a square root rises by at most half as much over it
-FINEST = 2.0**-52  # of a step: how closely a special point is bracketed
-SPACING = 2.0**-52  # a distance along a branch, scaled, below which there are no two orbits
-NEAR = 1e-6  # the same for a branch point, at which the equations of an orbit are singular
-
-
 class Stepper:
     """Follows branches of one kind.
 
@@ -246,6 +235,7 @@ class Stepper:
         if stop is not None:
             return Stretch((start,), stop)
         samples, step, grows = [start], min(first, self.settings.step), True
+        retry = self.settings.numerics.retry
         while len(samples) < self.settings.max_samples:
             if step < self.settings.min_step:
                 return Stretch(tuple(samples), Stop.SHORT)
@@ -267,13 +257,14 @@ class Stepper:
                     event.meeting, step,
                 )  # fmt: skip
             if not self._agrees(found.orbit):
-                if 0.25 * step < self.settings.min_step:
+                if retry * step < self.settings.min_step:
                     return Stretch(tuple(samples), Stop.OTHER_PIECE)
-                step, grows = 0.25 * step, False
+                step, grows = retry * step, False
                 continue
             samples.append(found)
             turned = _angle(last.tangent, found.tangent) / self.settings.max_turn
-            growth = min(2.0 if grows else 1.0, 0.7 / max(turned, 0.1))
+            growth, wanted = 2.0 if grows else 1.0, self.settings.numerics.kept_turn
+            growth = wanted / turned if growth * turned > wanted else growth
             step, grows = min(self.settings.max_step, step * growth), True
         return Stretch(tuple(samples), Stop.MANY)
 
@@ -305,7 +296,7 @@ class Stepper:
         scale = scales(len(a.orbit), self.settings)
         length = float(a.tangent @ ((b.orbit.point - a.orbit.point) / scale))
         low, high, found = 0.0, length, b
-        while high - low > FINEST * step:
+        while high - low > SPACING * step:
             middle = 0.5 * (low + high)
             sample = self.advance(a, middle)
             if isinstance(sample, float):
@@ -335,7 +326,7 @@ class Stepper:
 
         One that the far end of the step does not have is not seen to change its sign on the way.
         """
-        least = THIN * self.settings.beside * self.settings.x_scale
+        least = self._least()
         own = {(margin.index, margin.code) for margin in event.margins}
         for i, image in enumerate(event.sample.orbit.images):
             if self._on_border(i):
@@ -344,6 +335,10 @@ class Stepper:
             if depth(image, code) < -least:
                 return False
         return True
+
+    def _least(self) -> float:
+        """By how much a margin, as a distance in x, may be negative that has not vanished."""
+        return self.settings.numerics.thin * self.settings.beside * self.settings.x_scale
 
     def advance(self, last: Sample, step: float, before: Sample | None = None) -> Sample | float:
         """The sample one step ahead, or a shorter step to try.
@@ -474,13 +469,14 @@ class Stepper:
                 continue
             before, after = test.value(a), test.value(b)
             if before * after < 0.0 or (after == 0.0 and before != 0.0):
-                events = self._located(a, step, test, FINEST)
+                events = self._located(a, step, test, SPACING)
                 if events is None:
                     return None
                 found += events
         if crosses and not found and skipped is not Stop.BRANCHING:
             folds = a.tangent[-1] * b.tangent[-1] < 0.0
-            events = self._located(a, step, FOLD if folds else BRANCHING, NEAR)
+            test, part = FOLD if folds else BRANCHING, self.settings.numerics.crossing
+            events = self._located(a, step, test, part)
             if events is None:
                 return None
             found += events
@@ -521,7 +517,7 @@ class Stepper:
             along, there = (np.array([end[i], end[-1]]) for end in ends)
             if isinstance(self.closing, Margin) and self.closing.index == i:
                 one, other = one.without(self.closing.code), other.without(self.closing.code)
-            if lowest_dip(one, other, step, along, there) is not None:
+            if lowest_dip(one, other, step, along, there, self.settings.numerics) is not None:
                 return True
         return False
 
@@ -550,9 +546,9 @@ class Stepper:
         """
         i, image = margin.index, orbit.images[margin.index]
         side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
-        away = RESOLVED * self.settings.nearest * self.settings.x_scale
+        away = self.settings.numerics.resolved * self.settings.nearest * self.settings.x_scale
         there = a.orbit.images[i].piece.at(float(orbit.x[i]) - side * away, orbit.p)
-        rise = ROOT * away * max(abs(there.slope), abs(image.slope))
+        rise = 2.0 * self.settings.numerics.strays * away * max(abs(there.slope), abs(image.slope))
         slack = rise + self.settings.same * self.settings.x_scale
         return bool(there.reason) or not abs(there.value - image.value) > slack
 
@@ -560,7 +556,7 @@ class Stepper:
         """A margin that is positive, by more than its rounding."""
         gradient = np.abs(a.orbit.images[margin.index].gradient(margin.code))
         size = gradient @ [self.settings.x_scale, self.settings.p_scale]
-        return replace(margin, value=NOISE * 2.0**-52 * float(size))
+        return replace(margin, value=self.settings.numerics.noise * SPACING * float(size))
 
     def _softened(self, orbit: Orbit, margin: Margin) -> Orbit:
         """An orbit at a border, with the slopes right beside it if those at it are others.
@@ -571,7 +567,7 @@ class Stepper:
         i = margin.index
         image = orbit.images[i]
         side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
-        away = RESOLVED * self.settings.nearest * self.settings.x_scale
+        away = self.settings.numerics.resolved * self.settings.nearest * self.settings.x_scale
         there = image.piece.at(float(orbit.x[i]) - side * away, orbit.p)
         size = self.settings.kink * max(1.0, abs(image.slope), abs(there.slope))
         if there.reason or abs(there.slope - image.slope) <= size:
@@ -582,9 +578,9 @@ class Stepper:
     def _event(
         self, a: Sample, step: float, stop: Stop, orbit: Orbit, margins: tuple[Margin, ...] = ()
     ) -> _Event | None:
-        scale = scales(len(orbit), self.settings)
+        scale, slack = scales(len(orbit), self.settings), self.settings.numerics.slack
         distance = float(a.tangent @ ((orbit.point - a.orbit.point) / scale))
-        if not -self.settings.same <= distance <= step * (1.0 + 1e-6) + self.settings.same:
+        if not -self.settings.same <= distance <= step * (1.0 + slack) + self.settings.same:
             return None
         return _Event(stop, self.sample(orbit, a.tangent), distance, margins)
 
@@ -671,7 +667,7 @@ class Stepper:
             event = self._at_tail(a, b, step, inner)
             if event is not None:
                 found.append(event)
-            elif step > BLURRED or not b.jump.crosses:
+            elif step > self.settings.numerics.blurred or not b.jump.crosses:
                 return None
         return found
 
@@ -705,7 +701,7 @@ class Stepper:
 
     def _holds(self, orbit: Orbit, border: int, margin: Margin) -> bool:
         """Whether the orbit of a limit lies inside of its pieces, but where it meets borders."""
-        least = THIN * self.settings.beside * self.settings.x_scale
+        least = self._least()
         for i, image in enumerate(orbit.images):
             if i == border:  # two margins may vanish there: the nearest is that of the border
                 away = image.margins + least * np.abs(image.gradients[:, 0])

@@ -262,7 +262,9 @@ def _check(expression: sympy.Expr, symbols: Symbols) -> None:
 def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
     """The names of n pieces."""
     if words is None:
-        return tuple(ascii_uppercase[:n]) if n <= 26 else tuple(f"A{k + 1}" for k in range(n))
+        return tuple(
+            ascii_uppercase[:n] if n <= len(ascii_uppercase) else (f"A{k + 1}" for k in range(n))
+        )
     if isinstance(words, str) or len(words) != n:
         raise ValueError(f"words must be {n} names, one for each piece, got {words!r}")
     return tuple(words)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from woodpecker.piecewise.network import AT_FLIP
 from woodpecker.piecewise.settings import Settings
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
@@ -96,7 +95,7 @@ def assert_sound(diagram: Diagram, settings: Settings) -> None:
         for end, sample in zip(branch.ends, (0, -1), strict=True):
             point = diagram.point(end)
             assert branch.id in point.branches
-            near = AT_FLIP if point.kind is PointKind.PD else settings.same
+            near = settings.numerics.at_flip if point.kind is PointKind.PD else settings.same
             away = abs(branch.parameter[sample] - point.parameter) / settings.p_scale
             assert away <= settings.same
             assert abs(branch.x[sample] - point.x) / settings.x_scale <= near

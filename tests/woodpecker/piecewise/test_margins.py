@@ -17,8 +17,10 @@ from woodpecker.piecewise.margins import (
     reach,
 )
 from woodpecker.piecewise.pieces import Image, Piece
+from woodpecker.piecewise.settings import Numerics
 
 NO_PIECE: Piece = None  # type: ignore[assignment]  # margins alone are asked here
+NUMERICS = Numerics()
 NEAR = 1e-14  # some roundings at 1
 
 
@@ -53,13 +55,16 @@ def test_the_minimum_of_a_cubic_is_met() -> None:
     def h(s: float) -> tuple[float, float]:
         return (s - 0.25) ** 2 * (2.0 - s) + 0.01, (s - 0.25) * (4.0 - 2.0 * s - (s - 0.25))
 
-    where = lowest_dip(image({4: h(0.0)}), image({4: h(1.0)}), 1.0, IN_X, IN_X)
+    where = lowest_dip(image({4: h(0.0)}), image({4: h(1.0)}), 1.0, IN_X, IN_X, NUMERICS)
     assert where == pytest.approx(0.25, abs=NEAR)
 
 
 def test_a_minimum_that_takes_little_away_is_none() -> None:
     """1 + s (s - 1) has its minimum of 3/4 in the middle."""
-    assert lowest_dip(image({4: (1.0, -1.0)}), image({4: (1.0, 1.0)}), 1.0, IN_X, IN_X) is None
+    assert (
+        lowest_dip(image({4: (1.0, -1.0)}), image({4: (1.0, 1.0)}), 1.0, IN_X, IN_X, NUMERICS)
+        is None
+    )
 
 
 def test_a_dip_beside_a_square_root() -> None:
@@ -73,14 +78,14 @@ def test_a_dip_beside_a_square_root() -> None:
 
     value, _ = h(0.0 + 1e-5)
     here, there = image({4: h(1.0)}), image({4: (value, h(1e-5)[1])}, slope=1e5)
-    where = lowest_dip(here, there, 1.0, IN_X, IN_X)
+    where = lowest_dip(here, there, 1.0, IN_X, IN_X, NUMERICS)
     assert where == pytest.approx(1.0 - (4.0 / 8.4) ** 2, abs=1e-4)  # 1e-5 of the way is missing
 
 
 def test_a_margin_that_only_one_point_has() -> None:
     one, other = image({2: (1.0, 0.0), 4: (0.5, -1.0)}), image({2: (1.0, 0.0), 5: (0.5, 0.1)})
-    assert lowest_dip(one, other, 1.0, IN_X, IN_X) == 0.5
-    assert lowest_dip(one, other, 0.4, IN_X, IN_X) is None
+    assert lowest_dip(one, other, 1.0, IN_X, IN_X, NUMERICS) == 0.5
+    assert lowest_dip(one, other, 0.4, IN_X, IN_X, NUMERICS) is None
 
 
 def test_the_first_of_two_margins_to_vanish() -> None:

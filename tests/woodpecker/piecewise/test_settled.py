@@ -19,6 +19,7 @@ from woodpecker import (
     unexplained,
 )
 from woodpecker.base.compiled import COMPILED
+from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.settled import period_of
 
 WIDE = (-100.0, 100.0)
@@ -54,8 +55,8 @@ def test_orbits_that_leave_are_counted() -> None:
 
 
 def test_periods() -> None:
-    assert period_of(np.array([1.0, 2.0, 3.0] * 10)) == 3
-    assert period_of(np.linspace(0.0, 1.0, 50)) == 0
+    assert period_of(np.array([1.0, 2.0, 3.0] * 10), Settings()) == 3
+    assert period_of(np.linspace(0.0, 1.0, 50), Settings()) == 0
 
 
 @pytest.mark.parametrize(
