@@ -72,10 +72,8 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
 
     Parameters
     ----------
-    toy
-        The toy of the diagram; its own value of the parameter does not matter.
-    diagram
-        From :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`.
+    toy, diagram
+        As :func:`solutions` takes them.
     names
         Some of ``"period"`` [s] and ``"drop"`` [m, positive down], of P_order.
     functions

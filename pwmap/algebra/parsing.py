@@ -34,6 +34,8 @@ from pwmap.algebra.terms import (
 
 MAX_LENGTH = 400_000  # characters of a text
 MAX_NAME = 100  # characters of a name
+# what asking for the text of an object raises that is half made, nested too deep or not to be shown
+NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
 
 _TOKEN = re.compile(
     r"(?P<space>\s+)"
@@ -117,7 +119,7 @@ def shown(value: object) -> str:
     kind = type(value).__name__
     try:
         return shortened(" ".join(repr(value).split()))
-    except Exception:  # of a class that is not ours
+    except NO_TEXT:
         return f"an object of type {kind}"
 
 

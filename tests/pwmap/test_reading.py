@@ -282,6 +282,28 @@ def test_breaks_between_parameters_are_ordered_by_the_assumptions() -> None:
 # --- Names ----------------------------------------------------------------------------------------
 
 
+class HalfMade:
+    """An object whose text needs an attribute that was never set."""
+
+    def __repr__(self) -> str:
+        return str(self.text)  # type: ignore[attr-defined]
+
+
+class TooLarge:
+    """An object for whose text there is not enough memory."""
+
+    def __repr__(self) -> str:
+        raise MemoryError
+
+
+def test_an_object_that_has_no_text_is_named_by_its_type() -> None:
+    for given in ([X], HalfMade()):
+        with pytest.raises(ValueError, match=r"expected text.*, got (\[x\]|.* of type HalfMade)$"):
+            read(given, X)  # type: ignore[arg-type]
+    with pytest.raises(MemoryError):
+        read(TooLarge(), X)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     "name", ["nan", "oo", "zoo", "inf", "I", "pi", "E", "None", "Max", "infinity", "NaN"]
 )

@@ -138,7 +138,7 @@ def _between(
         return None
     closing = Margin(index, int(image.causes[int(np.argmin(away))]))
     n = index + 1
-    head = Orbit(one.orbit.x[:n], one.orbit.p, one.orbit.images[:n])
+    head = one.orbit.head(n)
     base, direction = np.zeros(n + 1), np.zeros(n + 1)
     base[[0, -1]] = corner
     direction[[0, -1]] = math.cos(one.angle), math.sin(one.angle)

@@ -28,7 +28,7 @@ def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settin
     """The border that a point of an orbit meets."""
     i = margin.index
     image, x = orbit.images[i], float(orbit.x[i])
-    side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
+    side = image.onward(margin.code)
     outer, code = beyond(map_, x, orbit.p, side, settings)
     with np.errstate(divide="ignore", invalid="ignore"):
         away = abs(outer.margin(code) / outer.gradient(code)[0])
@@ -67,7 +67,7 @@ def restart(
     That is well posed also where the piece beyond begins with a square root. It lies so close to
     the border that no fold or flip is passed that is not one point with the border.
     """
-    tiny = border.side * settings.numerics.resolved * settings.nearest * settings.x_scale
+    tiny = border.side * settings.resolved
     right_beside = border.outer.piece.at(border.x + tiny, border.p)  # at a root only there is one
     outer = border.outer if right_beside.reason else right_beside  # slope that rounding leaves
     at_border = Orbit(orbit.x, orbit.p, replaced(orbit.images, index, outer)).multiplier

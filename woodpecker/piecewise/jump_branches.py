@@ -227,7 +227,7 @@ class Jumps:
         if i == k or abs(meeting.x[k] - meeting.x[i]) > self.settings.same * self.settings.x_scale:
             return None
         return _Return(
-            Orbit(meeting.x[:i], meeting.p, meeting.images[:i]),
+            meeting.head(i),
             Orbit(meeting.x[i:k], meeting.p, meeting.images[i:k]), first.code,
         )  # fmt: skip
 
@@ -356,8 +356,7 @@ class Jumps:
         if own.index < margin.index:
             start = self._sample(meeting, margin)
         else:
-            n = margin.index + 1
-            start = self._sample(Orbit(meeting.x[:n], meeting.p, meeting.images[:n]), margin)
+            start = self._sample(meeting.head(margin.index + 1), margin)
         found = [s for sign in (1.0, -1.0) if (s := self._beside(start, sign)) is not None]
         return found[0] if len(found) == 1 else None
 
@@ -375,7 +374,7 @@ def collision(
     """
     n = minimal_period(orbit, settings)
     first = int(np.argmin(orbit.x[:n]))
-    small = Orbit(orbit.x[:n], orbit.p, orbit.images[:n]).rotated(first)
+    small = orbit.head(n).rotated(first)
     index = (margin.index - first) % n
     met = Collision(
         orbit=small, margin=Margin(index, margin.code), kinds=((PointKind.BC, ""),) * n,

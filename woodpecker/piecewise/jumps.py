@@ -143,7 +143,7 @@ def jump_of(
     """The jump of P_order at a border orbit."""
     i = closing.index
     inner = head.images[i]
-    side = -1 if inner.gradient(closing.code)[0] > 0.0 else 1
+    side = inner.onward(closing.code)
     outer, code = beyond(map_, float(head.x[i]), head.p, side, settings)
     returns = order - len(head)
     return Jump(

@@ -77,6 +77,10 @@ class Orbit:
         """The unknowns (n + 1,): x, and p at last."""
         return np.append(self.x, self.p)
 
+    def head(self, n: int) -> Orbit:
+        """Its first n points."""
+        return Orbit(self.x[:n], self.p, self.images[:n])
+
     def rotated(self, first: int) -> Orbit:
         """The same cycle from another of its points."""
         return Orbit(np.roll(self.x, -first), self.p, (*self.images[first:], *self.images[:first]))
@@ -269,6 +273,11 @@ def _is_rounded(orbit: Orbit, conditions: Sequence[Condition], numerics: Numeric
 def moved(orbit: Orbit, by: Floats) -> Orbit:
     """The points of an orbit shifted, with the same pieces."""
     return orbit_of(orbit.pieces, orbit.x + by[:-1], orbit.p + float(by[-1]))
+
+
+def between(one: Orbit, other: Orbit, part: float) -> Orbit:
+    """An orbit at a part of the straight way to another, with the pieces of the first."""
+    return moved(one, part * (other.point - one.point))
 
 
 def newton_step(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> Floats:

@@ -174,7 +174,7 @@ class _Walk:
         self.stretches: list[Stretch] = []
         self.gaps: list[tuple[float, float]] = []
         self._even = settings.even * settings.x_scale
-        self._thin = settings.numerics.thin * settings.beside * settings.x_scale
+        self._thin = settings.thinnest
 
     def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""

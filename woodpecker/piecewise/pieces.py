@@ -57,6 +57,10 @@ class Image(NamedTuple):
         k = self._place(code)
         return np.full(2, math.nan) if k < 0 else self.gradients[k]
 
+    def onward(self, code: int) -> int:
+        """To which side of a point the border lies where a margin vanishes: -1 or 1."""
+        return -1 if self.gradient(code)[0] > 0.0 else 1
+
     def without(self, code: int) -> Image:
         """The same but for one margin."""
         kept = self.causes != code

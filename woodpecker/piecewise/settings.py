@@ -360,6 +360,16 @@ class Settings:
             raise TypeError(f"numerics must be woodpecker.Numerics, got {self.numerics!r}")
 
     @property
+    def resolved(self) -> float:
+        """Distance in x from a border at which slopes have some digits left."""
+        return self.numerics.resolved * self.nearest * self.x_scale
+
+    @property
+    def thinnest(self) -> float:
+        """Thickness in x of pieces next to a border below which they are passed over."""
+        return self.numerics.thin * self.beside * self.x_scale
+
+    @property
     def spacings(self) -> float:
         """How many spacings of doubles rounding of a map leaves."""
         return self.converged * 2.0**52

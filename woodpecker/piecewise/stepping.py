@@ -29,13 +29,13 @@ from woodpecker.piecewise.orbits import (
     Margin,
     Orbit,
     Solution,
-    moved,
+    between,
     orbit_of,
     scales,
     solve,
     tangent,
 )
-from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.pieces import Image, Piece, PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 
 
@@ -326,7 +326,7 @@ class Stepper:
 
         One that the far end of the step does not have is not seen to change its sign on the way.
         """
-        least = self._least()
+        least = self.settings.thinnest
         own = {(margin.index, margin.code) for margin in event.margins}
         for i, image in enumerate(event.sample.orbit.images):
             if self._on_border(i):
@@ -335,10 +335,6 @@ class Stepper:
             if depth(image, code) < -least:
                 return False
         return True
-
-    def _least(self) -> float:
-        """By how much a margin, as a distance in x, may be negative that has not vanished."""
-        return self.settings.numerics.thin * self.settings.beside * self.settings.x_scale
 
     def advance(self, last: Sample, step: float, before: Sample | None = None) -> Sample | float:
         """The sample one step ahead, or a shorter step to try.
@@ -525,9 +521,8 @@ class Stepper:
         """Where a margin vanishes between two samples; None if another one does so before."""
         before = a.orbit.images[margin.index].margin(margin.code)
         after = b.orbit.images[margin.index].margin(margin.code)
-        part = before / (before - after)
-        orbit = self._between(a, b, part)
-        solution = solve(orbit, (self.closing, margin), self.settings)
+        guess = between(a.orbit, b.orbit, before / (before - after))
+        solution = solve(guess, (self.closing, margin), self.settings)
         if solution.converged and not self._joins(a, solution.orbit, margin):
             inside = self._just_inside(a, margin)
             solution = solve(a.orbit, (self.closing, inside), self.settings)
@@ -544,11 +539,10 @@ class Stepper:
         Where two of its solutions meet at the border, as at a square root, rounding may lead to the
         other one there.
         """
-        i, image = margin.index, orbit.images[margin.index]
-        side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
-        away = self.settings.numerics.resolved * self.settings.nearest * self.settings.x_scale
-        there = a.orbit.images[i].piece.at(float(orbit.x[i]) - side * away, orbit.p)
-        rise = 2.0 * self.settings.numerics.strays * away * max(abs(there.slope), abs(image.slope))
+        image = orbit.images[margin.index]
+        there = self._inside(orbit, margin, a.orbit.images[margin.index].piece)
+        steepest = max(abs(there.slope), abs(image.slope))
+        rise = 2.0 * self.settings.numerics.strays * self.settings.resolved * steepest
         slack = rise + self.settings.same * self.settings.x_scale
         return bool(there.reason) or not abs(there.value - image.value) > slack
 
@@ -564,16 +558,18 @@ class Stepper:
         Where a time goes like a root of the distance the slope at the border is made of rounding,
         even where the map is smooth.
         """
-        i = margin.index
-        image = orbit.images[i]
-        side = -1 if image.gradient(margin.code)[0] > 0.0 else 1
-        away = self.settings.numerics.resolved * self.settings.nearest * self.settings.x_scale
-        there = image.piece.at(float(orbit.x[i]) - side * away, orbit.p)
+        i, image = margin.index, orbit.images[margin.index]
+        there = self._inside(orbit, margin, image.piece)
         size = self.settings.kink * max(1.0, abs(image.slope), abs(there.slope))
         if there.reason or abs(there.slope - image.slope) <= size:
             return orbit
         image = image._replace(slope=there.slope, d_parameter=there.d_parameter)
         return Orbit(orbit.x, orbit.p, (*orbit.images[:i], image, *orbit.images[i + 1 :]))
+
+    def _inside(self, orbit: Orbit, margin: Margin, piece: Piece) -> Image:
+        """The image right inside of a border that an orbit meets."""
+        away = orbit.images[margin.index].onward(margin.code) * self.settings.resolved
+        return piece.at(float(orbit.x[margin.index]) - away, orbit.p)
 
     def _event(
         self, a: Sample, step: float, stop: Stop, orbit: Orbit, margins: tuple[Margin, ...] = ()
@@ -584,15 +580,6 @@ class Stepper:
             return None
         return _Event(stop, self.sample(orbit, a.tangent), distance, margins)
 
-    @staticmethod
-    def _between(a: Sample, b: Sample, part: float) -> Orbit:
-        x = a.orbit.x + part * (b.orbit.x - a.orbit.x)
-        p = a.orbit.p + part * (b.orbit.p - a.orbit.p)
-        images = tuple(
-            image.piece.at(float(value), p) for image, value in zip(a.orbit.images, x, strict=True)
-        )
-        return Orbit(x, p, images)
-
     def _at_ends(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
         """Ends of the span and of the window; None if one was passed and is not found."""
         found = []
@@ -600,9 +587,9 @@ class Stepper:
             one, other = float(a.orbit.point[index]), float(b.orbit.point[index])
             for end, outward in ((low, -1.0), (high, 1.0)):
                 if outward * (other - end) >= 0.0 > outward * (one - end):
-                    orbit = self._between(a, b, (end - one) / (other - one))
+                    guess = between(a.orbit, b.orbit, (end - one) / (other - one))
                     condition = Coordinate(index, end)
-                    solution = solve(orbit, (self.closing, condition), self.settings)
+                    solution = solve(guess, (self.closing, condition), self.settings)
                     event = self._event(a, step, stop, solution.orbit)
                     if not solution.converged or event is None:
                         return None
@@ -646,7 +633,7 @@ class Stepper:
             after = other.images[-1].value - float(other.x[0])
             if not before * after < 0.0:
                 continue
-            guess = moved(one, before / (before - after) * (other.point - one.point))
+            guess = between(one, other, before / (before - after))
             margin = Margin(len(a.orbit) - 1, a.jump.code(inner))
             solution = solve(guess, (Closed(), margin), self.settings)
             event = self._at_head(a, step, Stop.LIMIT, solution, inner, (margin,))
@@ -692,16 +679,14 @@ class Stepper:
             there.images[found.index].margin(found.code),
             far.images[found.index].margin(found.code),
         )
-        start = Orbit(there.x[:n], a.orbit.p, there.images[:n])
-        way = np.append(far.x[:n] - there.x[:n], b.orbit.p - a.orbit.p)
-        guess = moved(start, before / (before - after) * way)
+        guess = between(there.head(n), far.head(n), before / (before - after))
         closing = Margin(k - 1, a.jump.code(inner))
         solution = solve(guess, (closing, found), self.settings)
         return self._at_head(a, step, Stop.TAIL, solution, inner, (found,))
 
     def _holds(self, orbit: Orbit, border: int, margin: Margin) -> bool:
         """Whether the orbit of a limit lies inside of its pieces, but where it meets borders."""
-        least = self._least()
+        least = self.settings.thinnest
         for i, image in enumerate(orbit.images):
             if i == border:  # two margins may vanish there: the nearest is that of the border
                 away = image.margins + least * np.abs(image.gradients[:, 0])
