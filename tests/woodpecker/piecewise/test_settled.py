@@ -19,7 +19,7 @@ from woodpecker import (
     unexplained,
 )
 from woodpecker.base.compiled import COMPILED
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.settled import period_of
 
 WIDE = (-100.0, 100.0)
@@ -57,6 +57,13 @@ def test_orbits_that_leave_are_counted() -> None:
 def test_periods() -> None:
     assert period_of(np.array([1.0, 2.0, 3.0] * 10), Settings()) == 3
     assert period_of(np.linspace(0.0, 1.0, 50), Settings()) == 0
+
+
+def test_what_counts_as_a_period_is_set() -> None:
+    three = np.array([1.0, 2.0, 3.0] * 10)
+    assert period_of(three, Settings(numerics=Numerics(longest=2))) == 0
+    three[-1] += 1.5e-6  # a part of the window: 1e-6 of it is 1e-6 or 2e-6
+    assert [period_of(three, Settings(window=(0.0, end))) for end in (1.0, 2.0)] == [0, 3]
 
 
 @pytest.mark.parametrize(
