@@ -12,8 +12,10 @@ from woodpecker.piecewise.borders import Border, beyond
 from woodpecker.piecewise.orbits import (
     Condition,
     Coordinate,
+    Distance,
     Margin,
     Orbit,
+    moved,
     orbit_of,
     scales,
     solve,
@@ -80,7 +82,33 @@ def restart(
         if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
             return there
         away *= settings.numerics.restart
-    return found
+    return found or _ahead(orbit, closing, border, index, settings)
+
+
+def _ahead(
+    orbit: Orbit, closing: Condition, border: Border, index: int, settings: Settings
+) -> Sample | None:
+    """The orbit a distance along the branch beyond a border; None if there is none.
+
+    Where the piece beyond is steep its orbits stay close to the border as it moves: no margin can
+    be given in advance that such an orbit has.
+    """
+    if border.outer_code < 0 or border.outer.reason:
+        return None
+    start = Orbit(orbit.x, orbit.p, replaced(orbit.images, index, border.outer))
+    along, scale = tangent(start, closing, settings), scales(len(orbit), settings)
+    inward = float(border.outer.gradient(border.outer_code) @ (along * scale)[[index, -1]])
+    along = along if inward > 0.0 else -along
+    away = settings.beside
+    while np.isfinite(along).all() and away >= settings.nearest:
+        distance = Distance(start.point, along, away, scale)
+        solution = solve(moved(start, away * along * scale), (closing, distance), settings)
+        found, direction = solution.orbit, tangent(solution.orbit, closing, settings)
+        if solution.converged and np.isfinite(direction).all() and is_inside(found, closing):
+            forward = float(direction @ along) > 0.0
+            return Sample(found, direction if forward else -direction, forward)
+        away *= settings.numerics.restart
+    return None
 
 
 def _led_back(there: Sample, border: Border, index: int) -> Image:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -101,6 +102,8 @@ class Leg:
         The first samples of the branch that continues it; empty if none does.
     stop
         What ended it.
+    step
+        The last step: the next leg begins with it.
     """
 
     samples: tuple[Sample, ...]
@@ -108,23 +111,24 @@ class Leg:
     end: End
     following: tuple[Sample, ...]
     stop: Stop
+    step: float = math.inf
 
 
 def follow_legs(
-    follow: Callable[[tuple[Sample, ...], Sample, Stop | None], Leg],
+    follow: Callable[[tuple[Sample, ...], Sample, Stop | None, float], Leg],
     first: tuple[Sample, ...], origin: Sample, ignored: Stop | None, settings: Settings,
 ) -> list[Leg]:  # fmt: skip
     """Legs one after the other, each from the end of the one before, until none continues it.
 
     A branch can come to run round without passing its origin: it is followed once round.
     """
-    found = [follow(first, origin, ignored)]
+    found = [follow(first, origin, ignored, math.inf)]
     while found[-1].following:
         last = found[-1]
         if any(_repeats(last, other, settings) for other in found[:-1]):
             found[-1] = replace(last, following=())
             break
-        found.append(follow(last.following, origin, last.stop))
+        found.append(follow(last.following, origin, last.stop, last.step))
     return found
 
 

@@ -79,8 +79,10 @@ class Cycles:
         """Follow a branch one way, across special points that it passes."""
         return follow_legs(self._leg, first, origin, ignored, self.settings)
 
-    def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
-        samples, marks, step = list(first), list[Mark](), math.inf
+    def _leg(
+        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None, step: float
+    ) -> Leg:
+        samples, marks = list(first), list[Mark]()
         while True:
             stretch = self.stepper.follow(samples[-1], ignored, origin, step)
             ignored, step = None, max(stretch.step, self.settings.again)
@@ -96,7 +98,7 @@ class Cycles:
                 passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
                 passes &= not self._halves(stretch)
                 here, on = self._end(stretch), (samples[-1],) if passes else ()
-                return Leg(tuple(samples), tuple(marks), here, on, stretch.stop)
+                return Leg(tuple(samples), tuple(marks), here, on, stretch.stop, stretch.step)
             mark, end, there = self._meet(stretch)
             if end is not None and end.status is PointStatus.OPEN:
                 there = self._passed_over(stretch)
@@ -109,7 +111,7 @@ class Cycles:
             if end is not None:
                 begin = self._across(stretch) if end.kind is PointKind.BC else samples[-1]
                 following = () if there is None else (begin, there)
-                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop, step)
             assert there is not None
             marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there)
@@ -164,7 +166,8 @@ class Cycles:
         """A stretch that ends at a square root, with its end as the piece beyond locates it.
 
         The map is continuous there, and the piece beyond is not steep: it is not rounding of the
-        root that decides.
+        root that decides. That may even look like a jump; at one the piece beyond would meet the
+        border elsewhere.
         """
         orbit = stretch.end
         if stretch.stop is not Stop.BORDER:
@@ -172,18 +175,23 @@ class Cycles:
         margin = stretch.margins[0]
         i, image = margin.index, orbit.images[margin.index]
         rooted = self.settings.numerics.rooted
-        if abs(image.slope) <= rooted:
+        steep = max(abs(s.orbit.images[i].slope) for s in stretch.samples[-2:])
+        if steep <= rooted:
             return stretch
         border = border_at(self.map, orbit, margin, self.settings)
         kind = border.kind(self.settings)
-        if kind in (BorderKind.JUMP, BorderKind.LOST) or border.outer_code < 0:
+        if kind is BorderKind.LOST or border.outer_code < 0:
             return stretch
-        if abs(image.slope) <= rooted * max(1.0, abs(border.outer.slope)):
+        jumps = kind is BorderKind.JUMP
+        least = self.settings.numerics.noise * self.settings.converged * self.settings.x_scale
+        if steep <= rooted * max(1.0, abs(border.outer.slope)) or (
+            jumps and abs(border.jump) > least * steep
+        ):
             return stretch
         beyond_it = Orbit(orbit.x, orbit.p, replaced(orbit.images, i, border.outer))
         root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
         away = np.abs((root.orbit.point - orbit.point) / scales(len(orbit), self.settings)).max()
-        if not (root.converged and away <= self.settings.beside):
+        if not (root.converged and away <= (self.settings.same if jumps else self.settings.beside)):
             return stretch
         inner = image._replace(value=root.orbit.images[i].value)
         end = Orbit(root.orbit.x, root.orbit.p, replaced(root.orbit.images, i, inner))

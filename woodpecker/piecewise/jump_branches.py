@@ -7,6 +7,7 @@ points of the cycle up to the border are the border orbit with which branches of
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -115,13 +116,15 @@ class Jumps:
         """Follow a branch one way, across folds."""
         return follow_legs(self._leg, first, origin, None, self.settings)
 
-    def _leg(self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None) -> Leg:
+    def _leg(
+        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None, step: float
+    ) -> Leg:
         samples, marks = list(first), list[Mark]()
         while True:
             last = samples[-1]
             assert last.jump is not None
-            stretch = self._stepper(last.jump.closing).follow(last, ignored, origin)
-            ignored = None
+            stretch = self._stepper(last.jump.closing).follow(last, ignored, origin, step)
+            ignored, step = None, math.inf
             samples += stretch.samples[1:]
             if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
                 there = self._passed_over(samples[-1], narrow=True)
@@ -132,7 +135,7 @@ class Jumps:
             if stretch.stop not in (Stop.BORDER, Stop.TAIL):
                 following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
                 end = self._end(stretch)
-                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop)
+                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop, stretch.step)
             early = self._closed_early(stretch)
             if early is not None and self._passes(early, stretch.end):
                 met = self._collision(early)

@@ -178,7 +178,8 @@ class Known:
         """Between which samples a branch may pass a point, by its largest turn."""
         p0, x0, p1, x1 = chords.ends.T
         length = np.hypot((p1 - p0) / self.settings.p_scale, (x1 - x0) / self.settings.x_scale)
-        bulge = (self.settings.max_turn * length + self.settings.same) * self.settings.x_scale
+        longest = np.maximum(length, self.settings.hairpin)
+        bulge = (self.settings.max_turn * longest + self.settings.same) * self.settings.x_scale
         off = np.abs(x1 - x0) + bulge
         near: Bools = (np.minimum(x0, x1) - off <= x) & (x <= np.maximum(x0, x1) + off)
         return near

@@ -153,7 +153,8 @@ class Network:
         foot = samples[:-1] + np.clip(part, 0.0, 1.0)[:, None] * run
         off = np.linalg.norm(middle - foot, axis=1)
         own = float(np.linalg.norm((_place(curve, k) - _place(curve, k - 1)) / units))
-        near = off <= self.settings.max_turn * np.maximum(length, own) + self.settings.same
+        longest = np.maximum(np.maximum(length, own), self.settings.hairpin)
+        near = off <= self.settings.max_turn * longest + self.settings.same
         steep = known.multiplier
         slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])
         here = sorted(curve.multiplier[k - 1 : k + 1])

@@ -12,9 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.pieces import Image, Piece
@@ -75,7 +77,9 @@ class Orbit:
     @property
     def point(self) -> Floats:
         """The unknowns (n + 1,): x, and p at last."""
-        return np.append(self.x, self.p)
+        unknowns = np.empty(len(self.x) + 1)
+        unknowns[:-1], unknowns[-1] = self.x, self.p
+        return unknowns
 
     def head(self, n: int) -> Orbit:
         """Its first n points."""
@@ -182,9 +186,16 @@ class Distance:
 
 
 def scales(n: int, settings: Settings) -> Floats:
-    """Units (n + 1,) of the unknowns of an orbit."""
-    units = np.full(n + 1, settings.x_scale)
-    units[-1] = settings.p_scale
+    """Units (n + 1,) of the unknowns of an orbit; not to be written to."""
+    return _units(n, settings.x_scale, settings.p_scale)
+
+
+@lru_cache
+def _units(n: int, x_scale: float, p_scale: float) -> Floats:
+    """The same: every step needs them."""
+    units = np.full(n + 1, x_scale)
+    units[-1] = p_scale
+    units.flags.writeable = False
     return units
 
 
@@ -289,11 +300,9 @@ def newton_step(orbit: Orbit, conditions: Sequence[Condition], settings: Setting
     largest = np.abs(matrix).max(axis=1)
     if not (np.isfinite(largest).all() and largest.all()):
         return np.full(len(scale), np.nan)
-    try:
-        step = np.linalg.solve(matrix / largest[:, None], -residuals(orbit, conditions) / largest)
-    except np.linalg.LinAlgError:
-        return np.full(len(scale), np.nan)
-    return np.asarray(step * scale)
+    right = -residuals(orbit, conditions) / largest
+    _, _, step, singular = dgesv(matrix / largest[:, None], right)
+    return np.full(len(scale), np.nan) if singular else np.asarray(step * scale)
 
 
 def _step_of_two(orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
@@ -322,6 +331,10 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
     if len(rows) == 1:
         (a, b), length = rows[0], np.hypot(*rows[0])
         return np.array([-b / length, a / length]) if length else np.full(2, np.nan)
+    if len(rows) == 2:
+        across = np.cross(rows[0], rows[1])
+        length = math.sqrt(across @ across)
+        return across / length if length else np.full(3, np.nan)
     direction: Floats = np.linalg.svd(rows)[2][-1]
     turned = np.linalg.det(np.vstack([rows, direction])) < 0.0
     return -direction if turned else direction

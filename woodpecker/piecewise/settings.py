@@ -69,6 +69,12 @@ class Numerics:
     kept_turn
         Part of ``Settings.max_turn`` by which the next step is to turn: so that it is not often
         refused.
+    sharpest
+        Largest angle [rad] between the tangents of neighbouring samples, however close they are:
+        more would hide what lies between them.
+    right_before
+        Part of a step by which a jump is looked at before it meets something: whether it still
+        crosses the diagonal there.
     retry
         Part of a step that is tried next if the map takes another piece at its end.
     blurred
@@ -162,6 +168,8 @@ class Numerics:
     probe: float = 1e-4
     exponent: float = 0.25
     kept_turn: float = 0.7
+    sharpest: float = 0.5
+    right_before: float = 2.0**-10
     retry: float = 0.25
     blurred: float = 1e-4
     crossing: float = 1e-6
@@ -249,6 +257,9 @@ class Settings:
         than this are passed over, and their number is not known.
     max_turn
         Largest angle [rad] between the tangents of neighbouring samples.
+    hairpin
+        Where a branch turns within less than this the angle may be larger, as its inverse: what is
+        drawn is as good, and half as many samples tell what lies between them.
     max_samples
         A branch ends (EP) after this many.
     newton
@@ -319,6 +330,7 @@ class Settings:
     again: float = 1e-4
     min_step: float = 1e-13
     max_turn: float = 0.1
+    hairpin: float = 1e-6
     max_samples: int = 20_000
     newton: int = 12
     converged: float = 2.0**-48
@@ -345,9 +357,9 @@ class Settings:
             ends = interval(name, getattr(self, name), finite=name == "span")
             object.__setattr__(self, name, ends)
         for name in (
-            "step", "max_step", "again", "min_step", "max_turn", "converged", "stalled", "beside",
-            "nearest", "jump", "kink", "finest", "coarse", "same", "closer", "near", "even",
-            "loose",
+            "step", "max_step", "again", "min_step", "max_turn", "hairpin", "converged", "stalled",
+            "beside", "nearest", "jump", "kink", "finest", "coarse", "same", "closer", "near",
+            "even", "loose",
         ):  # fmt: skip
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         if not self.min_step <= self.step <= self.max_step:

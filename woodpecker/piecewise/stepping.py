@@ -262,7 +262,7 @@ class Stepper:
                 step, grows = retry * step, False
                 continue
             samples.append(found)
-            turned = _angle(last.tangent, found.tangent) / self.settings.max_turn
+            turned = _angle(last.tangent, found.tangent) / self._turn(step)
             growth, wanted = 2.0 if grows else 1.0, self.settings.numerics.kept_turn
             growth = wanted / turned if growth * turned > wanted else growth
             step, grows = min(self.settings.max_step, step * growth), True
@@ -355,9 +355,16 @@ class Stepper:
             return 0.5 * step
         forward = bool(found @ last.tangent >= 0.0)
         found = found if forward else -found
-        if _angle(last.tangent, found) > self.settings.max_turn:
+        if _angle(last.tangent, found) > self._turn(step):
             return 0.5 * step
         return self._complete(Sample(solution.orbit, found, forward))
+
+    def _turn(self, step: float) -> float:
+        """The largest angle between tangents of samples at a distance: hairpins may be coarse."""
+        own = self.settings.max_turn
+        return min(
+            max(own, self.settings.numerics.sharpest), max(own, own * self.settings.hairpin / step)
+        )
 
     def _is_met(self, orbit: Orbit) -> bool:
         """Whether each image meets the next point, or would within rounding of its own point.
@@ -445,15 +452,15 @@ class Stepper:
     ) -> list[_Event] | None:
         """Ends between two samples; None if a shorter step is needed to tell."""
         found: list[_Event] = []
-        crossed = self._crossed(a, b, step)
+        crossed = self._crossed(a, b)
         if crossed is None:
             return None
-        for margin in crossed:
-            event = self._at_border(a, b, step, margin)
+        if crossed:
+            event = self._at_border(a, b, step, *min(crossed, key=lambda each: each[1]))
             if event is None:
                 return None
             found.append(event)
-        if not found and self._dips(a, b, step):
+        elif self._dips(a, b, step):
             return None
         ends = self._at_ends(a, b, step)
         if ends is None:
@@ -485,6 +492,8 @@ class Stepper:
         if limits is None:
             return None
         found += limits
+        if found and self.order and not self._still_crosses(a, self._first(found)):
+            return None
         asked = self._at_stop(a, self._first(found).sample if found else b, step)
         if asked is None:
             return None
@@ -493,16 +502,27 @@ class Stepper:
             found += self._closing_up(a, b, start)
         return found
 
-    def _crossed(self, a: Sample, b: Sample, step: float) -> list[Margin] | None:
-        """Margins that are positive at a and negative at b; None if one was not there at a."""
+    def _crossed(self, a: Sample, b: Sample) -> list[tuple[Margin, float]] | None:
+        """Margins that are positive at a and negative at b, and where they vanish in between.
+
+        As a part of the way, by cubics. None if one of them was not there at a.
+        """
         found = []
+        scale = scales(len(a.orbit), self.settings)
+        length = float(np.linalg.norm((b.orbit.point - a.orbit.point) / scale))
+        rates = a.tangent * scale * length, b.tangent * scale * length
         for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
             for code in other.causes[other.margins < 0.0].tolist():
                 if self._on_border(i) and self.closing.code == code:  # type: ignore[attr-defined]
                     continue
-                if not one.margin(code) > 0.0:
+                before, after = one.margin(code), other.margin(code)
+                if not before > 0.0:
                     return None
-                found.append(Margin(i, code))
+                slopes = (
+                    float(image.gradient(code) @ rate[[i, -1]])
+                    for image, rate in zip((one, other), rates, strict=True)
+                )
+                found.append((Margin(i, code), _root(before, after, *slopes)))
         return found
 
     def _dips(self, a: Sample, b: Sample, step: float) -> bool:
@@ -517,11 +537,14 @@ class Stepper:
                 return True
         return False
 
-    def _at_border(self, a: Sample, b: Sample, step: float, margin: Margin) -> _Event | None:
-        """Where a margin vanishes between two samples; None if another one does so before."""
-        before = a.orbit.images[margin.index].margin(margin.code)
-        after = b.orbit.images[margin.index].margin(margin.code)
-        guess = between(a.orbit, b.orbit, before / (before - after))
+    def _at_border(
+        self, a: Sample, b: Sample, step: float, margin: Margin, part: float
+    ) -> _Event | None:
+        """Where a margin vanishes, about a part of the way from one sample to another.
+
+        None if another one does so before.
+        """
+        guess = self._on_cubic(a, b, part)
         solution = solve(guess, (self.closing, margin), self.settings)
         if solution.converged and not self._joins(a, solution.orbit, margin):
             inside = self._just_inside(a, margin)
@@ -580,6 +603,20 @@ class Stepper:
             return None
         return _Event(stop, self.sample(orbit, a.tangent), distance, margins)
 
+    def _on_cubic(self, a: Sample, b: Sample, part: float) -> Orbit:
+        """The orbit at a part of the way from one sample to another, on the cubic through both."""
+        scale = scales(len(a.orbit), self.settings)
+        chord = (b.orbit.point - a.orbit.point) / scale
+        length = float(np.linalg.norm(chord))
+        first, last = length * a.tangent, length * b.tangent
+        cubic, square = first + last - 2.0 * chord, 3.0 * chord - 2.0 * first - last
+        move = part * (first + part * (square + part * cubic)) * scale
+        x, p = a.orbit.x + move[:-1], a.orbit.p + float(move[-1])
+        images = tuple(
+            image.piece.at(float(value), p) for image, value in zip(a.orbit.images, x, strict=True)
+        )
+        return Orbit(x, p, images)
+
     def _at_ends(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
         """Ends of the span and of the window; None if one was passed and is not found."""
         found = []
@@ -587,7 +624,7 @@ class Stepper:
             one, other = float(a.orbit.point[index]), float(b.orbit.point[index])
             for end, outward in ((low, -1.0), (high, 1.0)):
                 if outward * (other - end) >= 0.0 > outward * (one - end):
-                    guess = between(a.orbit, b.orbit, (end - one) / (other - one))
+                    guess = self._on_cubic(a, b, (end - one) / (other - one))
                     condition = Coordinate(index, end)
                     solution = solve(guess, (self.closing, condition), self.settings)
                     event = self._event(a, step, stop, solution.orbit)
@@ -641,6 +678,17 @@ class Stepper:
                 return None
             found.append(event)
         return found
+
+    def _still_crosses(self, a: Sample, event: _Event) -> bool:
+        """Whether a jump crosses the diagonal until right before an event.
+
+        Where borders follow each other closely a limit may have met the diagonal unseen.
+        """
+        before = event.distance * (1.0 - self.settings.numerics.right_before)
+        if event.stop is Stop.LIMIT or before < self.settings.min_step:
+            return True
+        sample = self.advance(a, before)
+        return isinstance(sample, Sample) and sample.jump is not None and sample.jump.crosses
 
     def _at_tails(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
         """Where the orbit of a limit meets a border."""
@@ -736,6 +784,17 @@ def _along(cycle: Orbit, head: Orbit) -> Orbit:
             break
         x.append(images[-1].value)
     return Orbit(np.array(x), head.p, tuple(images))
+
+
+def _root(before: float, after: float, rise: float, rise_there: float) -> float:
+    """Where the cubic with these values and slopes, of different signs at 0 and 1, vanishes."""
+    change = after - before
+    cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
+    if not math.isfinite(cubic):
+        return before / (before - after)
+    return float(
+        brentq(lambda s: before + s * (rise + s * (square + s * cubic)), 0.0, 1.0, xtol=1e-9)
+    )
 
 
 def _angle(one: Floats, other: Floats) -> float:
