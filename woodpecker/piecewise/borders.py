@@ -88,12 +88,20 @@ def beyond(
         if found.reason or there.reason or strays(found, there, away, settings):
             there = _limit_of(found, x, p, side * away, settings.numerics)
         elif depth(there) >= -max(least, thin * away):
-            return there, nearest_code(there, -side)
+            return _beside(there, found), nearest_code(there, -side)
         code = nearest_code(there, -side)
         if away <= least:
-            return there, code
+            return _beside(there, found), code
         away *= settings.numerics.nearer
         found = map_.at(x + side * away, p)
+
+
+def _beside(there: Image, found: Image) -> Image:
+    """An image at a border whose piece goes on from right beside it.
+
+    Where two of its solutions meet at the border, as at a grazing, either might follow from there.
+    """
+    return there._replace(piece=found.piece)
 
 
 def _limit_of(image: Image, x: float, p: float, away: float, numerics: Numerics) -> Image:
@@ -103,8 +111,7 @@ def _limit_of(image: Image, x: float, p: float, away: float, numerics: Numerics)
     if closer.reason:
         return limit(image, away)
     root = is_square_root(image.slope, closer.slope, 1.0 / probe, numerics)
-    there = limit(closer, probe * away) if root else closer
-    return there._replace(piece=image.piece)  # one met at a grazing may be continued the wrong way
+    return _beside(limit(closer, probe * away) if root else closer, image)
 
 
 def limit(image: Image, away: float) -> Image:
