@@ -108,6 +108,8 @@ class Cycles:
                     changes = _changes_stability(before, mark.kind, after, self.settings)
                     persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
                     end = persists if changes else None
+                else:
+                    end = self._lost(stretch, mark.cause) or end
             if end is not None:
                 begin = self._across(stretch) if end.kind is PointKind.BC else samples[-1]
                 following = () if there is None else (begin, there)
@@ -222,6 +224,21 @@ class Cycles:
             if solution.converged and is_inside(found, Closed()) and aside <= fastest * away:
                 return self.stepper.sample(found, sign * np.eye(len(found) + 1)[-1])
         return None
+
+    def _lost(self, stretch: Stretch, cause: str) -> End | None:
+        """Where the map has no value right ahead; None if it has one.
+
+        A motion that passes by the section ever more closely returns once rounding leads it there:
+        at the border itself it seems to have a value.
+        """
+        end = stretch.samples[-1]
+        if end.tangent[-1] == 0.0:
+            return None
+        ahead = self.settings.same / abs(float(end.tangent[-1]))
+        moved_to = end.orbit.point + ahead * end.tangent * scales(len(end.orbit), self.settings)
+        images = [self.map.at(float(x), float(moved_to[-1])) for x in moved_to[:-1]]
+        reason = next((image.reason for image in images if image.reason), "")
+        return end_at(PointKind.FALL, stretch.end, reason, cause) if reason else None
 
     def _halves(self, stretch: Stretch) -> bool:
         """Whether the cycle at the end, and none before it, goes round one of smaller period."""
