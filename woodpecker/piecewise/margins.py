@@ -65,7 +65,7 @@ def lowest_dip(
         steep = -1
     elif ends[1] > numerics.steepened * max(1.0, ends[0]):
         steep = 1
-    bounds = numerics.worth, numerics.bent
+    bounds = numerics.worth, numerics.bent, numerics.rips
     part, found = _of_two(DIP, here, there, step, along, along_there, steep, bounds)
     return part if found >= 0 else None
 
@@ -83,13 +83,13 @@ def first_part(here: Image, there: Image, step: float) -> tuple[float, int]:
 def _of_one(task: int, image: Image, side: float, ignored: int = -1) -> tuple[float, int]:
     found = np.empty(1)
     a, g, c = image.margins, np.asfortranarray(image.gradients), image.causes
-    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, 0.0, 0.0)
+    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, 0.0, 0.0, 0.0)
     return found.item(), code
 
 
 def _of_two(
     task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats,
-    steep: int = 0, bounds: tuple[float, float] = (0.0, 0.0),
+    steep: int = 0, bounds: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[float, int]:  # fmt: skip
     found = np.empty(1)
     code = _margins(
@@ -104,7 +104,7 @@ def _of_two(
 def _margins(
     task: int, code: int, step: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
     slopes_there: Floats, causes_there: Ints, along: Floats, along_there: Floats, found: Floats,
-    worth: float, bent: float,
+    worth: float, bent: float, rips: float,
 ) -> int:  # fmt: skip
     """Go through the margins of one image, or of two.
 
@@ -125,7 +125,7 @@ def _margins(
         (2,) directions of the way in (x, p).
     found
         (1,) output: the distance, or the part of the way.
-    worth, bent
+    worth, bent, rips
         DIP: see :class:`woodpecker.piecewise.settings.Numerics`.
 
     Returns
@@ -152,7 +152,7 @@ def _margins(
             if s <= best:
                 best, which = s, cause
         elif here and there:
-            s, below = _dip(x, dx, y, dy, code, worth, bent)
+            s, below = _dip(x, dx, y, dy, code, worth, bent, rips)
             if below < best:
                 best, which, found[0] = below, cause, s
         elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
@@ -217,11 +217,19 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 
 @part
 def _dip(
-    a: float, da: float, b: float, db: float, steep: int, worth: float, bent: float
+    a: float, da: float, b: float, db: float, steep: int, worth: float, bent: float, rips: float
 ) -> tuple[float, float]:
-    """Where on the way a margin is least, and how far below what is worth a look."""
+    """Where on the way a margin is least, and how far below what is worth a look.
+
+    One that falls at both ends, and much less from end to end, is torn in between: there the word
+    may hold on two sets, with other event times in each, and with other words between them.
+    """
     worth *= min(a, b)
-    if not (da < 0.0 < db) or min(a + da / 3.0, b - db / 3.0) >= worth:  # its control points
+    if da * db > 0.0 and min(a + da, b - db) < 0.0:
+        chord = b - a if da > 0.0 else a - b
+        if chord < rips * min(abs(da), abs(db)):
+            return 0.5, -worth
+    if min(a + da / 3.0, b - db / 3.0) >= worth:  # its control points
         return 0.0, 0.0
     if (steep > 0 and db > bent * (abs(b - a) - da)) or (
         steep < 0 and -da > bent * (abs(b - a) + db)
@@ -232,6 +240,11 @@ def _dip(
         s = (1.0 - u) ** 2
         return (1.0 - s if steep > 0 else s), near + u * (rate + u * bend) - worth
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
-    root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
-    s = min(1.0, -da / max(c2 + root, -da))  # where the cubic's slope vanishes
+    root = c2 * c2 - 3.0 * c3 * da
+    if root <= 0.0:
+        return 0.0, 0.0  # it has no minimum
+    root = math.sqrt(root)
+    s = -da / (c2 + root) if c2 >= 0.0 else (root - c2) / (3.0 * c3) if c3 != 0.0 else 0.0
+    if not 0.0 < s < 1.0:
+        return 0.0, 0.0
     return s, a + s * (da + s * (c2 + s * c3)) - worth

@@ -792,9 +792,7 @@ def _root(before: float, after: float, rise: float, rise_there: float) -> float:
     cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
     if not math.isfinite(cubic):
         return before / (before - after)
-    return float(
-        brentq(lambda s: before + s * (rise + s * (square + s * cubic)), 0.0, 1.0, xtol=1e-9)
-    )
+    return float(brentq(lambda s: before + s * (rise + s * (square + s * cubic)), 0.0, 1.0))
 
 
 def _angle(one: Floats, other: Floats) -> float:
