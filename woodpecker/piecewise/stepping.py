@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.jumps import Jump, jump_of
+from woodpecker.piecewise.jumps import Jump, continued, jump_of
 from woodpecker.piecewise.margins import depth, lowest_dip
 from woodpecker.piecewise.orbits import (
     SPACING,
@@ -653,11 +653,12 @@ class Stepper:
             return None
         nearest = min(found, key=lambda distance: abs(distance - root))
         values = [abs(test.value(found[distance])) for distance in (0.0, nearest, step)]
-        return (
-            [_Event(test.stop, found[nearest], nearest)]
-            if 2.0 * values[1] <= min(values[::2])
-            else []
-        )
+        if 2.0 * values[1] > min(values[::2]):
+            return []
+        there = found[nearest]
+        if a.jump is not None and test.stop is Stop.FOLD:
+            there = replace(there, jump=continued(self.map, a.jump, there.orbit))
+        return [_Event(test.stop, there, nearest)]
 
     def _at_diagonal(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
         """Where a limit of a jump meets the diagonal: there the orbit of the jump closes."""
