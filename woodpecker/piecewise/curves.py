@@ -192,14 +192,19 @@ def _curve(
     for k, sample in enumerate(samples):
         keys = keys_of(sample.orbit, sample.jump)
         if not words or keys != words[-1].keys:
-            text = word_of(sample.orbit) if sample.jump is None else sample.jump.word
-            words.append(Word(k, text, keys))
+            words.append(Word(k, _text(sample), keys))
+        elif k == 1:  # where a branch of jumps begins by turning round its pieces have no sides
+            words[0] = Word(0, _text(sample), keys)
     return Curve(
         kind=kind, order=order, parameter=np.array([s.orbit.p for s in samples]),
         points=tuple(s.orbit.x for s in samples),
         multiplier=np.array([np.nan if jumps else s.orbit.multiplier for s in samples]),
         words=tuple(words), marks=marks, ends=ends,
     )  # fmt: skip
+
+
+def _text(sample: Sample) -> str:
+    return word_of(sample.orbit) if sample.jump is None else sample.jump.word
 
 
 def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:

@@ -315,11 +315,20 @@ class Stepper:
             yield Stop.WINDOW, i, self.settings.window
 
     def _first(self, events: list[_Event]) -> _Event:
-        """The event that comes first; at the end of the span or of the window nothing else does."""
+        """The event that comes first; at the end of the span or of the window nothing else does.
+
+        Of margins that vanish at once it is the one that belongs to the earliest of what happens,
+        not the one that rounding puts first.
+        """
         first = min(event.distance for event in events)
         near = [event for event in events if event.distance <= first + self.settings.same]
         ends = [event for event in near if event.stop in (Stop.SPAN, Stop.WINDOW)]
-        return (ends or sorted(near, key=lambda event: event.distance))[0]
+        if ends:
+            return ends[0]
+        at_once = [event for event in near if event.distance <= first + self.settings.nearest]
+        if all(event.margins and event.stop is at_once[0].stop for event in at_once):
+            return min(at_once, key=lambda event: (event.margins[0].index, event.margins[0].code))
+        return min(near, key=lambda event: event.distance)
 
     def _is_first(self, event: _Event) -> bool:
         """Whether no margin but those of an event has vanished before it.
