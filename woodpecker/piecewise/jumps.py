@@ -8,7 +8,7 @@ diagonal if they lie on different sides of x_0.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -163,5 +163,7 @@ def continued(map_: PiecewiseMap, jump: Jump, head: Orbit) -> Jump:
     if beyond_it.reason:
         return jump
     returns = jump.order - len(head)
-    limits = (limit_of(map_, image, returns, head.p) for image in (head.images[-1], beyond_it))
-    return Jump(head, jump.closing, jump.order, *limits, jump.outer_code)
+    inner, outer = (
+        limit_of(map_, image, returns, head.p) for image in (head.images[-1], beyond_it)
+    )
+    return replace(jump, head=head, inner=inner, outer=outer)
