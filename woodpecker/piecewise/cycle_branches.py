@@ -185,10 +185,7 @@ class Cycles:
         if kind is BorderKind.LOST or border.outer_code < 0:
             return stretch
         jumps = kind is BorderKind.JUMP
-        least = self.settings.numerics.noise * self.settings.converged * self.settings.x_scale
-        if steep <= rooted * max(1.0, abs(border.outer.slope)) or (
-            jumps and abs(border.jump) > least * steep
-        ):
+        if steep <= rooted * max(1.0, abs(border.outer.slope)) and not jumps:
             return stretch
         beyond_it = Orbit(orbit.x, orbit.p, replaced(orbit.images, i, border.outer))
         root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
