@@ -65,7 +65,7 @@ def lowest_dip(
         steep = -1
     elif ends[1] > numerics.steepened * max(1.0, ends[0]):
         steep = 1
-    bounds = numerics.worth, numerics.bent, numerics.rips
+    bounds = numerics.worth, numerics.bent, numerics.third, numerics.third_of_slope
     part, found = _of_two(DIP, here, there, step, along, along_there, steep, bounds)
     return part if found >= 0 else None
 
@@ -83,13 +83,13 @@ def first_part(here: Image, there: Image, step: float) -> tuple[float, int]:
 def _of_one(task: int, image: Image, side: float, ignored: int = -1) -> tuple[float, int]:
     found = np.empty(1)
     a, g, c = image.margins, np.asfortranarray(image.gradients), image.causes
-    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, 0.0, 0.0, 0.0)
+    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, 0.0, 0.0, 0.0, 0.0)
     return found.item(), code
 
 
 def _of_two(
     task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats,
-    steep: int = 0, bounds: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    steep: int = 0, bounds: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
 ) -> tuple[float, int]:  # fmt: skip
     found = np.empty(1)
     code = _margins(
@@ -104,7 +104,7 @@ def _of_two(
 def _margins(
     task: int, code: int, step: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
     slopes_there: Floats, causes_there: Ints, along: Floats, along_there: Floats, found: Floats,
-    worth: float, bent: float, rips: float,
+    worth: float, bent: float, third: float, of_slope: float,
 ) -> int:  # fmt: skip
     """Go through the margins of one image, or of two.
 
@@ -125,7 +125,7 @@ def _margins(
         (2,) directions of the way in (x, p).
     found
         (1,) output: the distance, or the part of the way.
-    worth, bent, rips
+    worth, bent, third, of_slope
         DIP: see :class:`woodpecker.piecewise.settings.Numerics`.
 
     Returns
@@ -152,7 +152,7 @@ def _margins(
             if s <= best:
                 best, which = s, cause
         elif here and there:
-            s, below = _dip(x, dx, y, dy, code, worth, bent, rips)
+            s, below = _dip(x, dx, y, dy, code, worth, bent, third, of_slope)
             if below < best:
                 best, which, found[0] = below, cause, s
         elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
@@ -217,18 +217,21 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 
 @part
 def _dip(
-    a: float, da: float, b: float, db: float, steep: int, worth: float, bent: float, rips: float
-) -> tuple[float, float]:
+    a: float, da: float, b: float, db: float, steep: int, worth: float, bent: float, third: float,
+    of_slope: float,
+) -> tuple[float, float]:  # fmt: skip
     """Where on the way a margin is least, and how far below what is worth a look.
 
-    One that falls at both ends, and much less from end to end, is torn in between: there the word
-    may hold on two sets, with other event times in each, and with other words between them.
+    A cubic that bends by more than the smaller end, and more than its slopes are large, is not to
+    be trusted: the word may hold on two sets there, with other event times and words between them.
     """
     worth *= min(a, b)
-    if da * db > 0.0 and min(a + da, b - db) < 0.0:
-        chord = b - a if da > 0.0 else a - b
-        if chord < rips * min(abs(da), abs(db)):
-            return 0.5, -worth
+    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
+    root_like = (steep > 0 and abs(db) > bent * (abs(b - a) + abs(da))) or (
+        steep < 0 and abs(da) > bent * (abs(b - a) + abs(db))
+    )
+    if not root_like and abs(c3) > max(third * min(a, b), of_slope * max(abs(da), abs(db))):
+        return 0.5, -worth
     if min(a + da / 3.0, b - db / 3.0) >= worth:  # its control points
         return 0.0, 0.0
     if (steep > 0 and db > bent * (abs(b - a) - da)) or (
@@ -239,7 +242,6 @@ def _dip(
         u = min(1.0, -rate / (2.0 * bend)) if bend > 0.0 else 1.0
         s = (1.0 - u) ** 2
         return (1.0 - s if steep > 0 else s), near + u * (rate + u * bend) - worth
-    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     root = c2 * c2 - 3.0 * c3 * da
     if root <= 0.0:
         return 0.0, 0.0  # it has no minimum

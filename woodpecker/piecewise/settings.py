@@ -90,9 +90,9 @@ class Numerics:
         Where a slope is so many times that at the other end of a step, and a margin's slope so many
         times what the margin changes, that end lies beside a square root, and the margin is a
         parabola in the root of the distance.
-    rips
-        A margin that changes from end to end of a step by less than this part of what its slopes at
-        both of them say is torn in between.
+    third, third_of_slope
+        The cubic of a margin whose third power is so many times the smaller end, and such a part of
+        the larger slope, may hide a zero: along a branch that is followed well it is small.
     ahead
         Part of the way to a border that a step over it has: to first order it lies there.
     both
@@ -179,7 +179,8 @@ class Numerics:
     worth: float = 0.25
     steepened: float = 100.0
     bent: float = 10.0
-    rips: float = 0.5
+    third: float = 2.0
+    third_of_slope: float = 0.5
     ahead: float = 1.25
     both: float = 16.0
     split: float = 0.125

@@ -469,7 +469,11 @@ class Stepper:
             if event is None:
                 return None
             found.append(event)
-        elif self._dips(a, b, step):
+        until, way, own = b, step, tuple[Margin, ...]()
+        if found:
+            event = self._first(found)
+            until, way, own = event.sample, event.distance, event.margins
+        if way > 0.0 and self._dips(a, until, way, own):
             return None
         ends = self._at_ends(a, b, step)
         if ends is None:
@@ -534,14 +538,15 @@ class Stepper:
                 found.append((Margin(i, code), _root(before, after, *slopes)))
         return found
 
-    def _dips(self, a: Sample, b: Sample, step: float) -> bool:
-        """Whether a margin may vanish between two samples at which it is positive."""
+    def _dips(self, a: Sample, b: Sample, step: float, own: tuple[Margin, ...]) -> bool:
+        """Whether a margin, but those that vanish at the second, may vanish between two samples."""
         scale = scales(len(a.orbit), self.settings)
         ends = a.tangent * scale, b.tangent * scale
         for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
             along, there = (np.array([end[i], end[-1]]) for end in ends)
-            if isinstance(self.closing, Margin) and self.closing.index == i:
-                one, other = one.without(self.closing.code), other.without(self.closing.code)
+            vanishing = (*own, self.closing) if isinstance(self.closing, Margin) else own
+            for code in (margin.code for margin in vanishing if margin.index == i):
+                one, other = one.without(code), other.without(code)
             if lowest_dip(one, other, step, along, there, self.settings.numerics) is not None:
                 return True
         return False
