@@ -59,14 +59,8 @@ def lowest_dip(
     the distance from there; a minimum that takes away most of it is worth a look. So is the middle
     if a margin that only one of the points has leads below zero.
     """
-    ends = abs(here.slope), abs(there.slope)
-    steep = 0
-    if ends[0] > numerics.steepened * max(1.0, ends[1]):
-        steep = -1
-    elif ends[1] > numerics.steepened * max(1.0, ends[0]):
-        steep = 1
     bounds = numerics.worth, numerics.bent, numerics.third, numerics.third_of_slope
-    part, found = _of_two(DIP, here, there, step, along, along_there, steep, bounds)
+    part, found = _of_two(DIP, here, there, step, along, along_there, bounds)
     return part if found >= 0 else None
 
 
@@ -89,11 +83,11 @@ def _of_one(task: int, image: Image, side: float, ignored: int = -1) -> tuple[fl
 
 def _of_two(
     task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats,
-    steep: int = 0, bounds: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+    bounds: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
 ) -> tuple[float, int]:  # fmt: skip
     found = np.empty(1)
     code = _margins(
-        task, steep, step, here.margins, np.asfortranarray(here.gradients), here.causes,
+        task, -1, step, here.margins, np.asfortranarray(here.gradients), here.causes,
         there.margins, np.asfortranarray(there.gradients), there.causes, along, along_there, found,
         *bounds,
     )  # fmt: skip
@@ -113,8 +107,7 @@ def _margins(
     task
         REACH, NEAREST, DEPTH: of the first image; DIP, FIRST: of both.
     code
-        DEPTH: a margin that does not count; DIP: whether slopes are those beside a square root at
-        the first point (-1) or the second (1).
+        DEPTH: a margin that does not count.
     step
         REACH, NEAREST: the side; DIP, FIRST: the way from one point to the other.
     a, slopes, causes
@@ -152,7 +145,7 @@ def _margins(
             if s <= best:
                 best, which = s, cause
         elif here and there:
-            s, below = _dip(x, dx, y, dy, code, worth, bent, third, of_slope)
+            s, below = _dip(x, dx, y, dy, worth, bent, third, of_slope)
             if below < best:
                 best, which, found[0] = below, cause, s
         elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
@@ -217,7 +210,7 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 
 @part
 def _dip(
-    a: float, da: float, b: float, db: float, steep: int, worth: float, bent: float, third: float,
+    a: float, da: float, b: float, db: float, worth: float, bent: float, third: float,
     of_slope: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Where on the way a margin is least, and how far below what is worth a look.
@@ -227,21 +220,17 @@ def _dip(
     """
     worth *= min(a, b)
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
-    root_like = (steep > 0 and abs(db) > bent * (abs(b - a) + abs(da))) or (
-        steep < 0 and abs(da) > bent * (abs(b - a) + abs(db))
-    )
-    if not root_like and abs(c3) > max(third * min(a, b), of_slope * max(abs(da), abs(db))):
+    slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))
+    if fast > bent * (abs(b - a) + slow):  # that of a square root: a parabola in its argument
+        near, rate, far = (a, 2.0 * da, b) if fast == abs(db) else (b, -2.0 * db, a)
+        bend = far - near - rate
+        u = min(1.0, -rate / (2.0 * bend)) if bend > 0.0 > rate else 1.0
+        s = (1.0 - u) ** 2
+        return (1.0 - s if fast == abs(db) else s), near + u * (rate + u * bend) - worth
+    if abs(c3) > max(third * min(a, b), of_slope * fast):
         return 0.5, -worth
     if min(a + da / 3.0, b - db / 3.0) >= worth:  # its control points
         return 0.0, 0.0
-    if (steep > 0 and db > bent * (abs(b - a) - da)) or (
-        steep < 0 and -da > bent * (abs(b - a) + db)
-    ):
-        near, rate, far = (a, 2.0 * da, b) if steep > 0 else (b, -2.0 * db, a)
-        bend = far - near - rate
-        u = min(1.0, -rate / (2.0 * bend)) if bend > 0.0 else 1.0
-        s = (1.0 - u) ** 2
-        return (1.0 - s if steep > 0 else s), near + u * (rate + u * bend) - worth
     root = c2 * c2 - 3.0 * c3 * da
     if root <= 0.0:
         return 0.0, 0.0  # it has no minimum

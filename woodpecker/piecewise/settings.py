@@ -86,10 +86,9 @@ class Numerics:
     worth
         A margin that falls, between two samples, below this part of its smaller end is looked at
         there: a cubic is well within that.
-    steepened, bent
-        Where a slope is so many times that at the other end of a step, and a margin's slope so many
-        times what the margin changes, that end lies beside a square root, and the margin is a
-        parabola in the root of the distance.
+    bent
+        A margin's slope at one end of a step that is so many times its change and its slope at the
+        other end is that beside a square root.
     third, third_of_slope
         The cubic of a margin whose third power is so many times the smaller end, and such a part of
         the larger slope, may hide a zero: along a branch that is followed well it is small.
@@ -177,7 +176,6 @@ class Numerics:
     blurred: float = 1e-4
     crossing: float = 1e-6
     worth: float = 0.25
-    steepened: float = 100.0
     bent: float = 10.0
     third: float = 2.0
     third_of_slope: float = 0.5
