@@ -227,15 +227,13 @@ def _dip(
         u = min(1.0, -rate / (2.0 * bend)) if bend > 0.0 > rate else 1.0
         s = (1.0 - u) ** 2
         return (1.0 - s if fast == abs(db) else s), near + u * (rate + u * bend) - worth
+    root = c2 * c2 - 3.0 * c3 * da
+    if root > 0.0 and min(a + da / 3.0, b - db / 3.0) < worth:  # its control points
+        root = math.sqrt(root)
+        s = -da / (c2 + root) if c2 >= 0.0 else (root - c2) / (3.0 * c3) if c3 != 0.0 else 0.0
+        least = a + s * (da + s * (c2 + s * c3))
+        if 0.0 < s < 1.0 and least < worth:
+            return s, least - worth
     if abs(c3) > max(third * min(a, b), of_slope * fast):
         return 0.5, -worth
-    if min(a + da / 3.0, b - db / 3.0) >= worth:  # its control points
-        return 0.0, 0.0
-    root = c2 * c2 - 3.0 * c3 * da
-    if root <= 0.0:
-        return 0.0, 0.0  # it has no minimum
-    root = math.sqrt(root)
-    s = -da / (c2 + root) if c2 >= 0.0 else (root - c2) / (3.0 * c3) if c3 != 0.0 else 0.0
-    if not 0.0 < s < 1.0:
-        return 0.0, 0.0
-    return s, a + s * (da + s * (c2 + s * c3)) - worth
+    return 0.0, 0.0
