@@ -50,16 +50,18 @@ def is_within(image: Image) -> bool:
 
 def lowest_dip(
     here: Image, there: Image, step: float, along: Floats, along_there: Floats,
-    numerics: Numerics,
+    numerics: Numerics, trusted: bool = False,
 ) -> float | None:  # fmt: skip
     """Where between two points a margin may come closest to zero, as a part of the way; or None.
 
     Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
     between, or, where its slope at one end is that beside a square root, a parabola in the root of
     the distance from there; a minimum that takes away most of it is worth a look. So is the middle
-    if a margin that only one of the points has leads below zero.
+    if a margin that only one of the points has leads below zero, and, unless cubics are trusted, if
+    one of them bends too much to be sure.
     """
-    bounds = numerics.worth, numerics.bent, numerics.third, numerics.third_of_slope
+    third = math.inf if trusted else numerics.third
+    bounds = numerics.worth, numerics.bent, third, numerics.third_of_slope
     part, found = _of_two(DIP, here, there, step, along, along_there, bounds)
     return part if found >= 0 else None
 

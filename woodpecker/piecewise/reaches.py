@@ -98,7 +98,7 @@ def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Miss
         if there is None:
             break
         way = there.x - here.x
-        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X, settings.numerics)
+        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X, settings.numerics, trusted=True)
         if dip is None or not least < dip * abs(way) < abs(way) - least:
             dip = missing(here, there)
         if least < dip * abs(way) < abs(way) - least:

@@ -79,7 +79,8 @@ class Numerics:
         Part of a step that is tried next if the map takes another piece at its end.
     blurred
         A step, scaled, on which a limit of a jump may change its pieces without a border being
-        found: there are infinitely many in such places.
+        found, and on which cubics of margins are trusted: where that small steps do not show what
+        happens there are infinitely many pieces.
     crossing
         Part of a step to which a branch point is located: there the equations are singular, and
         rounding moves an orbit by its root.

@@ -540,14 +540,16 @@ class Stepper:
 
     def _dips(self, a: Sample, b: Sample, step: float, own: tuple[Margin, ...]) -> bool:
         """Whether a margin, but those that vanish at the second, may vanish between two samples."""
-        scale = scales(len(a.orbit), self.settings)
-        ends = a.tangent * scale, b.tangent * scale
+        scale, numerics = scales(len(a.orbit), self.settings), self.settings.numerics
+        ends, trusted = (a.tangent * scale, b.tangent * scale), step <= numerics.blurred
+        if self.order and trusted:
+            return False  # where a jump is does not depend on how often its piece changes
         for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
             along, there = (np.array([end[i], end[-1]]) for end in ends)
             vanishing = (*own, self.closing) if isinstance(self.closing, Margin) else own
             for code in (margin.code for margin in vanishing if margin.index == i):
                 one, other = one.without(code), other.without(code)
-            if lowest_dip(one, other, step, along, there, self.settings.numerics) is not None:
+            if lowest_dip(one, other, step, along, there, numerics, trusted) is not None:
                 return True
         return False
 

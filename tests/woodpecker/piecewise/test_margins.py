@@ -70,15 +70,17 @@ def test_a_minimum_that_takes_little_away_is_none() -> None:
 def test_a_margin_that_is_torn_is_looked_at() -> None:
     """0.19 - 1.3 s up to 0.22, then 1.47 - 1.1 s: it falls at both ends, below zero in between."""
     ends = image({4: (0.19, -1.3)}), image({4: (0.37, -1.1)})
-    assert lowest_dip(*ends, 1.0, IN_X, IN_X) == 0.5
+    assert lowest_dip(*ends, 1.0, IN_X, IN_X, NUMERICS) == 0.5
     large = image({4: (19.0, -1.3)}), image({4: (19.18, -1.1)})
-    assert lowest_dip(*large, 1.0, IN_X, IN_X) is None  # as little as if it is far from zero
+    assert (
+        lowest_dip(*large, 1.0, IN_X, IN_X, NUMERICS) is None
+    )  # as little as if it is far from zero
 
 
 def test_a_margin_that_falls_and_rises_and_falls() -> None:
     """1/2 - 5 s + 11 s^2 - 6 s^3 falls at both ends; its minimum is -0.17 at 0.31."""
     ends = image({4: (0.5, -5.0)}), image({4: (0.5, -1.0)})
-    where = lowest_dip(*ends, 1.0, IN_X, IN_X)
+    where = lowest_dip(*ends, 1.0, IN_X, IN_X, NUMERICS)
     assert where == pytest.approx((11.0 - 31.0**0.5) / 18.0, abs=NEAR)
 
 
