@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import interval
 from woodpecker.base.executors import Serial
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.diagrams import cycle_near, restored
+from woodpecker.piecewise.diagrams import cycle_near, orders_with, restored
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.search import Explorer, Progress
 from woodpecker.piecewise.settings import Settings
@@ -29,6 +30,7 @@ def continuation(
     parameter: str = "eps_n1",
     span: tuple[float, float] = (0.0, 1.0),
     *,
+    orders: Sequence[int] | None = None,
     settings: Settings | None = None,
     stop: StopRule | None = None,
     progress: Progress | None = None,
@@ -47,6 +49,10 @@ def continuation(
     parameter, span
         Parameter of the toy and its interval. Where the toy cannot have all of these values,
         branches end at the last that it can have.
+    orders
+        The iterates of which branches are followed, the minimal period of the orbit among them; by
+        default no other. Where P_n flips the doubled branch starts if 2 n is one of them, and jump
+        branches of all of them start at collisions.
     settings
         Steps, window and tolerances; the span is taken from ``span``. By default the window is
         (-2.5, -0.24) rad.
@@ -66,15 +72,14 @@ def continuation(
     Returns
     -------
     Diagram
-        Fixed-point and jump branches of P_j with their special points, j being the minimal period
-        of the orbit; ``given`` says under which law of impact, and how derivatives in the parameter
-        were found.
+        Fixed-point and jump branches of these iterates with their special points; ``given`` says
+        under which law of impact, and how derivatives in the parameter were found.
 
     Raises
     ------
     ValueError
-        If the orbit did not converge or is one of another toy, span or window do not hold it, or
-        there is no such run to resume.
+        If the orbit did not converge or is one of another toy, span, window or orders do not hold
+        it, or there is no such run to resume.
     TypeError
         If the parameter is unknown, or the settings are no :class:`Settings`.
     """
@@ -88,15 +93,17 @@ def continuation(
         raise ValueError(f"span must hold {parameter} = {p} of the toy, got {wanted}")
     chosen = settings_for(settings, span=possible(toy, parameter, wanted))
     start = _start(map_, orbit, chosen)
-    run_of = about(toy, parameter, chosen, wanted) | {AT: p, START: orbit.points}
+    followed = orders_with(start, orders)
+    run_of = about(toy, parameter, chosen, wanted) | {
+        AT: p, START: orbit.points, "orders": followed
+    }  # fmt: skip
     with recorded(run, run_of, resume) as record:
         explorer = Explorer(
-            map_, Serial(Worker(map_, chosen, stop)), chosen, (len(start),), progress or nothing,
-            record,
+            map_, Serial(Worker(map_, chosen, stop)), chosen, followed, progress or nothing, record,
         )  # fmt: skip
         if record is not None and record.entries:
             restored(explorer, record, map_)
-            explorer.go_on()
+            explorer.finish()
         else:
             explorer.follow(start)
     return finished(explorer.network.diagram(parameter, "phi_s"), toy, wanted, chosen)

@@ -55,6 +55,13 @@ def diagram(
         str | None,
         option("Every branch of these iterates, such as 1,2, not one motion's only."),
     ] = None,
+    also: Annotated[
+        str | None,
+        option(
+            "Iterates, such as 2,4, to follow beside the motion's own: at a flip the doubled "
+            "branch starts."
+        ),
+    ] = None,
     window: Window = WINDOW,
     step: Annotated[float, option("Largest step along a branch, in arclength.")] = 0.02,
     resume: Annotated[
@@ -87,12 +94,15 @@ def diagram(
     known_parameter(parameter)
     places = _places(names)
     wanted = _orders(orders) if orders is not None else None
+    beside = _orders(also, "--also") if also is not None else []
+    if beside and wanted is not None:
+        raise ValueError("--also follows one motion, --orders every branch: take one of them")
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     target = folder(out)  # all else that can be wrong was looked at
     keep: dict[str, Any] = {"run": target / RUN, "resume": resume, "settings": settings}
     if wanted is None:
-        search = _of_motion(toy, phi_s, order, parameter, keep)
+        search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})
     else:
         search = _of_orders(toy, wanted, parameter, workers, keep)
     found = _searched(search, parameter, target / RUN)
@@ -122,6 +132,7 @@ _Search = Callable[[Progress], _Searched]
 def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
     """How to find what hangs together with one motion."""
     orbit = motion(toy, phi_s, order)
+    keep = keep | {"orders": (orbit.minimal_period, *keep["orders"])}
     summary = orbit.message if orbit.minimal_period < orbit.order else ""
 
     def search(show: Progress) -> _Searched:
@@ -215,8 +226,8 @@ def _places(text: str) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _orders(text: str) -> list[int]:
+def _orders(text: str, name: str = "--orders") -> list[int]:
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:
-        raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None
+        raise ValueError(f"{name} needs integers such as 1,2,3, got {text!r}") from None

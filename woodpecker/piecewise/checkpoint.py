@@ -1,4 +1,4 @@
-"""What the checkpoint of a run holds: curves, and which collisions and slices are finished.
+"""What the checkpoint of a run holds: curves, and which special points and slices are finished.
 
 A network is followed by what it has added, in order; adding it again puts it back where it was. The
 pieces of a cycle that meets a jump are no data: the map is asked for them, right inside the border.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import json
 import os
+from collections import deque
 from collections.abc import Callable, Hashable, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.search import Past, Seen
 from woodpecker.piecewise.settings import Settings
 
-CURVES, DONE, SLICE = "curves", "done", "slice"  # kinds of entries, by their first key
+CURVES, DONE, SWITCHED, SLICE = "curves", "done", "switched", "slice"  # kinds of entries
 VERSION = 4  # of the lines below; raised when older code would misread them
 Rebuild = Callable[[Entry], Collision | None]
 
@@ -50,9 +51,9 @@ class Record:
         """Keep the curves that a task has come to."""
         self._file.write({CURVES: [_of_curve(curve) for curve in curves]})
 
-    def done(self, met: Collision) -> None:
-        """Keep that all that starts at the next collision was followed."""
-        self._file.write({DONE: met.orbit.p})
+    def done(self, met: Collision | End) -> None:
+        """Keep that all that starts at the next special point was followed."""
+        self._file.write({DONE if isinstance(met, Collision) else SWITCHED: met.p})
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed."""
@@ -98,20 +99,23 @@ def restore(
                 raise ValueError(f"{Path(path)}, line {line}: {error}") from None
             for curve in curves:
                 network.add(curve)
-        elif network.waiting:
-            network.waiting.popleft()
         else:
-            raise ValueError(
-                f"{Path(path)}, line {line}: nothing is left to follow at {entry[DONE]}"
-            )
+            kind = DONE if DONE in entry else SWITCHED
+            waiting: deque[Any] = network.waiting if kind == DONE else network.switches
+            if not waiting:
+                raise ValueError(
+                    f"{Path(path)}, line {line}: nothing is left to follow at {entry[kind]}"
+                )
+            waiting.popleft()
     return Past(tuple(slices), tuple(curve.order for curve in network.curves[known:]))
 
 
 def check_entry(entry: Entry) -> None:
     """Raise one of the errors of a lookup unless an entry is what :class:`Record` writes."""
-    if DONE in entry:
-        checked_number(entry[DONE])
-        return
+    for kind in (DONE, SWITCHED):
+        if kind in entry:
+            checked_number(entry[kind])
+            return
     if SLICE in entry:
         _slice(entry[SLICE])
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, beyond
 from woodpecker.piecewise.orbits import (
+    Closed,
     Condition,
     Coordinate,
     Distance,
@@ -17,12 +19,13 @@ from woodpecker.piecewise.orbits import (
     Orbit,
     moved,
     orbit_of,
+    residuals,
     scales,
     solve,
     tangent,
 )
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.stepping import Sample
 
 
@@ -45,20 +48,41 @@ def cycle_at_border(
 ) -> Orbit | None:  # fmt: skip
     """A cycle by its places, with the pieces that the map takes there.
 
-    One of its points lies on a border of the piece of a key, which is met right inside of it. None
-    if the map has no such border.
+    One of its points lies on a border of the piece of a key, which is met right inside of it. Where
+    borders meet that piece may be a wedge that is seen at other parameters only. None if the map
+    has no such border.
     """
     pieces = [map_.at(float(each), p).piece for each in x]
-    away, on = settings.beside * settings.x_scale, margin.index
-    while away >= settings.nearest * settings.x_scale:
-        pieces[on] = map_.at(float(x[on]) + side * away, p).piece
-        orbit = orbit_of(pieces, x, p)
-        image = orbit.images[on]
-        off = settings.same * settings.x_scale * abs(image.gradient(margin.code)[0])
-        if orbit.defined and image.piece.key == key and abs(image.margin(margin.code)) <= off:
-            return orbit
+    on, closer = margin.index, list[float]()
+    away = settings.beside
+    while away >= settings.nearest:
+        closer.append(away)
         away *= settings.numerics.nearer
+    for angle in _angles(settings.numerics):
+        dx, dp = side * math.cos(angle) * settings.x_scale, math.sin(angle) * settings.p_scale
+        for away in closer:
+            pieces[on] = map_.at(float(x[on]) + away * dx, p + away * dp).piece
+            orbit = orbit_of(pieces, x, p)
+            if pieces[on].key == key and _is_at_border(orbit, margin, settings):
+                return orbit
     return None
+
+
+def _angles(numerics: Numerics) -> list[float]:
+    """Angles [rad], from the way into a piece, at which a wedge of it is looked for."""
+    apart, most = 2.0 * math.pi / numerics.fan, (numerics.fan - 1) // 4
+    return [0.0, *(sign * k * apart for k in range(1, most + 1) for sign in (1.0, -1.0))]
+
+
+def _is_at_border(orbit: Orbit, margin: Margin, settings: Settings) -> bool:
+    """Whether an orbit is a cycle, and a margin vanishes there."""
+    if not orbit.defined:
+        return False
+    image = orbit.images[margin.index]
+    away = settings.same * settings.x_scale * abs(image.gradient(margin.code)[0])
+    off = float(np.abs(residuals(orbit, (Closed(),))).max())
+    same = max(settings.jump, settings.nearest * max(abs(i.slope) for i in orbit.images))
+    return abs(image.margin(margin.code)) <= away and not off > same * settings.x_scale
 
 
 def restart(

@@ -13,6 +13,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.piecewise.borders import Border, BorderKind
+from woodpecker.piecewise.branch_points import conditions, directions
 from woodpecker.piecewise.crossings import border_at, is_inside, replaced, restart
 from woodpecker.piecewise.curves import (
     Curve,
@@ -25,6 +26,7 @@ from woodpecker.piecewise.curves import (
 )
 from woodpecker.piecewise.ends import End, end_at, end_of, folded, given_up_or_left, located_to
 from woodpecker.piecewise.jump_branches import collision
+from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import (
     Closed,
     Coordinate,
@@ -133,6 +135,8 @@ class Cycles:
             met = collision(self.map, orbit, margin, border, self.settings)
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
+        if there is not None and self._period(there.orbit) < self._period(stretch.samples[0].orbit):
+            return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
         if there is None:
             met = collision(self.map, orbit, margin, border, self.settings)
             if any(note for _, note in met.kinds):  # the jump vanishes just where a cycle meets it
@@ -206,6 +210,8 @@ class Cycles:
         x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
         sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
         away, limit = self.settings.same, high if sign > 0.0 else low
+        if self._jumps_unseen(end):
+            return None
         fastest = self.settings.numerics.fastest
         p, slope = end.orbit.p, end.tangent[:-1] * x_scale / (end.tangent[-1] * p_scale)
         while away <= self.settings.max_step and p != limit:
@@ -237,13 +243,28 @@ class Cycles:
         reason = next((image.reason for image in images if image.reason), "")
         return end_at(PointKind.FALL, stretch.end, reason, cause) if reason else None
 
+    def _jumps_unseen(self, end: Sample) -> bool:
+        """Whether the map jumps beyond a sample, though the margins of its pieces are positive."""
+        there = self.stepper.ahead(end, self.settings.same)
+        for x, image in zip(there.x.tolist(), there.images, strict=True):
+            other = self.map.at(x, there.p)
+            if image.reason or other.reason or other.piece.key == image.piece.key:
+                continue
+            steepest = max(abs(image.slope), abs(other.slope))
+            same = max(self.settings.jump, self.settings.nearest * steepest)
+            jumps = abs(other.value - image.value) > same * self.settings.x_scale
+            if jumps and depth(image) > self.settings.beside * self.settings.x_scale:
+                return True
+        return False
+
     def _halves(self, stretch: Stretch) -> bool:
         """Whether the cycle at the end, and none before it, goes round one of smaller period."""
-        first, last = (
-            minimal_period(s.orbit, self.settings)
-            for s in (stretch.samples[0], stretch.samples[-1])
-        )
-        return last < first
+        ends = stretch.stop in (Stop.BRANCHING, Stop.BORDER)
+        return ends and self._period(stretch.end) < self._period(stretch.samples[0].orbit)
+
+    def _period(self, orbit: Orbit) -> int:
+        """The minimal period, of points that are one to rounding."""
+        return minimal_period(orbit, self.settings, self.settings.same)
 
     def _end(self, stretch: Stretch) -> End:
         kinds = {
@@ -256,7 +277,12 @@ class Cycles:
         if self._halves(stretch):  # a branch of doubled period folds where it began
             kind, cause = PointKind.PD, Stop.FLIP.value
         end = end_at(kind, stretch.end, cause=cause)
-        return folded(end, stretch.end, Closed(), self.settings) if kind is PointKind.LP else end
+        if kind is PointKind.LP:
+            return folded(end, stretch.end, Closed(), self.settings)
+        if stretch.stop is Stop.BRANCHING and directions(stretch.end, self.settings):
+            at = located_to(stretch.end, conditions(self.settings), self.settings)
+            return replace(end, precision=at)
+        return end
 
 
 def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:

@@ -14,7 +14,7 @@ from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler
 from woodpecker.piecewise.checkpoint import Record, restore
-from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, orbit_of, solve
+from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.piecewise.search import Explorer, Past, Progress, Search, Seen, complete
 from woodpecker.piecewise.settings import Settings
@@ -77,11 +77,14 @@ def connected(
     p: float,
     settings: Settings,
     *,
+    orders: Sequence[int] | None = None,
     parameter_name: str = "p",
     x_name: str = "x",
     progress: Progress | None = None,
 ) -> Diagram:
     """All branches of a map that hang together with a cycle.
+
+    The cycle is followed with its minimal period, also where it was passed several times over.
 
     Parameters
     ----------
@@ -91,6 +94,9 @@ def connected(
         The points of the cycle, about, a number if it is a fixed point; and the parameter there.
     settings
         Span, window, steps and tolerances.
+    orders
+        The iterates of which branches are followed, that of the cycle among them; by default no
+        other. Where P_n flips the doubled branch starts if 2 n is one of them.
     parameter_name, x_name
         What the diagram calls them.
     progress
@@ -99,15 +105,39 @@ def connected(
     Raises
     ------
     ValueError
-        If there is no cycle near the guess.
+        If there is no cycle near the guess, or its period is none of the orders.
     TypeError
         If the map has no pieces.
     """
-    start = cycle_near(map_, x, p, settings)
+    start = once(cycle_near(map_, x, p, settings), settings)
+    wanted = orders_with(start, orders)
     worker = Serial(Worker(map_, settings))
-    explorer = Explorer(map_, worker, settings, (len(start),), progress or _nothing)
+    explorer = Explorer(map_, worker, settings, wanted, progress or _nothing)
     explorer.follow(start)
     return explorer.network.diagram(parameter_name, x_name)
+
+
+def once(cycle: Orbit, settings: Settings) -> Orbit:
+    """A cycle with its minimal period.
+
+    Passed several times over it would hide its flips, and meet the same borders again and again.
+    """
+    n = minimal_period(cycle, settings)
+    return Orbit(cycle.x[:n], cycle.p, cycle.images[:n])
+
+
+def orders_with(cycle: Orbit, orders: Sequence[int] | None) -> tuple[int, ...]:
+    """Orders of the branches that are followed from a cycle.
+
+    Raises
+    ------
+    ValueError
+        If that of the cycle is not among them, or one is not at least 1.
+    """
+    wanted = (len(cycle),) if orders is None else iterates(orders)
+    if len(cycle) not in wanted:
+        raise ValueError(f"orders must hold {len(cycle)}, the period of the cycle, got {wanted}")
+    return wanted
 
 
 def whole_diagram(

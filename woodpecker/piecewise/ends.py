@@ -39,6 +39,11 @@ class Collision:
     cause: str
 
     @property
+    def p(self) -> float:
+        """The parameter."""
+        return self.orbit.p
+
+    @property
     def side(self) -> int:
         """On which side of the border the piece inside lies."""
         gradient = self.orbit.images[self.margin.index].gradient(self.margin.code)

@@ -227,6 +227,10 @@ class BoundedPiece(Piece, Protocol):
 class FormulaMap:
     """A piecewise-smooth map of given pieces; where several hold a point, the first counts.
 
+    Borders are where margins vanish: where an earlier piece begins within a later one, a margin of
+    the later one should say so too. A branch is not followed across a jump that none of its margins
+    expresses: it ends there (EP, open, "the map takes another piece"). Slices see borders only.
+
     It pickles if its functions do: those written by hand must be defined at the top of a module.
 
     Parameters

@@ -35,10 +35,18 @@ from woodpecker.piecewise.ends import (
     folded,
     given_up_or_left,
 )
+from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Closed, Margin, Orbit, minimal_period, scales, tangent
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import Sample, Stepper, Stop, StopRule, Stretch
+from woodpecker.piecewise.stepping import (
+    Sample,
+    Stepper,
+    Stop,
+    StopRule,
+    Stretch,
+    continued,
+)
 
 MEET = "borders meet, closer than can be resolved"
 LIMIT_LOST = "a limit of the jump is lost"
@@ -170,6 +178,48 @@ class Jumps:
             away *= self.settings.numerics.restart
         return None
 
+    def _next(self, end: Sample) -> Sample | None:
+        """The sample beyond a border that a limit meets, with the pieces that begin there.
+
+        The usual distance may lead past another border. Too close to the first one the map is not
+        asked for the piece right beside the jump: the distance is halved, in its logarithm.
+        """
+        low, high = self.settings.nearest, self.settings.beside
+        found = self._beside(end)
+        there, away = found, high
+        for _ in range(self.settings.numerics.bisections):
+            if there is None:
+                break
+            begins = self._begins(there, end, away)
+            if begins == 0:
+                return there
+            low, high = (away, high) if begins < 0 else (low, away)
+            away = math.sqrt(low * high)
+            there = self._at(end, away)
+        return found
+
+    def _begins(self, there: Sample, end: Sample, away: float) -> int:
+        """0 if the pieces of the limits of a jump begin at a border, and none lies in between.
+
+        Otherwise 1 if the sample lies too far from that border, -1 if it lies too close.
+        """
+        assert there.jump is not None
+        least = (
+            max(self.settings.nearest, self.settings.numerics.thin * away) * self.settings.x_scale
+        )
+        on_border = self.settings.converged * self.settings.x_scale
+        k, far = there.jump.closing.index, False
+        for inner in (True, False):
+            limit = there.jump.cycle(inner)
+            back = continued(limit, end.orbit)
+            for i in range(k, len(back)):
+                own = there.jump.code(inner) if i == k else -1
+                inside = depth(limit.images[i], own)
+                if inside < -on_border:
+                    return -1
+                far |= inside <= on_border or depth(back.images[i], own) < -least
+        return int(far)
+
     def _at(self, base: Sample, away: float) -> Sample | None:
         """The sample at a distance along a jump branch; None if there is none."""
         assert base.jump is not None
@@ -256,7 +306,7 @@ class Jumps:
         if early is not None:
             return mark, self._round_cycle(end, early)
         if stretch.stop is Stop.TAIL:
-            there = self._beside(end)
+            there = self._next(end)
         elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
             there = self._restarted(end, border, margin.index)
         if there is None:
@@ -290,7 +340,9 @@ class Jumps:
                 found = self._at(base, away)
                 if found is None or found.jump is None:
                     continue
-                if is_inside(found.orbit, found.jump.closing):
+                closing = found.jump.closing
+                agrees = self._stepper(closing).agrees(found.orbit)
+                if agrees and is_inside(found.orbit, closing):
                     if found.jump.crosses:
                         return found
                     bases = []  # it ends here
@@ -389,7 +441,7 @@ def collision(
     jumps, steep = Jumps(map_, n, settings), abs(small.multiplier) > 1.0
     kinds = []
     for shift in range(n):
-        starts = jumps.starts(met, shift)
+        starts = [begin for own in at_corner(met, settings) for begin in jumps.starts(own, shift)]
         sides = {
             bool(sample.tangent[-1] > 0.0) for sample in (inside[-1], *(s[1] for s in starts[:1]))
         }
@@ -397,6 +449,21 @@ def collision(
         found = (fold, "fold") if len(sides) == 1 else (PointKind.BC, "persistence")
         kinds.append(found if starts else (PointKind.BC, ""))
     return replace(met, kinds=tuple(kinds))
+
+
+def at_corner(met: Collision, settings: Settings) -> list[Collision]:
+    """A collision as each of the margins sees it that vanish there: where borders cross, several.
+
+    Margins that vanish along one border are those of the same jump.
+    """
+    i, image = met.margin.index, met.orbit.images[met.margin.index]
+    rows = image.gradients * [settings.x_scale, settings.p_scale]
+    length = np.linalg.norm(rows, axis=1)
+    a, b = image.gradient(met.margin.code) * [settings.x_scale, settings.p_scale]
+    apart = np.abs(rows @ [-b, a]) > settings.kink * length * math.hypot(a, b)
+    vanish = np.abs(image.margins) <= settings.same * length
+    others = image.causes[apart & vanish].tolist()
+    return [met, *(replace(met, margin=Margin(i, code)) for code in others)]
 
 
 def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:

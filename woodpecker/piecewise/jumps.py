@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from woodpecker.piecewise.borders import beyond
-from woodpecker.piecewise.orbits import Margin, Orbit
+from woodpecker.piecewise.orbits import Margin, OnBorder, Orbit
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 
@@ -121,6 +121,22 @@ class Jump:
         images = (*self.head.images[:-1], *side.images)
         return Orbit(np.append(self.head.x, side.x), self.p, images)
 
+    def at_border(self, inner: bool, settings: Settings) -> Margin | OnBorder:
+        """The condition that the orbit of a limit lies on the border.
+
+        As the piece inside says it, if the one beyond begins a little further on: one in between is
+        too thin to be seen.
+        """
+        k, own = self.closing.index, Margin(self.closing.index, self.code(inner))
+        if inner:
+            return own
+        image = self.outer.images[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away = abs(image.margin(own.code) / image.gradient(own.code)[0])
+        if not away > settings.converged * settings.x_scale:
+            return own
+        return OnBorder(k, self.closing.code, self.head.images[k].piece)
+
     def code(self, inner: bool) -> int:
         """The margin that vanishes at the border on one of its sides."""
         return self.closing.code if inner else self.outer_code
@@ -152,7 +168,7 @@ def jump_of(
     )  # fmt: skip
 
 
-def continued(map_: PiecewiseMap, jump: Jump, head: Orbit) -> Jump:
+def carried_over(map_: PiecewiseMap, jump: Jump, head: Orbit) -> Jump:
     """A jump at a neighbouring border orbit, with the pieces on its two sides that it has.
 
     Where a branch of jumps turns round the piece on its inner side comes to an end: at that value

@@ -17,6 +17,7 @@ from woodpecker.piecewise.settings import Settings
 
 TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
 COLLISIONS = (PointKind.BC, PointKind.FF)
+SWITCHES = (PointKind.PD, PointKind.BP)
 
 
 @dataclass(eq=False)
@@ -41,7 +42,7 @@ class Node:
 
 
 class Network:
-    """Branches, special points, and collisions at which something is left to follow.
+    """Branches, special points, and those of them at which something is left to follow.
 
     Parameters
     ----------
@@ -55,7 +56,9 @@ class Network:
         self.branches: list[Branch] = []
         self.nodes: list[Node] = []
         self.waiting: deque[Collision] = deque()
+        self.switches: deque[End] = deque()
         self._collisions: list[Collision] = []
+        self._switches: list[End] = []
         self._counts: dict[str, int] = {}
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
@@ -88,6 +91,9 @@ class Network:
             if end.collision is not None and not self._is_known(end.collision):
                 self._collisions.append(end.collision)
                 self.waiting.append(end.collision)
+            if end.kind in SWITCHES and not any(self._is_at(k, end) for k in self._switches):
+                self._switches.append(end)
+                self.switches.append(end)
         last = len(curve.parameter) - 1
         located = [
             replace(end, precision=precision(end, curve, k, self.settings))
@@ -171,6 +177,21 @@ class Network:
             and known.margin.index == met.margin.index
             and float(np.abs(known.orbit.x - met.orbit.x).max()) <= same * self.settings.x_scale
             for known in self._collisions
+        )
+
+    def is_switched(self, end: End) -> bool:
+        """Whether both branches that meet in a flip are known: there are no more."""
+        at_flip = (c.order for c in self.curves if any(self._is_at(end, e) for e in c.ends))
+        return end.kind is PointKind.PD and len(set(at_flip)) > 1
+
+    def _is_at(self, one: End, other: End) -> bool:
+        """Whether two ends are one flip or one branch point, on whichever of its branches."""
+        at_flip = self.settings.numerics.at_flip
+        wide, near = at_flip**2 * self.settings.p_scale, at_flip * self.settings.x_scale
+        return (
+            one.kind is other.kind
+            and abs(one.p - other.p) <= wide
+            and float(np.abs(one.x - other.x[0]).min()) <= near
         )
 
     def _node(self, end: End, x: float, order: int) -> Node:

@@ -96,9 +96,10 @@ def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
     return Orbit(np.asarray(x, dtype=float), float(p), images)
 
 
-def minimal_period(orbit: Orbit, settings: Settings) -> int:
-    """The smallest shift that maps a cycle to itself."""
-    n, same = len(orbit), settings.numerics.doubled * settings.x_scale
+def minimal_period(orbit: Orbit, settings: Settings, within: float | None = None) -> int:
+    """The smallest shift that maps a cycle to itself, within a distance in scaled units."""
+    within = settings.numerics.doubled if within is None else within
+    n, same = len(orbit), within * settings.x_scale
     divisors = (d for d in range(1, n + 1) if n % d == 0)
     return next(d for d in divisors if np.abs(np.roll(orbit.x, -d) - orbit.x).max() <= same)
 
@@ -146,6 +147,28 @@ class Margin:
         row = np.zeros(len(orbit) + 1)
         row[self.index], row[-1] = orbit.images[self.index].gradient(self.code)
         return row
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnBorder:
+    """A point lies on a border of a piece that is not its own."""
+
+    index: int
+    code: int
+    piece: Piece
+
+    def residual(self, orbit: Orbit) -> float:
+        """The margin of that piece."""
+        return self._image(orbit).margin(self.code)
+
+    def row(self, orbit: Orbit) -> Floats:
+        """Its derivatives."""
+        row = np.zeros(len(orbit) + 1)
+        row[self.index], row[-1] = self._image(orbit).gradient(self.code)
+        return row
+
+    def _image(self, orbit: Orbit) -> Image:
+        return self.piece.at(float(orbit.x[self.index]), orbit.p)
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,7 +279,7 @@ def solve(
         length = float(np.abs(move).max())
         if not np.isfinite(length):
             return Solution(orbit, False, k)
-        if 0.0 < before <= length <= settings.stalled and _is_rounded(orbit, conditions, numerics):
+        if 0.0 < before <= length <= settings.stalled and is_rounded(orbit, conditions, numerics):
             return Solution(orbit, True, k)
         if contracts and before > 0.0 and length > numerics.contraction * before:
             return Solution(orbit, False, k)
@@ -273,7 +296,7 @@ def solve(
     return Solution(orbit, before <= numerics.noise * settings.converged, settings.newton)
 
 
-def _is_rounded(orbit: Orbit, conditions: Sequence[Condition], numerics: Numerics) -> bool:
+def is_rounded(orbit: Orbit, conditions: Sequence[Condition], numerics: Numerics) -> bool:
     """Whether nothing is left of the residuals but what rounding of the unknowns makes of them."""
     matrix = np.abs(jacobian(orbit, conditions, np.ones(len(orbit) + 1)))
     size = matrix @ np.maximum(np.abs(orbit.point), 1.0)

@@ -57,8 +57,9 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
 
 
 def _missed(curve: Curve, k: int) -> float:
-    """How far a flip lies from where the multiplier, on a straight line, is -1."""
+    """How far a flip lies from where the multiplier, on a straight line, is -1; +1 if doubled."""
+    flip = math.copysign(1.0, float(curve.multiplier[k]))
     beside = 1 if k == 0 else k - 1
     rise = float(curve.multiplier[beside] - curve.multiplier[k])
     run = float(curve.parameter[beside] - curve.parameter[k])
-    return abs((curve.multiplier[k] + 1.0) * run / rise) if rise else 0.0
+    return abs((curve.multiplier[k] - flip) * run / rise) if rise else 0.0

@@ -3,7 +3,8 @@
 Branches are followed with all that hangs on their ends. A slice lists all cycles and jumps at one
 parameter; what lies on no branch known so far is followed too. First slices fill the span evenly;
 where one of them shows something new two more are taken, halfway to its neighbours, until nothing
-is new or the gaps are as small as was asked: how thin an island can be and stay unseen is known.
+is new or the gaps are as small as was asked: how thin an island can be and stay unseen is known. At
+last branches are switched to at flips and branch points: what slices were too coarse to show.
 
 Tasks are submitted some time before they are needed, and what was found meanwhile decides whether
 they still are: so the result does not depend on who carries them out, or on how many do.
@@ -20,7 +21,7 @@ from typing import Any, NamedTuple, Protocol
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
 from woodpecker.piecewise.curves import Curve, keys_of
-from woodpecker.piecewise.ends import Collision
+from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.known import Known
 from woodpecker.piecewise.network import Network
@@ -125,8 +126,8 @@ class Recorder(Protocol):
     def followed(self, curves: Sequence[Curve]) -> None:
         """Keep the curves that a task has come to."""
 
-    def done(self, met: Collision) -> None:
-        """Keep that all that starts at the next collision was followed."""
+    def done(self, met: Collision | End) -> None:
+        """Keep that all that starts at the next special point was followed."""
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed."""
@@ -196,25 +197,17 @@ class Explorer:
         }
 
     def follow(self, orbit: Orbit) -> None:
-        """Follow the branch through a cycle, and go on from where it ends."""
+        """Follow the branch through a cycle, and all that hangs on its ends."""
         self._keep(self._done(self.scheduler.submit(Tasks.cycle, orbit)))
-        self.go_on()
+        self.finish()
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
         waiting = self.network.waiting
-        low, high = self.network.settings.span
         while waiting:
             met = list(waiting)
             asked = [self.scheduler.submit(Tasks.starts, each, self.orders) for each in met]
-            places = [
-                [
-                    _of_start(start)
-                    for start in self._done(pending)
-                    if low <= start.samples[-1].orbit.p <= high
-                ]
-                for pending in asked
-            ]
+            places = [self._places(pending) for pending in asked]
             following = self._followed([place for own in places for place in own])
             for each, own in zip(met, places, strict=True):
                 for _ in own:
@@ -222,6 +215,29 @@ class Explorer:
                 waiting.popleft()
                 if self.recorder is not None:
                     self.recorder.done(each)
+
+    def finish(self) -> None:
+        """Follow what starts at collisions, and at flips and branch points after these."""
+        self.go_on()
+        switches = self.network.switches
+        while switches:
+            if not self.network.is_switched(switches[0]):
+                asked = self.scheduler.submit(Tasks.switches, switches[0], self.orders)
+                for _ in self._followed(self._places(asked)):
+                    pass
+            met = switches.popleft()
+            if self.recorder is not None:
+                self.recorder.done(met)
+            self.go_on()
+
+    def _places(self, asked: Pending) -> list[_Place]:
+        """Where branches start at a special point, as far as they lie in the span."""
+        low, high = self.network.settings.span
+        return [
+            _of_start(start)
+            for start in self._done(asked)
+            if low <= start.samples[-1].orbit.p <= high
+        ]
 
     def see(self, found: Sequence[Slice], evaluations: int, before: Sequence[int] = ()) -> Seen:
         """Follow what the slices of all orders at one parameter show and no branch explains.
@@ -318,6 +334,7 @@ def complete(
         seen.append(explorer.see(found, evaluations, since))
         plan.took(bool(seen[-1].new))
         since = ()
+    explorer.finish()
     return seen
 
 

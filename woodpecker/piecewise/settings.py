@@ -84,6 +84,16 @@ class Numerics:
     crossing
         Part of a step to which a branch point is located: there the equations are singular, and
         rounding moves an orbit by its root.
+    difference
+        Part of the scales over which slopes are compared about a branch point: a central difference
+        is best at the cube root of their rounding. An error of it makes Newton's method slower, and
+        its root no worse.
+    clear
+        Part of the distance from the nearest border over which they are compared at most: a map may
+        have a root or a pole there.
+    vertical
+        dp/dx, scaled, below which a branch leaves a branch point in x alone: more than differences
+        tell.
     worth
         A margin that falls, between two samples, below this part of its smaller end is looked at
         there: a cubic is well within that.
@@ -119,6 +129,12 @@ class Numerics:
     starts, continued
         A piece is continued to a point from at most so many known ones, and the way is halved at
         most so often before it is said to have no value there.
+    bisections
+        Halvings, of its logarithm, of the distance beyond a border of a limit between ``nearest``
+        and ``beside``: twelve lead from six decades to within a hundredth.
+    fan
+        Points of the circle about a border at which a piece inside of it is looked for that may be
+        a wedge; those of the half outside, and the two on the border, are not asked.
     spokes
         Points of the first circle about a corner: sectors narrower than an eighth of a right angle
         may be missed, but for those next to the jump that is known.
@@ -176,6 +192,9 @@ class Numerics:
     retry: float = 0.25
     blurred: float = 1e-4
     crossing: float = 1e-6
+    difference: float = 2.0**-17
+    clear: float = 2.0**-10
+    vertical: float = 1e-6
     worth: float = 0.25
     bent: float = 10.0
     third: float = 2.0
@@ -192,6 +211,8 @@ class Numerics:
     edge: float = 0.02
     starts: int = 4
     continued: int = 8
+    bisections: int = 12
+    fan: int = 16
     spokes: int = 32
     wedges: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
     narrow: float = 1e-4
@@ -276,7 +297,7 @@ class Settings:
         ill-conditioned orbit, five digits above the usual.
     beside
         Distance from a border at which the piece beyond is asked for first: far above rounding, far
-        below a step.
+        below a step. A piece there that is thinner than a thousandth of it is passed over.
     nearest
         Smallest such distance, tried if there are other pieces in between: far enough from the
         border, some hundred times ``converged``, for rounding not to decide.

@@ -18,7 +18,8 @@ from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.jumps import Jump, continued, jump_of
+from woodpecker.piecewise.branch_points import closes, directions, saddle
+from woodpecker.piecewise.jumps import Jump, carried_over, jump_of
 from woodpecker.piecewise.margins import depth, lowest_dip
 from woodpecker.piecewise.orbits import (
     SPACING,
@@ -256,7 +257,7 @@ class Stepper:
                     (*samples, event.sample), event.stop, event.margins, event.inner,
                     event.meeting, step,
                 )  # fmt: skip
-            if not self._agrees(found.orbit):
+            if not self.agrees(found.orbit):
                 if retry * step < self.settings.min_step:
                     return Stretch(tuple(samples), Stop.OTHER_PIECE)
                 step, grows = retry * step, False
@@ -354,9 +355,13 @@ class Stepper:
         scale = scales(len(last.orbit), self.settings)
         predicted = self._predicted(last, step, scale, before)
         if not predicted.defined:
+            predicted = pulled_inside(predicted, last.orbit)
+        if not predicted.defined:
             return 0.5 * step
         distance = Distance(last.orbit.point, last.tangent, step, scale)
         solution = solve(predicted, (self.closing, distance), self.settings, contracts=True)
+        if solution.converged and not self._is_met(solution.orbit):  # steep: rounding of a step was
+            solution = solve(solution.orbit, (self.closing, distance), self.settings)  # too much
         if not solution.converged or not self._is_met(solution.orbit):
             return 0.5 * step
         found = tangent(solution.orbit, self.closing, self.settings)
@@ -385,8 +390,8 @@ class Stepper:
             off = image.value - to
             if abs(off) <= self.settings.same * self.settings.x_scale:
                 continue
-            beside = [image.piece.at(x + side * away, orbit.p).value - to for side in (-1.0, 1.0)]
-            if not any(off * other <= 0.0 for other in beside):
+            beside = [nearest_value(image, x, x + side * away, orbit.p) for side in (-1.0, 1.0)]
+            if not any(off * (value - to) <= 0.0 for value in beside):
                 return False
         return True
 
@@ -395,6 +400,10 @@ class Stepper:
         if isinstance(self.closing, Margin):
             return [*orbit.x[1:].tolist(), orbit.images[-1].value]
         return [*orbit.x[1:].tolist(), float(orbit.x[0])]
+
+    def ahead(self, last: Sample, step: float) -> Orbit:
+        """Where the tangent leads, under the pieces of a sample; no orbit yet."""
+        return self._predicted(last, step, scales(len(last.orbit), self.settings))
 
     def _to_end(self, last: Sample, step: float) -> Sample | None:
         """The sample at the end of the span if a step leads there: beyond, there may be no map."""
@@ -436,7 +445,7 @@ class Stepper:
         )
         return Orbit(x, p, images)
 
-    def _agrees(self, orbit: Orbit) -> bool:
+    def agrees(self, orbit: Orbit) -> bool:
         """Whether the map takes the pieces of an orbit, except at the end of a border orbit."""
         points = zip(orbit.x.tolist(), orbit.images, strict=True)
         return all(
@@ -489,13 +498,11 @@ class Stepper:
                 if events is None:
                     return None
                 found += events
-        if crosses and not found and skipped is not Stop.BRANCHING:
-            folds = a.tangent[-1] * b.tangent[-1] < 0.0
-            test, part = FOLD if folds else BRANCHING, self.settings.numerics.crossing
-            events = self._located(a, step, test, part)
-            if events is None:
+        if crosses and skipped is not Stop.BRANCHING:
+            events = self._at_branch_point(a, b, step)
+            if events is None and not found:
                 return None
-            found += events
+            found += events or []
         tails = self._at_tails(a, b, step)
         if tails is None:
             return None
@@ -570,7 +577,15 @@ class Stepper:
         if not solution.converged:
             return None
         softened = self._softened(solution.orbit, margin)
-        return self._event(a, step, Stop.BORDER, softened, (margin,))
+        event = self._event(a, step, Stop.BORDER, softened, (margin,))
+        if event is not None and step > self.settings.again and self._rises(event.sample, margin):
+            return None  # it has vanished before, and is back: the branch comes from beyond
+        return event
+
+    def _rises(self, sample: Sample, margin: Margin) -> bool:
+        """Whether a margin grows along a branch."""
+        along = sample.tangent * scales(len(sample.orbit), self.settings)
+        return float(margin.row(sample.orbit) @ along) > 0.0
 
     def _joins(self, a: Sample, orbit: Orbit, margin: Margin) -> bool:
         """Whether a piece has the same value at a border as right inside of it.
@@ -673,8 +688,30 @@ class Stepper:
             return []
         there = found[nearest]
         if a.jump is not None and test.stop is Stop.FOLD:
-            there = replace(there, jump=continued(self.map, a.jump, there.orbit))
+            there = replace(there, jump=carried_over(self.map, a.jump, there.orbit))
         return [_Event(test.stop, there, nearest)]
+
+    def _at_branch_point(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
+        """Where another branch crosses; None if it is not found, none if none crosses after all."""
+        orbit = saddle(self._on_cubic(a, b, 0.5), self.settings)
+        ways = () if orbit is None else directions(orbit, self.settings)
+        if orbit is None or not ways:
+            folds = a.tangent[-1] * b.tangent[-1] < 0.0
+            return self._located(
+                a, step, TURNING if folds else BRANCHING, self.settings.numerics.crossing
+            )
+        away = (orbit.point - a.orbit.point) / scales(len(orbit), self.settings)
+        distance, same = float(a.tangent @ away), self.settings.same
+        longest = step * (1.0 + self.settings.max_turn) + same
+        if not (
+            distance >= -same
+            and float(np.linalg.norm(away)) <= longest
+            and closes(orbit, self.settings)
+        ):
+            return None  # it has led to another branch
+        along = max(ways, key=lambda way: abs(float(way @ a.tangent)))
+        along = along if along @ a.tangent >= 0.0 else -along
+        return [_Event(Stop.BRANCHING, Sample(orbit, along, b.forward), distance)]
 
     def _at_diagonal(self, a: Sample, b: Sample, step: float) -> list[_Event] | None:
         """Where a limit of a jump meets the diagonal: there the orbit of the jump closes."""
@@ -683,13 +720,14 @@ class Stepper:
         found = []
         for inner, before in zip((True, False), a.jump.offsets, strict=True):
             one = a.jump.cycle(inner)
-            other = _along(one, b.orbit)
+            other = continued(one, b.orbit)
             after = other.images[-1].value - float(other.x[0])
             if not before * after < 0.0:
                 continue
             guess = between(one, other, before / (before - after))
             margin = Margin(len(a.orbit) - 1, a.jump.code(inner))
-            solution = solve(guess, (Closed(), margin), self.settings)
+            border = a.jump.at_border(inner, self.settings)
+            solution = solve(guess, (Closed(), border), self.settings)
             event = self._at_head(a, step, Stop.LIMIT, solution, inner, (margin,))
             if event is None:
                 return None
@@ -727,7 +765,7 @@ class Stepper:
         """Where the orbit of a limit meets a border."""
         assert a.jump is not None
         k, there = len(a.orbit), a.jump.cycle(inner)
-        far = _along(there, b.orbit)
+        far = continued(there, b.orbit)
         found = None
         for i in range(k - 1, len(far)):
             own = a.jump.code(inner) if i == k - 1 else -1
@@ -745,8 +783,8 @@ class Stepper:
             far.images[found.index].margin(found.code),
         )
         guess = between(there.head(n), far.head(n), before / (before - after))
-        closing = Margin(k - 1, a.jump.code(inner))
-        solution = solve(guess, (closing, found), self.settings)
+        border = a.jump.at_border(inner, self.settings)
+        solution = solve(guess, (border, found), self.settings)
         return self._at_head(a, step, Stop.TAIL, solution, inner, (found,))
 
     def _holds(self, orbit: Orbit, border: int, margin: Margin) -> bool:
@@ -789,7 +827,38 @@ class Stepper:
         return [_Event(Stop.CLOSED, Sample(start.orbit, start.tangent), -float(a.tangent @ one))]
 
 
-def _along(cycle: Orbit, head: Orbit) -> Orbit:
+def pulled_inside(predicted: Orbit, last: Orbit) -> Orbit:
+    """A guess whose points have been moved, where pieces have no value, to margins as they were.
+
+    Right beside a square root a branch follows the end of its piece: a guess that misses it by less
+    than its own error lies beyond.
+    """
+    x, images = predicted.x.copy(), list(predicted.images)
+    for i, (image, before) in enumerate(zip(predicted.images, last.images, strict=True)):
+        for code in image.causes[image.margins < 0.0].tolist() if image.reason else ():
+            rate = float(image.gradient(code)[0])
+            if rate != 0.0 and images[i].reason:
+                x[i] += (before.margin(code) - images[i].margin(code)) / rate
+                images[i] = image.piece.at(float(x[i]), predicted.p)
+    return Orbit(x, predicted.p, tuple(images))
+
+
+def nearest_value(image: Image, x: float, to: float, p: float) -> float:
+    """The value of a piece at a place, or the last that it has on the way there."""
+    found = image.piece.at(to, p)
+    inside, outside = x, to
+    while found.reason:
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            return image.piece.at(inside, p).value
+        if image.piece.at(middle, p).reason:
+            outside = middle
+        else:
+            inside = middle
+    return found.value
+
+
+def continued(cycle: Orbit, head: Orbit) -> Orbit:
     """The orbit that starts like ``head`` and goes on with the pieces of a longer one.
 
     It ends where a piece has no value.
@@ -818,4 +887,5 @@ def _angle(one: Floats, other: Floats) -> float:
 
 FOLD = Test(Stop.FOLD, lambda sample: float(sample.tangent[-1]))
 BRANCHING = Test(Stop.BRANCHING, lambda sample: sample.orbit.multiplier - 1.0)
+TURNING = Test(Stop.BRANCHING, FOLD.value)
 FLIP = Test(Stop.FLIP, lambda sample: sample.orbit.multiplier + 1.0)

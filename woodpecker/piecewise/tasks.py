@@ -12,13 +12,14 @@ from woodpecker.piecewise.crossings import cycle_at_border
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.ends import Collision, End, end_of
-from woodpecker.piecewise.jump_branches import Jumps, cycle_from
+from woodpecker.piecewise.jump_branches import Jumps, at_corner, cycle_from
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import Slice, slices_at
 from woodpecker.piecewise.stepping import Sample, StopRule
+from woodpecker.piecewise.switching import switched
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,13 +116,22 @@ class Tasks:
         for order in orders:
             for shift in range(n) if order >= n else ():
                 end = end_of(met, met.orbit.rotated(shift))
-                for samples in Jumps(self.map, order, self.settings).starts(met, shift):
-                    closing = Margin(len(samples[0].orbit) - 1, met.margin.code)
-                    found.append(Start(BranchKind.JUMP, order, samples, closing, end))
+                jumps = Jumps(self.map, order, self.settings)
+                for own in at_corner(met, self.settings):
+                    for samples in jumps.starts(own, shift):
+                        closing = Margin(len(samples[0].orbit) - 1, own.margin.code)
+                        found.append(Start(BranchKind.JUMP, order, samples, closing, end))
         return found
 
+    def switches(self, end: End, orders: Sequence[int]) -> list[Start]:
+        """Branches that start at a flip or a branch point."""
+        return [
+            Start(BranchKind.FIXED_POINT, len(begin[0].orbit), begin, Closed(), end)
+            for begin in switched(self.map, end, orders, self.settings)
+        ]
+
     def ahead(self, start: Start) -> list[Curve]:
-        """The branch that starts at a collision."""
+        """The branch that starts at a special point."""
         if start.kind is BranchKind.JUMP:
             jumps = Jumps(self.map, start.order, self.settings, self.stop)
             return jumps.ahead(start.samples, start.end)

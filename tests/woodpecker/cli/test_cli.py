@@ -169,6 +169,8 @@ def unframed(text: str) -> str:
         (["map", "--order", "0"], "--order"),
         (["diagram", "--orders", "1", "--workers", "1000"], "one for each core, got 1000"),
         (["diagram", "--orders", "1", "--workers", "0"], "--workers"),
+        (["diagram", "--also", "two"], "--also needs integers such as 1,2,3, got 'two'"),
+        (["diagram", "--also", "2", "--orders", "1"], "take one of them"),
         (["simulate", "--samples", "-5"], "--samples"),
         (["simulate", "--phi-s", "0.2", "--t-end", "1"], "the start penetrates contact 1"),
         (["simulate", "--phi-s", "-0.5", "--t-end", "-1"], "t_end must be positive"),
@@ -380,6 +382,17 @@ def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
     assert flips == pytest.approx([0.6485492], abs=1e-6)
     assert len({row["id"] for row in rows(tmp_path / "branches.csv")}) == len(first.edges)
     assert (tmp_path / "diagram.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
+    status, text = run("diagram", "--span", "0.45", "0.66", "--also", "2", "--out", str(tmp_path))
+    assert status == 0, text
+    points = {row["id"]: row for row in rows(tmp_path / "points.csv")}
+    (flip,) = [row["id"] for row in points.values() if row["kind"] == "PD"]
+    graph = read_graph(tmp_path / "graph.graphml")
+    assert sorted(order for *_, order in graph.edges(flip, data="order")) == [1, 1, 2, 2]
+    assert {"order_1.png", "order_2.png"} <= {path.name for path in tmp_path.glob("*.png")}
 
 
 @pytest.mark.slow

@@ -81,10 +81,7 @@ def test_a_cycle_of_period_two_ends_in_the_flip_it_comes_from() -> None:
     settings = Settings(span=(2.5, 3.4))
     diagram = followed(logistic(), list(logistic_pair(3.2)), 3.2, settings)
     (birth,) = points_of(diagram, "PD")
-    # it leaves its flip like a square root: where its points are 1e-5 apart they are taken for
-    # one, and the parameter differs by some 1e-10
-    assert birth.parameter == pytest.approx(3.0, abs=1e-10)
-    assert birth.x == pytest.approx(2.0 / 3.0, abs=1e-5)
+    assert (birth.parameter, birth.x) == pytest.approx((3.0, 2.0 / 3.0), abs=LOCATED)
     assert len(birth.branches) == 2
     assert {diagram.branch(name).order for name in birth.branches} == {2}
 
@@ -312,3 +309,41 @@ def test_collisions_against_counting(
         assert point.note == "fold"
         assert by_counting == [(0, 0), (1, 1)]
         assert point.kind is (PointKind.FF if started else PointKind.BC)
+
+
+# --- Borders that no margin expresses -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.1])
+@pytest.mark.parametrize("slope", [0.5, -0.5])
+def test_a_jump_that_no_margin_expresses_ends_a_branch(speed: float, slope: float) -> None:
+    """A holds x > 0.3 + speed p, where B, which holds everything, comes too late."""
+    edge = {BORDER: Line(1.0, -speed, -0.3).smooth()}
+    map_ = FormulaMap(
+        [
+            FormulaPiece("A", Line(slope, 1.0, 0.2).smooth(), edge),
+            FormulaPiece("B", Line(slope, 1.0).smooth()),
+        ]
+    )
+    diagram = followed(map_, -1.0, -1.0 + slope, Settings(span=(-2.0, 2.0), window=(-5.0, 5.0)))
+    (end,) = [point for point in diagram.points if point.status is PointStatus.OPEN]
+    assert (end.kind, end.note) == (PointKind.EP, "the map takes another piece")
+    met = 0.3 * (1.0 - slope) / (1.0 - speed * (1.0 - slope))  # x = p/(1 - slope) = 0.3 + speed p
+    # steps end at 1e-13 of the span and of the window
+    assert (end.parameter, end.x) == pytest.approx((met, met / (1.0 - slope)), abs=1e-11)
+    for branch in diagram.branches:
+        assert_curve(branch, lambda p: p / (1.0 - slope))
+
+
+def test_a_kink_that_no_margin_expresses_is_passed() -> None:
+    """The same where both pieces have one value: the branch goes on in A."""
+    edge = {BORDER: Line(1.0, 0.0, -0.3).smooth()}
+    map_ = FormulaMap(
+        [
+            FormulaPiece("A", Line(0.25, 1.0, 0.075).smooth(), edge),
+            FormulaPiece("B", Line(0.5, 1.0).smooth()),
+        ]
+    )
+    diagram = followed(map_, -1.0, -0.5, Settings(span=(-2.0, 2.0), window=(-9.0, 9.0)))
+    assert_graph(diagram, chain("EP F EP"))
+    assert_curve(diagram.branches[0], lambda p: 2.0 * p if p < 0.15 else (p + 0.075) / 0.75)

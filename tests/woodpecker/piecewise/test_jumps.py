@@ -128,9 +128,12 @@ def test_a_border_that_moves(p: float) -> None:
     assert [word.text for word in curve.words] == ["L / R"]
 
 
-@pytest.mark.parametrize("width", [1e-4, 1e-6])
+@pytest.mark.parametrize("width", [1e-4, 1e-6, 1e-8, 1e-11])
 def test_a_border_of_a_thin_piece(width: float) -> None:
-    """The right piece is narrower than the way the border moves in one step."""
+    """The right piece is narrower than the way the border moves in one step.
+
+    Where it is too narrow to be seen the limit is that of the piece beyond, but on the border.
+    """
     left, right = (piece for piece in moving_border().pieces[::-1])
     assert isinstance(left, FormulaPiece)
     assert isinstance(right, FormulaPiece)
@@ -251,9 +254,12 @@ def test_words_change_along_a_jump(tilt: float) -> None:
         assert (curve.parameter[word.first + 1] > -0.6) == (word.text == "L / R")
 
 
-@pytest.mark.parametrize("apart", [1e-2, 1e-4])
+@pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6, 5e-8])
 def test_words_that_change_close_together(apart: float) -> None:
-    """R, R1 and R2 beside the jump at 0, with borders at p = -0.6 - x/2 and as much further on."""
+    """R, R1 and R2 beside the jump at 0, with borders at p = -0.6 - x/2 and as much further on.
+
+    R1 is a wedge, twice as wide in x: pieces are told apart down to 1e-9 of the window of 40.
+    """
     left, right = two_lines().pieces[::-1]
     assert isinstance(right, FormulaPiece)
     edges = (-0.6, -0.6 - apart)
@@ -314,3 +320,40 @@ def test_lines_with_a_border_elsewhere() -> None:
     curve = jump_at(lines(Line(0.5, 1.0), Line(0.5, 1.0, -10.0), at=3.0), 3.0, 5.0,
                     Settings(span=(-2.0, 13.0), window=(-20.0, 20.0)))  # fmt: skip
     assert places(curve) == pytest.approx(np.array([[1.5, 3.0], [11.5, 3.0]]), abs=10.0 * LOCATED)
+
+
+@pytest.mark.parametrize("off", [0.1, 1e-3, 1e-6, 3e-8])
+def test_a_jump_whose_orbit_hugs_a_square_root(off: float) -> None:
+    """P_1 jumps at p/10; p/10 - off + sqrt(x - root) takes x = root + off**2 there.
+
+    The root 1/2 + p**2 moves on a curve: a straight guess leaves the piece, however small the step.
+    """
+
+    def height(x: float, p: float) -> float:
+        return math.sqrt(x - 0.5 - p * p)
+
+    def value(x: float, p: float) -> float:
+        return 0.1 * p - off + height(x, p)
+
+    def by_x(x: float, p: float) -> float:
+        return 0.5 / height(x, p)
+
+    def by_p(x: float, p: float) -> float:
+        return 0.1 - p / height(x, p)
+
+    past = Smooth(lambda x, p: x - 0.5 - p * p, lambda x, p: 1.0, lambda x, p: -2.0 * p)
+    short = Smooth(lambda x, p: 0.5 + p * p - x, lambda x, p: -1.0, lambda x, p: 2.0 * p)
+    map_ = FormulaMap(
+        [
+            FormulaPiece("S", Smooth(value, by_x, by_p), {"the root": past}),
+            FormulaPiece("L", Line(0.0, 0.0, -1.0).smooth(), {"p/10": Line(-1.0, 0.1).smooth()}),
+            FormulaPiece("R", Line(0.0, 0.0, 2.0).smooth(),
+                         {"p/10": Line(1.0, -0.1).smooth(), "the root": short}),
+        ]
+    )  # fmt: skip
+    settings = Settings(span=(0.0, 1.0), window=(-3.0, 3.0))
+    curve = jump_at(map_, 0.51, 0.1, settings, order=2)
+    assert [(end.kind, end.p) for end in ends(curve)] == [(EP, 0.0), (EP, 1.0)]
+    # Newton's method stops after a step of 2**-48 of the window
+    assert x_of(curve) == pytest.approx(0.5 + curve.parameter**2 + off**2, abs=1e-12)
+    assert len(curve.parameter) < 300  # steps as long as the curve allows

@@ -96,14 +96,14 @@ def test_fold_and_flip_of_the_fixed_point() -> None:
 def test_the_doubled_cycle_ends_in_the_flip_of_the_fixed_point() -> None:
     curves = Cycles(QUADRATIC, SETTINGS).through(cycle([1.1, -0.1], 1.0))
     special = sorted(p for kind, p in ends(curves) if kind is PointKind.PD)
-    assert special == pytest.approx([0.75, 1.25, 1.25], abs=NEAR)
+    assert special == pytest.approx([0.75, 1.25, 1.25], abs=EXACT)
 
 
 def test_a_fixed_point_passed_twice_shows_its_flip_as_a_branch_point() -> None:
     fixed = cycle([0.5], 0.5).x[0]
     curves = Cycles(QUADRATIC, SETTINGS).through(cycle([fixed, fixed], 0.5))
     special = {kind: p for kind, p in ends(curves) if kind is not PointKind.EP}
-    assert special[PointKind.BP] == pytest.approx(0.75, abs=NEAR)
+    assert special[PointKind.BP] == pytest.approx(0.75, abs=EXACT)
     assert special[PointKind.LP] == pytest.approx(-0.25, abs=EXACT)
 
 

@@ -10,6 +10,8 @@ from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.borders import BorderKind
+from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.diagrams import cycle_near
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Closed, Coordinate, orbit_of, solve
 from woodpecker.piecewise.partition import partition
@@ -109,3 +111,28 @@ def test_pieces_beside_the_jump() -> None:
     assert border.x == pytest.approx(x, abs=1e-10)
     assert border.kind(SETTINGS) is BorderKind.JUMP
     assert border.cause == AT_ONCE
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("p", "x"), [(0.14, -2.42089938), (0.165, -1.89591451), (0.3, -1.11014887)]
+)
+def test_a_margin_that_dips_below_zero_does_not_turn_a_branch_round(p: float, x: float) -> None:
+    """The upper arm of the island, from the window's end to its collision, wherever it is entered.
+
+    Within a step the beak's margins vanish, come back and vanish again: the branch was turned round
+    where one came back (0.14553785, 0.14830486, 0.15757030, depending on where steps fell).
+    """
+    settings = Settings(span=(0.012, 1.0), window=(-2.5, -0.24))
+    map_ = ToyPieces(Toy())
+    (curve,) = Cycles(map_, settings).through(cycle_near(map_, [x], p, settings))
+    ends = sorted((end.p, float(end.x[0]), end.kind) for end in curve.ends)
+    assert [kind for *_, kind in ends] == [PointKind.EP, PointKind.FF]
+    assert [(p, x) for p, x, _ in ends] == [
+        pytest.approx((0.1376285067, -2.5), abs=DIGITS),
+        pytest.approx((0.3883495889, -0.8847733440), abs=DIGITS),
+    ]
+    way = np.sign(curve.parameter[-1] - curve.parameter[0])
+    # where two borders lie closer than orbits are told apart a sample may lie a little behind
+    assert (way * np.diff(curve.parameter)).min() > -settings.same * settings.p_scale
