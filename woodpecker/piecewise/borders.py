@@ -73,20 +73,21 @@ class Border:
 
 
 def beyond(
-    map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings
-) -> tuple[Image, int]:
+    map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings,
+    away: float | None = None,
+) -> tuple[Image, int]:  # fmt: skip
     """The image of a border under the piece that lies on a side of it, and which margin vanishes.
 
-    The piece beyond is asked for at a distance. If its margins say that it ends before the border,
-    there is another in between, and the distance shrinks.
+    The piece beyond is asked for at a distance, the usual one or another. If its margins say that
+    it ends before the border, there is another in between, and the distance shrinks.
     """
-    away = settings.beside * settings.x_scale
+    away = settings.beside * settings.x_scale if away is None else away
     least, thin = settings.nearest * settings.x_scale, settings.numerics.thin
     found, code = map_.at(x + side * away, p), -1
     while True:
         there = found.piece.at(x, p) if not found.reason else found
         if found.reason or there.reason or strays(found, there, away, settings):
-            there = _limit_of(found, x, p, side * away, settings.numerics)
+            there = _limit_of(found, x, p, side * away, settings)
         elif depth(there) >= -max(least, thin * away):
             return _beside(there, found), nearest_code(there, -side)
         code = nearest_code(there, -side)
@@ -104,14 +105,24 @@ def _beside(there: Image, found: Image) -> Image:
     return there._replace(piece=found.piece)
 
 
-def _limit_of(image: Image, x: float, p: float, away: float, numerics: Numerics) -> Image:
-    """An image at a distance from a border at which its piece has no value, taken to the border."""
-    probe = numerics.probe
-    closer = image.piece.at(x + probe * away, p) if not image.reason else image
+def _limit_of(image: Image, x: float, p: float, away: float, settings: Settings) -> Image:
+    """An image at a distance from a border at which its piece has no value, taken to the border.
+
+    Right beside the border rounding may lead to another solution of the piece, too.
+    """
+    part = settings.numerics.probe
+    closer = image.piece.at(x + part * away, p) if not image.reason else image
+    while not image.reason and (
+        closer.reason or strays(image, closer, (1.0 - part) * away, settings)
+    ):
+        part = math.sqrt(part)
+        if part > settings.numerics.farthest:
+            return _beside(limit(image, away), image)
+        closer = image.piece.at(x + part * away, p)
     if closer.reason:
         return limit(image, away)
-    root = is_square_root(image.slope, closer.slope, 1.0 / probe, numerics)
-    return _beside(limit(closer, probe * away) if root else closer, image)
+    root = is_square_root(image.slope, closer.slope, 1.0 / part, settings.numerics)
+    return _beside(limit(closer, part * away) if root else closer, image)
 
 
 def limit(image: Image, away: float) -> Image:

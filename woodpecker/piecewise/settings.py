@@ -63,6 +63,9 @@ class Numerics:
     probe
         Part of a distance from a border at which a second slope tells a square root: its next term,
         linear in it, is then too small to matter.
+    farthest
+        The largest such part, if rounding leads to another solution nearer to the border: its root
+        is taken until then.
     exponent
         By how much the power of the distance with which a slope grows may differ from 1/2, that of
         a square root: half of the way to a pole or a kink.
@@ -185,6 +188,7 @@ class Numerics:
     steep: float = 1e6
     rooted: float = 10.0
     probe: float = 1e-4
+    farthest: float = 0.2
     exponent: float = 0.25
     kept_turn: float = 0.7
     sharpest: float = 0.5

@@ -135,7 +135,7 @@ def test_no_cycle_closes_between_branches_that_come_close() -> None:
     found = saddle(orbit_of(map_.pieces, np.array([1e-4]), 1.0), settings)
     assert found is not None
     assert found.point == pytest.approx([0.0, 1.0], abs=LOCATED)
-    assert not closes(found)
+    assert not closes(found, settings)
 
 
 # --- Flips ----------------------------------------------------------------------------------------
