@@ -83,8 +83,13 @@ class Network:
         return names
 
     def add(self, curve: Curve) -> None:
-        """Keep a branch, as many as its cycle has points, unless it was kept or is a point."""
-        if self._is_a_point(curve) or any(self._draws(known, curve) for known in self.curves):
+        """Keep a branch, as many as its cycle has points, unless it was kept or is a point.
+
+        One whose cycles go round others of smaller period is that of those.
+        """
+        if self._is_a_point(curve) or self._goes_round(curve):
+            return
+        if any(self._draws(known, curve) for known in self.curves):
             return
         self.curves.append(curve)
         for end in curve.ends:
@@ -136,6 +141,17 @@ class Network:
         return bool(
             np.ptp(curve.parameter) <= same * self.settings.p_scale
             and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
+        )
+
+    def _goes_round(self, curve: Curve) -> bool:
+        """Whether all cycles of a branch have a smaller period than it says."""
+        if curve.kind is BranchKind.JUMP or curve.order == 1:
+            return False
+        points, same = np.array(curve.points), self.settings.same
+        return any(
+            bool(np.abs(np.roll(points, d, axis=1) - points).max() <= same * self.settings.x_scale)
+            for d in range(1, curve.order)
+            if curve.order % d == 0
         )
 
     def _draws(self, known: Curve, curve: Curve) -> bool:

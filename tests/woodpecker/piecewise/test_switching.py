@@ -35,6 +35,7 @@ from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, 
 from woodpecker.piecewise.branch_points import closes, saddle
 from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.diagrams import cycle_near, whole_diagram
+from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import orbit_of
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
@@ -218,6 +219,15 @@ def test_the_flip_of_a_cycle_passed_twice_is_a_branch_point(low: float) -> None:
     (p,) = points
     assert p == pytest.approx(3.0, abs=LOCATED)
     assert points[p].x == pytest.approx([2.0 / 3.0, 2.0 / 3.0], abs=LOCATED)
+
+
+def test_a_branch_of_a_cycle_passed_twice_is_not_kept_as_one_of_period_two() -> None:
+    map_, settings, x = logistic(), Settings(span=(2.2, 2.9)), 0.6
+    twice = orbit_of(map_.pieces * 2, np.array([x, x]), 2.5)
+    network = Network(settings)
+    for curve in Cycles(map_, settings).through(twice):
+        network.add(curve)
+    assert network.branches == []
 
 
 def test_a_doubled_cycle_knows_its_birth() -> None:
