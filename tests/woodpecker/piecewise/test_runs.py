@@ -361,6 +361,7 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     """SIGKILL leaves no time to tidy up; what was finished is there all the same."""
     path = tmp_path / "run.jsonl"
     code = (
+        "import rounding\nrounding.apply()\n"
         "from pathlib import Path\nfrom woodpecker import *\n"
         f"bifurcation_diagram(Toy(), 'eps_n1', {SPAN}, (1,), {WINDOW}, "
         f"search=Search(slices=6), run=Path({str(path)!r}))"

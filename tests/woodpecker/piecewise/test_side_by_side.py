@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import rounding
 from diagrams import to_the_last_bit
 
 from woodpecker import Search, Toy, bifurcation_diagram, continuation, find_all, shoot
@@ -54,7 +55,8 @@ def in_one_executor_of_threads() -> list[Shown]:
 
 
 def in_one_executor_of_processes() -> list[Shown]:
-    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
+    spawned = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(2, spawned, initializer=rounding.apply) as processes:
         return [searched(mu_2, executor=processes, workers=1) for mu_2 in FRICTIONS]
 
 
