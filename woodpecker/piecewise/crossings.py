@@ -171,11 +171,11 @@ def _restarted(
     solution = solve(Orbit(x, orbit.p, tuple(images)), (closing, margin), settings)
     found = solution.orbit
     held = solve(found, (closing, Coordinate(-1, found.p)), settings)
+    # Beside a square root a margin cannot be held to the last bit; the parameter can, unless the
+    # branch turns round there.
     moves = np.abs(held.orbit.x - found.x).max()
-    if (
-        held.converged and moves <= settings.numerics.held * away
-    ):  # beside a square root a margin cannot be held to
-        found = held.orbit  # the last bit, the parameter can, unless the branch turns round there
+    if held.converged and moves <= settings.numerics.held * away:
+        found = held.orbit
     direction = tangent(found, closing, settings)
     if not (solution.converged and np.isfinite(direction).all() and is_inside(found, closing)):
         return None
