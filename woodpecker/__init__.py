@@ -17,11 +17,11 @@ from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
 from woodpecker.piecewise.iterates import Iterate
 from woodpecker.piecewise.local import LocalModel, Start, local_model
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.samples import BranchState
 from woodpecker.piecewise.search import Search, Seen, Stage
 from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.piecewise.slices import Slice, slices_at
-from woodpecker.piecewise.stepping import BranchState
 from woodpecker.piecewise.symbolic import from_pwmap, from_sympy
 from woodpecker.piecewise.windows import borders_in, crosses, nearest_border
 from woodpecker.runs import saved_diagram

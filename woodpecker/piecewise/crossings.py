@@ -25,8 +25,8 @@ from woodpecker.piecewise.orbits import (
     tangent,
 )
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.samples import Sample
 from woodpecker.piecewise.settings import Numerics, Settings
-from woodpecker.piecewise.stepping import Sample
 
 
 def border_at(map_: PiecewiseMap, orbit: Orbit, margin: Margin, settings: Settings) -> Border:

@@ -15,8 +15,8 @@ from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.orbits import Orbit, scales
+from woodpecker.piecewise.samples import Sample, Stop
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import Sample, Stop
 
 
 @dataclass(frozen=True, slots=True)

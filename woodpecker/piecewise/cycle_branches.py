@@ -37,8 +37,10 @@ from woodpecker.piecewise.orbits import (
     solve,
 )
 from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.samples import Sample, Stop, StopRule, Stretch
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import FLIP, Sample, Stepper, Stop, StopRule, Stretch
+from woodpecker.piecewise.stepping import Stepper
+from woodpecker.piecewise.stops import FLIP
 
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
@@ -61,10 +63,11 @@ class Cycles:
     ) -> None:
         self.map, self.settings = map_, settings
         self.stepper = Stepper(map_, Closed(), settings, [FLIP], stop=stop)
+        self.corrector = self.stepper.corrector
 
     def through(self, orbit: Orbit) -> list[Curve]:
         """The branch through a cycle, both ways, with those that continue it."""
-        start = self.stepper.sample(orbit, np.eye(len(orbit) + 1)[-1])
+        start = self.corrector.sample(orbit, np.eye(len(orbit) + 1)[-1])
         ahead = self.legs((start,), start)
         closes = ahead[-1].stop is Stop.CLOSED
         behind = [] if closes else self.legs((turned(start),), start)
@@ -225,7 +228,7 @@ class Cycles:
             found = solution.orbit
             aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
             if solution.converged and is_inside(found, Closed()) and aside <= fastest * away:
-                return self.stepper.sample(found, sign * np.eye(len(found) + 1)[-1])
+                return self.corrector.sample(found, sign * np.eye(len(found) + 1)[-1])
         return None
 
     def _lost(self, stretch: Stretch, cause: str) -> End | None:
@@ -245,7 +248,7 @@ class Cycles:
 
     def _jumps_unseen(self, end: Sample) -> bool:
         """Whether the map jumps beyond a sample, though the margins of its pieces are positive."""
-        there = self.stepper.ahead(end, self.settings.same)
+        there = self.corrector.ahead(end, self.settings.same)
         for x, image in zip(there.x.tolist(), there.images, strict=True):
             other = self.map.at(x, there.p)
             if image.reason or other.reason or other.piece.key == image.piece.key:

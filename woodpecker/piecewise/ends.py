@@ -10,8 +10,8 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.orbits import Closed, Condition, Coordinate, Margin, Orbit, blurred
+from woodpecker.piecewise.samples import Stop, Stretch
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import Stop, Stretch
 
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
 

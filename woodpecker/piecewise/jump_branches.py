@@ -16,6 +16,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.corners import leaving
+from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.crossings import border_at, is_inside, restart
 from woodpecker.piecewise.curves import (
     Curve,
@@ -35,18 +36,13 @@ from woodpecker.piecewise.ends import (
     folded,
     given_up_or_left,
 )
+from woodpecker.piecewise.limit_stops import continued
 from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Closed, Margin, Orbit, minimal_period, scales, tangent
 from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.samples import Sample, Stop, StopRule, Stretch
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import (
-    Sample,
-    Stepper,
-    Stop,
-    StopRule,
-    Stretch,
-    continued,
-)
+from woodpecker.piecewise.stepping import Stepper
 
 MEET = "borders meet, closer than can be resolved"
 LIMIT_LOST = "a limit of the jump is lost"
@@ -157,12 +153,15 @@ class Jumps:
             marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there)
 
+    def _corrector(self, closing: Margin) -> Corrector:
+        return Corrector(self.map, closing, self.settings, self.order)
+
     def _stepper(self, closing: Margin) -> Stepper:
         return Stepper(self.map, closing, self.settings, order=self.order, stop=self.stop)
 
     def _sample(self, head: Orbit, closing: Margin, along: Floats | None = None) -> Sample:
         forward = np.eye(len(head) + 1)[-1] if along is None else along
-        return self._stepper(closing).sample(head, forward)
+        return self._corrector(closing).sample(head, forward)
 
     def _beside(self, start: Sample, sign: float = 1.0) -> Sample | None:
         """The next sample of a jump branch, right beside one where it changes; None if it ends.
@@ -225,7 +224,7 @@ class Jumps:
         assert base.jump is not None
         if any(image.slope == 0.0 for image in base.orbit.images[:-1]):
             return None  # where the orbit starts does not change where it ends: P_order has no jump
-        found = self._stepper(base.jump.closing).advance(base, away)
+        found = self._corrector(base.jump.closing).advance(base, away)
         return found if isinstance(found, Sample) and found.jump is not None else None
 
     def _is_good(self, sample: Sample) -> bool:
@@ -341,7 +340,7 @@ class Jumps:
                 if found is None or found.jump is None:
                     continue
                 closing = found.jump.closing
-                agrees = self._stepper(closing).agrees(found.orbit)
+                agrees = self._corrector(closing).agrees(found.orbit)
                 if agrees and is_inside(found.orbit, closing):
                     if found.jump.crosses:
                         return found

@@ -14,8 +14,10 @@ from woodpecker.piecewise.curves import turned
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.orbits import Closed, Orbit, minimal_period, scales, tangent
 from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.samples import Sample, Stop
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.stepping import FLIP, Sample, Stepper, Stop
+from woodpecker.piecewise.stepping import Stepper
+from woodpecker.piecewise.stops import FLIP
 
 Begin = tuple[Sample, Sample]
 

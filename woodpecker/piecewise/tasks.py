@@ -16,9 +16,9 @@ from woodpecker.piecewise.jump_branches import Jumps, at_corner, cycle_from
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.samples import Sample, StopRule
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import Slice, slices_at
-from woodpecker.piecewise.stepping import Sample, StopRule
 from woodpecker.piecewise.switching import switched
 
 
