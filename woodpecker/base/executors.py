@@ -20,10 +20,11 @@ import sys
 import threading
 import time
 import warnings
+from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import lru_cache, partial
 from multiprocessing.connection import Connection, wait
 from typing import Any, NamedTuple, Protocol
@@ -32,6 +33,7 @@ from woodpecker.base.checks import whole
 
 WATCH = 1.0  # s: how often a worker looks whether its owner is still there
 PATIENCE = 2.0  # s: what takes less is done before processes that are started anew could help
+READY = 16  # tasks for each worker that would have nothing to do while one takes long
 KEPT = 4  # descriptions of tasks that a process remembers: one for each search it works for
 
 
@@ -62,8 +64,15 @@ class Scheduler(Protocol):
     def ahead(self) -> int:
         """How many tasks are worth submitting before they are needed."""
 
+    @property
+    def spare(self) -> int:
+        """How many tasks are worth having ready for whoever would have nothing to do."""
+
     def submit(self, *arguments: Any) -> Pending:
         """Submit a task."""
+
+    def later(self, *arguments: Any) -> Pending:
+        """Submit a task that gives way to others until its result is asked for."""
 
 
 class _Later:
@@ -82,7 +91,7 @@ class _Later:
 class Serial:
     """The calling thread: what is not asked for is not done."""
 
-    ahead = 1
+    ahead = spare = 1
 
     def __init__(self, work: Work) -> None:
         self._work = work
@@ -91,25 +100,76 @@ class Serial:
         """A task, to be carried out when its result is asked for."""
         return _Later(self._work, arguments)
 
+    later = submit
+
 
 class Parallel:
     """An executor: tasks are carried out while others are waited for."""
 
     def __init__(self, executor: Executor, work: Work, workers: int) -> None:
-        self._executor, self._work, self.ahead = executor, work, 2 * workers
-        self._open: set[Future[Done]] = set()
+        self._executor, self._work, self._workers = executor, work, workers
+        self.ahead, self.spare = 2 * workers, READY * workers
+        self._open, self._ready = set[Future[Done]](), deque[_Spare]()
+        self._lock = threading.RLock()  # futures are done in another thread
 
-    def submit(self, *arguments: Any) -> Pending:
+    def submit(self, *arguments: Any) -> Future[Done]:
         """A task for the next worker that is free."""
         future = self._executor.submit(self._work, *arguments)
-        self._open.add(future)
-        future.add_done_callback(self._open.discard)
+        with self._lock:
+            self._open.add(future)
+        future.add_done_callback(self._is_done)
         return future
+
+    def later(self, *arguments: Any) -> Pending:
+        """A task for a worker that would have nothing to do."""
+        task = _Spare(self, arguments)
+        with self._lock:
+            self._ready.append(task)
+            self._fill()
+        return task
+
+    def take(self, task: _Spare) -> None:
+        """Submit a task that is ready now; or give it up, if it is cancelled."""
+        with self._lock:
+            if task in self._ready:
+                self._ready.remove(task)
+                task.future = None if task.cancelled else self.submit(*task.arguments)
 
     def cancel(self) -> None:
         """Give up what is not begun."""
-        for future in tuple(self._open):
+        with self._lock:
+            self._ready.clear()
+            waiting = tuple(self._open)
+        for future in waiting:
             future.cancel()
+
+    def _is_done(self, future: Future[Done]) -> None:
+        with self._lock, suppress(RuntimeError):  # whoever asks for a result learns of a broken pool
+            self._open.discard(future)
+            self._fill()
+
+    def _fill(self) -> None:
+        """Keep every worker busy."""
+        while self._ready and len(self._open) < self._workers:
+            self.take(self._ready[0])
+
+
+class _Spare:
+    """A task that is ready for a worker that would have nothing to do."""
+
+    def __init__(self, parallel: Parallel, arguments: tuple[Any, ...]) -> None:
+        self._parallel, self.arguments, self.cancelled = parallel, arguments, False
+        self.future: Future[Done] | None = None
+
+    def result(self) -> Done:
+        self._parallel.take(self)
+        assert self.future is not None
+        return self.future.result()
+
+    def cancel(self) -> bool:
+        self.cancelled = True
+        self._parallel.take(self)
+        return self.future is None or self.future.cancel()
 
 
 class Joined:
@@ -136,6 +196,11 @@ class Joined:
         return self._now.ahead
 
     @property
+    def spare(self) -> int:
+        """How many tasks are worth having ready for whoever would have nothing to do."""
+        return self._now.spare
+
+    @property
     def _now(self) -> Scheduler:
         if self._elsewhere is not None and self._ready.is_set():
             return self._elsewhere
@@ -143,13 +208,23 @@ class Joined:
 
     def submit(self, *arguments: Any) -> Pending:
         """A task for the processes if they are there, for the calling thread if not."""
+        self._grow()
+        return self._now.submit(*arguments)
+
+    def later(self, *arguments: Any) -> Pending:
+        """The same, for a process that would have nothing to do."""
+        self._grow()
+        return self._now.later(*arguments)
+
+    def _grow(self) -> None:
+        """Start processes when it takes long."""
         if time.monotonic() >= self._due:
             self._due = math.inf
             pool = self._stack.enter_context(processes(self._workers))
             if pool is not None:
                 self._elsewhere = Parallel(pool, self._sent, self._workers)
                 pool.submit(os.getpid).add_done_callback(lambda _: self._ready.set())
-        return self._now.submit(*arguments)
+                self._stack.callback(self._elsewhere.cancel)
 
 
 @contextmanager
@@ -181,11 +256,8 @@ def scheduler(
     """
     count = worker_count(workers)
     if executor is not None:
-        parallel = Parallel(executor, _portable(work, executor), count)
-        try:
+        with _given_up(Parallel(executor, _portable(work, executor), count)) as parallel:
             yield parallel
-        finally:
-            parallel.cancel()
         return
     if count == 1:
         yield Serial(work)
@@ -196,7 +268,20 @@ def scheduler(
             yield Joined(work, sent, count, stack)
             return
         pool = stack.enter_context(processes(count))
-        yield Serial(work) if pool is None else Parallel(pool, sent, count)
+        if pool is None:
+            yield Serial(work)
+            return
+        with _given_up(Parallel(pool, sent, count)) as parallel:
+            yield parallel
+
+
+@contextmanager
+def _given_up(parallel: Parallel) -> Iterator[Parallel]:
+    """Tasks that nobody waits for any more are given up at the end."""
+    try:
+        yield parallel
+    finally:
+        parallel.cancel()
 
 
 def worker_count(workers: int | None) -> int:

@@ -208,7 +208,9 @@ class Explorer:
             met = list(waiting)
             asked = [self.scheduler.submit(Tasks.starts, each, self.orders) for each in met]
             places = [self._places(pending) for pending in asked]
-            following = self._followed([place for own in places for place in own])
+            following = self._followed(
+                [place for own in places for place in own], self.scheduler.ahead
+            )
             for each, own in zip(met, places, strict=True):
                 for _ in own:
                     next(following)
@@ -262,14 +264,16 @@ class Explorer:
             self.recorder.seen(seen)
         return seen
 
-    def _followed(self, places: Sequence[_Place]) -> Iterator[tuple[_Place, bool]]:
+    def _followed(self, places: Sequence[_Place], most: int = 1) -> Iterator[tuple[_Place, bool]]:
         """Follow what no branch explains when its turn comes; each place, and whether it was.
 
-        What is submitted ahead is looked at once more if branches were found since.
+        What is submitted ahead, at ``most`` so many, is looked at once more if branches were found
+        since. Those that start at different special points seldom turn out to be one; the cycles of
+        a slice often do.
         """
         ahead: deque[tuple[Pending | None, int]] = deque()
         for k, place in enumerate(places):
-            while len(ahead) < min(self.scheduler.ahead, len(places) - k):
+            while len(ahead) < min(most, len(places) - k):
                 later, curves = places[k + len(ahead)], len(self.network.curves)
                 known = self._is_explained(later)
                 task = None if known else self.scheduler.submit(later.task, later.argument)
@@ -347,10 +351,10 @@ def _slices(
     ahead: deque[Pending] = deque()
     try:
         while plan.done < len(plan.places):
-            last = min(plan.done + scheduler.ahead, len(plan.places))
+            last = min(plan.done + scheduler.spare, len(plan.places))
             for k in range(plan.done + len(ahead), last):
                 p = low + (high - low) * plan.places[k]
-                ahead.append(scheduler.submit(Tasks.slice, p, explorer.orders))
+                ahead.append(scheduler.later(Tasks.slice, p, explorer.orders))
             done = ahead.popleft().result()
             yield done.value, done.evaluations
     finally:

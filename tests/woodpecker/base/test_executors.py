@@ -74,6 +74,40 @@ def test_results_come_as_they_were_submitted(workers: int) -> None:
     assert multiprocessing.active_children() == []
 
 
+def test_spare_tasks_give_way_to_others() -> None:
+    """One worker, held up by a first task: the second urgent one comes before the spare ones."""
+    begin, done = threading.Event(), list[int]()
+
+    def task(x: int) -> Done:
+        assert begin.wait(60.0)
+        done.append(x)
+        return squared(x)
+
+    with ThreadPoolExecutor(1) as pool, scheduler(task, 1, pool) as tasks:
+        first = tasks.submit(0)
+        spare = [tasks.later(x) for x in (1, 2, 3)]
+        urgent = tasks.submit(4)
+        assert spare[1].cancel()
+        begin.set()
+        assert [t.result().value for t in (first, urgent, spare[2], spare[0])] == [0, 16, 9, 1]
+    assert done[:2] == [0, 4]
+    assert sorted(done[2:]) == [1, 3]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_spare_tasks_are_done_without_being_asked_for(workers: int) -> None:
+    with scheduler(squared, workers) as tasks:
+        spare = [tasks.later(x) for x in range(5)]
+        assert [task.result().value for task in spare] == [0, 1, 4, 9, 16]
+    assert multiprocessing.active_children() == []
+
+
+def test_spare_tasks_of_a_broken_pool_say_so() -> None:
+    with pytest.raises(RuntimeError, match="ended before its task"), scheduler(dies, 2) as tasks:
+        spare = [tasks.later(3) for _ in range(4)]
+        spare[-1].result()
+
+
 def test_what_a_task_remembers_is_sent() -> None:
     with scheduler(Table({3: 30}), 2) as tasks:
         assert tasks.submit(3).result() == Done(30, 1)
