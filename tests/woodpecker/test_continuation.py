@@ -458,7 +458,7 @@ def test_lines_that_are_refused(
 
 
 def test_a_run_keeps_all_of_its_settings(tmp_path: Path) -> None:
-    numerics = Numerics(thin=2e-3, wedges=(0.01, 0.1), spokes=16)
+    numerics = Numerics(thin=2e-3, sector=0.5, most_sectors=16)
     settings = Settings(span=SPAN, window=WINDOW, max_turn=0.05, numerics=numerics)
     kept = json.loads(json.dumps(about(Toy(), "eps_n1", settings, SPAN)))
     assert settings_of(kept["settings"]) == settings

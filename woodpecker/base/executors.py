@@ -144,7 +144,7 @@ class Parallel:
             future.cancel()
 
     def _is_done(self, future: Future[Done]) -> None:
-        with self._lock, suppress(RuntimeError):  # whoever asks for a result learns of a broken pool
+        with self._lock, suppress(RuntimeError):  # who asks for a result learns of a broken pool
             self._open.discard(future)
             self._fill()
 

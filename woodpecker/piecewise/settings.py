@@ -138,12 +138,11 @@ class Numerics:
     fan
         Points of the circle about a border at which a piece inside of it is looked for that may be
         a wedge; those of the half outside, and the two on the border, are not asked.
-    spokes
-        Points of the first circle about a corner: sectors narrower than an eighth of a right angle
-        may be missed, but for those next to the jump that is known.
-    wedges
-        Angles [rad] of more points there, on both sides of that jump: a piece that ends in the
-        corner is a wedge of any width.
+    sector
+        Angle [rad] between neighbouring points of the circle about a corner at most: margins say
+        where its sectors end, and what bends so much that they do not is seen from an eighth of it.
+    most_sectors
+        Points of such a circle at most: where there are more sectors borders accumulate.
     narrow
         Angle [rad] between two points of the circle from which the border between them is solved
         for.
@@ -217,8 +216,8 @@ class Numerics:
     continued: int = 8
     bisections: int = 12
     fan: int = 16
-    spokes: int = 32
-    wedges: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1)
+    sector: float = 0.25 * math.pi
+    most_sectors: int = 64
     narrow: float = 1e-4
     aside: float = 0.1
     same_way: float = 0.9
@@ -231,27 +230,16 @@ class Numerics:
     def __post_init__(self) -> None:
         for each in fields(self):
             value = getattr(self, each.name)
-            if isinstance(each.default, tuple):
-                checked: object = _several(each.name, value)
-            elif isinstance(each.default, int):
-                checked = whole(each.name, value)
+            if isinstance(each.default, int):
+                object.__setattr__(self, each.name, whole(each.name, value))
             else:
-                checked = _part_or_factor(each.name, value, part=float(each.default) < 1.0)  # type: ignore[arg-type]
-            object.__setattr__(self, each.name, checked)
+                part = float(each.default) < 1.0  # type: ignore[arg-type]
+                object.__setattr__(self, each.name, _part_or_factor(each.name, value, part=part))
 
     @property
     def farther(self) -> float:
         """Times a distance from a place where borders accumulate that is tried next."""
         return 1.0 / self.nearer
-
-
-def _several(name: str, value: Any) -> tuple[float, ...]:
-    """Positive numbers."""
-    try:
-        given = tuple(value)
-    except TypeError:
-        raise ValueError(f"{name} must be several numbers, got {value}") from None
-    return tuple(positive(name, one) for one in given)
 
 
 def _part_or_factor(name: str, value: Any, *, part: bool) -> float:

@@ -104,8 +104,7 @@ def test_spare_tasks_are_done_without_being_asked_for(workers: int) -> None:
 
 def test_spare_tasks_of_a_broken_pool_say_so() -> None:
     with pytest.raises(RuntimeError, match="ended before its task"), scheduler(dies, 2) as tasks:
-        spare = [tasks.later(3) for _ in range(4)]
-        spare[-1].result()
+        [tasks.later(3) for _ in range(4)][-1].result()
 
 
 def test_what_a_task_remembers_is_sent() -> None:
