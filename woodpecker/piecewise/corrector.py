@@ -68,7 +68,7 @@ class Corrector:
         It is predicted along the tangent, or along the cubic through the sample before too: where
         orbits are steep Newton's method needs to start close by.
         """
-        scale = scales(len(last.orbit), self.settings)
+        scale, numerics = scales(len(last.orbit), self.settings), self.settings.numerics
         predicted = self._predicted(last, step, scale, before)
         if not predicted.defined:
             predicted = pulled_inside(predicted, last.orbit)
@@ -85,8 +85,9 @@ class Corrector:
             return 0.5 * step
         forward = bool(found @ last.tangent >= 0.0)
         found = found if forward else -found
-        if angle(last.tangent, found) > self.turn(step):
-            return 0.5 * step
+        turned, most = angle(last.tangent, found), self.turn(step)
+        if turned > most:
+            return max(numerics.retry, numerics.kept_turn * most / turned) * step
         return self.completed(Sample(solution.orbit, found, forward))
 
     def to_end(self, last: Sample, step: float) -> Sample | None:

@@ -88,7 +88,10 @@ def _at_tail(corrector: Corrector, a: Sample, b: Sample, step: float, inner: boo
     guess = between(there.head(n), far.head(n), before / (before - after))
     border = a.jump.at_border(inner, corrector.settings)
     solution = solve(guess, (border, found), corrector.settings)
-    return _at_head(corrector, a, step, Stop.TAIL, solution, inner, (found,))
+    ending = _at_head(corrector, a, step, Stop.TAIL, solution, inner, (found,))
+    if ending is None or ending.distance <= -corrector.settings.nearest:
+        return None  # it is the one that the branch has just passed
+    return ending
 
 
 def _holds(corrector: Corrector, orbit: Orbit, border: int, margin: Margin) -> bool:
