@@ -95,8 +95,7 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
     """Places where the word of a branch changes."""
-    points = [point for point in diagram.points if point.kind is PointKind.WC]
-    p, x = [point.parameter for point in points], [point.x for point in points]
+    p, x = list[float](), list[float]()
     for branch in diagram.branches:
         firsts = [stretch.first for stretch in branch.changes]
         p += branch.parameter[firsts].tolist()

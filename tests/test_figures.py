@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pytest
+from short_runs import short_run
 
 mpl.use("Agg")
 from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot
@@ -121,8 +122,7 @@ def test_the_jump_of_a_and_b_hardly_shows_in_figure_8(law: Any, seen: bool) -> N
 
 @pytest.fixture(scope="module")
 def figure_8(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    folder = tmp_path_factory.mktemp("fig08_vertices")
-    results: dict[str, Any] = vertices.main(fast=True, out=folder)
+    results, folder = short_run(vertices, tmp_path_factory)
     assert is_picture(folder / "fig08_vertices.png")
     return results
 

@@ -3,11 +3,11 @@
 import importlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import pytest
+from short_runs import ShortRun, short_run
 
 mpl.use("Agg")
 from pwmap import Branch, BranchKind, Diagram, SpecialPoint
@@ -81,13 +81,12 @@ def test_a_table_has_a_column_at_every_parameter(spacing: float, points: int) ->
 
 
 @pytest.fixture(scope="module")
-def second(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
-    folder = tmp_path_factory.mktemp("fig10")
-    return fig10.main(fast=True, out=folder), folder
+def second(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
+    return short_run(fig10, tmp_path_factory)
 
 
 @pytest.mark.slow
-def test_fixed_points_of_order_two_pair_up(second: tuple[dict[str, Any], Path]) -> None:
+def test_fixed_points_of_order_two_pair_up(second: ShortRun) -> None:
     results, folder = second
     assert is_picture(folder / "fig10.png")
     assert results["odd"] == []
@@ -108,7 +107,7 @@ def test_a_branch_without_its_partner_is_seen() -> None:
 
 
 @pytest.mark.slow
-def test_jump_crossings_of_order_two_are_single(second: tuple[dict[str, Any], Path]) -> None:
+def test_jump_crossings_of_order_two_are_single(second: ShortRun) -> None:
     """The jump branch of P_2 that starts at A is alone, and starts the cycle of period 2."""
     results, _ = second
     assert results["odd_jumps"]
@@ -120,7 +119,7 @@ def test_jump_crossings_of_order_two_are_single(second: tuple[dict[str, Any], Pa
 
 
 @pytest.mark.slow
-def test_the_way_from_a_to_c_has_a_real_cycle_on_it(second: tuple[dict[str, Any], Path]) -> None:
+def test_the_way_from_a_to_c_has_a_real_cycle_on_it(second: ShortRun) -> None:
     results, _ = second
     way = [fig10.Stretch(**stretch) for stretch in results["way"]]
     assert [stretch.kind for stretch in way] == ["jump", "fixed-point", "jump"]
@@ -155,7 +154,7 @@ def test_the_closed_loops_of_order_two() -> None:
 
 
 @pytest.mark.slow
-def test_samples_are_fixed_points(second: tuple[dict[str, Any], Path]) -> None:
+def test_samples_are_fixed_points(second: ShortRun) -> None:
     """No flank here is steeper than 100, so 1e-11 is far above rounding."""
     inside = second[0]["residuals"]
     assert inside["samples"] > 100
@@ -237,13 +236,12 @@ def test_order_three_in_a_part_without_cycles_of_period_three(tmp_path: Path) ->
 
 
 @pytest.fixture(scope="module")
-def maps(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
-    folder = tmp_path_factory.mktemp("fig11")
-    return fig11.main(fast=True, out=folder), folder
+def maps(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
+    return short_run(fig11, tmp_path_factory)
 
 
 @pytest.mark.slow
-def test_the_map_rises_through_the_diagonal_at_a(maps: tuple[dict[str, Any], Path]) -> None:
+def test_the_map_rises_through_the_diagonal_at_a(maps: ShortRun) -> None:
     results, folder = maps
     assert is_picture(folder / "fig11.png")
     below, at, above, _ = (gap for _, _, gap in results["gap"])
@@ -252,7 +250,7 @@ def test_the_map_rises_through_the_diagonal_at_a(maps: tuple[dict[str, Any], Pat
 
 
 @pytest.mark.slow
-def test_what_starts_at_a(maps: tuple[dict[str, Any], Path]) -> None:
+def test_what_starts_at_a(maps: ShortRun) -> None:
     """The stable fixed point alone below A; above it another, and a crossing of P_1 and of P_2."""
     scenes = {(e["law"], e["eps_n1"], e["order"]): e for e in maps[0]["scenes"]}
     for order in (1, 2):
@@ -270,7 +268,7 @@ def test_what_starts_at_a(maps: tuple[dict[str, Any], Path]) -> None:
 
 
 @pytest.mark.slow
-def test_figure_11_follows_from_the_sum_only(maps: tuple[dict[str, Any], Path]) -> None:
+def test_figure_11_follows_from_the_sum_only(maps: ShortRun) -> None:
     paper = maps[0]["paper"]
     assert paper["summed"] == paper["drawn"]
     assert paper["separate"]["stable"] == paper["separate"]["unstable"] == 0

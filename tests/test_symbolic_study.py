@@ -1,24 +1,22 @@
 """The study of symbolic composition runs, and both of its ways mean the same map."""
 
 import importlib
-from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import pytest
+from short_runs import ShortRun, short_run
 
 mpl.use("Agg")
 symbolic = importlib.import_module("symbolic")
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
-    folder = tmp_path_factory.mktemp("symbolic")
-    return symbolic.main(fast=True, out=folder), folder
+def measured(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
+    return short_run(symbolic, tmp_path_factory)
 
 
 @pytest.mark.slow
-def test_both_ways_agree_and_are_timed(measured: tuple[dict[str, Any], Path]) -> None:
+def test_both_ways_agree_and_are_timed(measured: ShortRun) -> None:
     results, _ = measured
     assert results["agree"] == 3 * 41
     assert results["ratio_order_6"] > 1.0  # how much more is no matter of a test
@@ -28,6 +26,6 @@ def test_both_ways_agree_and_are_timed(measured: tuple[dict[str, Any], Path]) ->
 
 
 @pytest.mark.slow
-def test_pictures_are_written(measured: tuple[dict[str, Any], Path]) -> None:
+def test_pictures_are_written(measured: ShortRun) -> None:
     for name in ("symbolic.png", "symbolic_plane.png"):
         assert (measured[1] / name).stat().st_size > 20_000

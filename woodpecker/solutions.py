@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -63,6 +63,13 @@ OF_A_RETURN = ("period", "drop")  # attributes of woodpecker.Return, by name
 Observable = Callable[[Toy, float], float]
 
 
+def known_observables(names: Iterable[str]) -> None:
+    """Complain of a name that :func:`observables` does not know, with a ValueError."""
+    for name in names:
+        if name not in OF_A_RETURN:
+            raise ValueError(f"an observable must be one of {', '.join(OF_A_RETURN)}, got {name!r}")
+
+
 def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable) -> Diagram:
     """The same diagram with what is observed along its branches: period, drop, or what you like.
 
@@ -92,9 +99,7 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     TypeError
         If the diagram's parameter is none of the toy.
     """
-    for name in names:
-        if name not in OF_A_RETURN:
-            raise ValueError(f"a name must be one of {', '.join(OF_A_RETURN)}, got {name!r}")
+    known_observables(names)
     branches = tuple(
         replace(
             branch, columns={**branch.columns, **_observed(toy, diagram, branch, names, functions)}

@@ -41,7 +41,6 @@ class PointKind(StrEnum):
     BP = "BP"
     BC = "BC"
     FF = "FF"
-    WC = "WC"
     FALL = "FALL"
     EP = "EP"
 
@@ -62,7 +61,6 @@ _MEANINGS = {
     "BP": "branch point: multiplier +1, two branches cross",
     "BC": "border collision: a fixed point meets a jump",
     "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
-    "WC": "word change: the sequence of events changes, the map does not jump",
     "FALL": "free fall: the return is lost",
     "EP": "end point: end of the parameter span or of the window",
 }
@@ -106,11 +104,14 @@ class Stretch:
         The word.
     cause
         A sentence on what happens where it begins; empty at the start of a branch.
+    exact
+        Exact sympy expressions by name, e.g. ``{"x": r/(a + 1)}``; empty for the toy.
     """
 
     first: int
     word: str
     cause: str = ""
+    exact: Mapping[str, object] = field(default_factory=dict, hash=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -132,12 +133,12 @@ class Branch:
     ends
         Ids of the special points at the first and the last sample.
     exact
-        Exact sympy expressions by name, e.g. ``{"x": r/(a + 1)}``; empty for the toy.
+        Exact sympy expressions by name, of its first stretch as ``word`` is; empty for the toy.
     attracts
         Whether its fixed points attract, where the multiplier does not say: a point that stays at
         the border of two pieces has another slope on the other side. None if the multiplier does.
     words
-        Its stretches in order, by default one; the first has ``word``.
+        Its stretches in order, by default one; the first has ``word`` and ``exact``.
     columns
         What else was observed at each sample, arrays (n,) by name.
     """
@@ -178,7 +179,8 @@ class Branch:
             raise ValueError(
                 f"the first stretch must have the word {self.word!r}, got {words[0].word!r}"
             )
-        object.__setattr__(self, "words", words)
+        first = replace(words[0], exact=self.exact)
+        object.__setattr__(self, "words", (first, *words[1:]))
         columns = {name: _locked(values, float) for name, values in self.columns.items()}
         for name, values in columns.items():
             if len(values) != len(self):
@@ -193,11 +195,15 @@ class Branch:
         """The stretches that begin with a change of word: all but the first."""
         return self.words[1:]
 
-    def word_at(self, sample: int) -> str:
-        """The word of a sample; IndexError if there is no such sample."""
+    def stretch_at(self, sample: int) -> Stretch:
+        """The stretch that a sample belongs to; IndexError if there is no such sample."""
         if not 0 <= sample < len(self):
             raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
-        return self.words[bisect_right(self.words, sample, key=lambda s: s.first) - 1].word
+        return self.words[bisect_right(self.words, sample, key=lambda s: s.first) - 1]
+
+    def word_at(self, sample: int) -> str:
+        """The word of a sample; IndexError if there is no such sample."""
+        return self.stretch_at(sample).word
 
     @property
     def stable(self) -> BoolArray:
@@ -287,7 +293,7 @@ class Hit(NamedTuple):
     x, multiplier
         As floats; the multiplier of a jump is nan.
     exact
-        By name as in :attr:`Branch.exact`, without ``interval``; empty for the toy.
+        By name as in :attr:`Stretch.exact`, without ``interval``; empty for the toy.
     """
 
     branch: Branch
@@ -412,11 +418,11 @@ class Diagram:
         A branch along one value of the parameter is in neither; one that starts and ends at the
         point comes once for each end. KeyError if there is no such point.
         """
-        at = self.point(point_id).parameter
+        point = self.point(point_id)
         left: list[str] = []
         right: list[str] = []
         for branch in self._incident[point_id]:
-            for end, side in zip(branch.ends, _sides_of_ends(branch, at), strict=True):
+            for end, side in zip(branch.ends, _sides_of_ends(branch, point), strict=True):
                 if end == point_id and side:
                     (left if side < 0 else right).append(branch.id)
         return tuple(left), tuple(right)
@@ -425,10 +431,10 @@ class Diagram:
         """What the diagram shows at one value of the parameter, in order of x.
 
         In an exact diagram all values are exact, also at and between the ends of branches: a branch
-        is met where its ``interval`` holds the parameter. One that lies along this value, a band of
-        fixed points, is met at both of its ends, whether or not these belong to it. Where other
-        parameters are symbolic, it is met and sorted as at :attr:`sample`, where the floats are
-        taken too, and the exact values are formulas in them.
+        is met where the ``interval`` of one of its stretches holds the parameter. One that lies
+        along this value, a band of fixed points, is met at both of its ends, whether or not these
+        belong to it. Where other parameters are symbolic, it is met and sorted as at
+        :attr:`sample`, where the floats are taken too, and the exact values are formulas in them.
 
         Otherwise values lie on the straight line between neighbouring samples of a branch; a branch
         that turns round is met more than once.
@@ -454,15 +460,9 @@ class Diagram:
         here = Slice(self.parameter_name, exact_number(parameter), self.sample)
         found: list[tuple[Value, Hit]] = []
         for branch in self.branches:
-            if here.meets(branch.exact["interval"]):
-                names = [n for n in branch.exact if n not in ("interval", "lower", "upper", "x")]
-                values = {name: here.value(branch.exact[name]) for name in names}
-                exact = {name: value.formula for name, value in values.items()}
-                multiplier = values["multiplier"].number if "multiplier" in values else math.nan
-                for name in ("lower", "upper") if "x" not in branch.exact else ("x",):
-                    x = here.value(branch.exact[name])
-                    hit = Hit(branch, x.number, multiplier, {"x": x.formula, **exact})
-                    found.append((x, hit))
+            for formulas in (stretch.exact for stretch in branch.words):
+                if here.meets(formulas["interval"]):
+                    found += _hits_of(branch, formulas, here)
 
         def by_x(one: tuple[Value, Hit], other: tuple[Value, Hit]) -> int:
             return here.compare(one[0], other[0])
@@ -593,7 +593,14 @@ class Diagram:
                 changes="; ".join(
                     f"{branch.parameter[s.first]:.10g}: {s.cause}" for s in branch.changes
                 ),
-                **{f"{name}_exact": str(value) for name, value in branch.exact.items()},
+                **{
+                    f"{name}_exact": "; ".join(
+                        str(stretch.exact[name])
+                        for stretch in branch.words
+                        if name in stretch.exact
+                    )
+                    for name in branch.exact
+                },
             )
         return graph
 
@@ -606,17 +613,37 @@ def _bounds(point: SpecialPoint) -> dict[str, float]:
     return {"interval_min": float(low), "interval_max": float(high)}
 
 
-def _sides_of_ends(branch: Branch, at: float) -> tuple[int, int]:
-    """Whether a branch lies at smaller (-1) or larger (1) parameters than each of its ends.
+def _sides_of_ends(branch: Branch, point: SpecialPoint) -> tuple[int, int]:
+    """Whether a branch lies at smaller (-1) or larger (1) parameters than each end at a point.
 
-    An exact branch starts at the smaller one, or lies along one value; otherwise samples tell.
+    In an exact diagram intervals say so, however short they are; otherwise samples do.
     """
     if "interval" in branch.exact:
-        along = not hasattr(branch.exact["interval"], "left_open")  # a set of one value
-        return (0, 0) if along else (1, -1)
+        return _side(branch.words[0], point), _side(branch.words[-1], point)
     beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
-    first, last = (int(p > at) - int(p < at) for p in beside.tolist())
+    first, last = (int(p > point.parameter) - int(p < point.parameter) for p in beside.tolist())
     return first, last
+
+
+def _side(stretch: Stretch, point: SpecialPoint) -> int:
+    """Whether an exact stretch lies at smaller (-1) or larger (1) parameters than an end of it."""
+    interval: Any = stretch.exact["interval"]
+    if not hasattr(interval, "left_open"):  # a set of one value
+        return 0
+    return 1 if interval.start == point.exact["parameter"] else -1
+
+
+def _hits_of(
+    branch: Branch, formulas: Mapping[str, object], here: Slice
+) -> Iterator[tuple[Value, Hit]]:
+    """Where a branch is that has some formulas at a parameter: a band at both of its ends."""
+    names = [n for n in formulas if n not in ("interval", "lower", "upper", "x")]
+    values = {name: here.value(formulas[name]) for name in names}
+    exact = {name: value.formula for name, value in values.items()}
+    multiplier = values["multiplier"].number if "multiplier" in values else math.nan
+    for name in ("lower", "upper") if "x" not in formulas else ("x",):
+        x = here.value(formulas[name])
+        yield x, Hit(branch, x.number, multiplier, {"x": x.formula, **exact})
 
 
 def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.table import Column, Table
 
-from pwmap.diagrams.diagram import Branch, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Branch, Diagram, SpecialPoint, Stretch
 from pwmap.diagrams.files import write_table
 from pwmap.diagrams.graph import write_graph
 
@@ -51,7 +51,7 @@ def write_results(diagram: Diagram, folder: Path) -> None:
                 *(b.id, b.kind, b.order, b.word_at(k), *b.ends),
                 *(float(b.parameter[k]), float(b.x[k]), float(b.multiplier[k])),
                 *(float(b.columns[name][k]) if name in b.columns else "" for name in observed),
-                *(b.exact.get(name, "") for name in exact_of_branches),
+                *(b.stretch_at(k).exact.get(name, "") for name in exact_of_branches),
             )
             for b in diagram.branches
             for k in range(len(b))
@@ -64,16 +64,14 @@ def write_results(diagram: Diagram, folder: Path) -> None:
 
 def table_of_points(diagram: Diagram) -> Table:
     """Special points with their causes; changes of word are counted. Exact values where known."""
-    points = [point for point in diagram.points if point.kind is not PointKind.WC]
     changes = sum(len(branch.changes) for branch in diagram.branches)
-    changes += len(diagram.points) - len(points)
     table = Table(
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
-        title=f"{len(diagram.branches)} branches, {len(points)} special points, "
+        title=f"{len(diagram.branches)} branches, {len(diagram.points)} special points, "
         f"{changes} changes of word",
         caption=f"given: {', '.join(map(short, diagram.given))}" if diagram.given else None,
     )
-    for point in points:
+    for point in diagram.points:
         what = ", ".join(filter(None, (point.kind.label, point.note)))
         left, right = (" ".join(side) for side in diagram.sides(point.id))
         table.add_row(
@@ -88,19 +86,20 @@ def table_of_points(diagram: Diagram) -> Table:
 
 
 def table_of_branches(diagram: Diagram) -> Table:
-    """Branches with their exact formulas; only for diagrams that have them."""
+    """Branches with their exact formulas, stretch by stretch; for diagrams that have them."""
     names = ("branch", "kind", "order", "word", diagram.x_name, "multiplier", "exists for")
     table = Table(*_columns(*names))
-    for branch in diagram.branches:
-        jump = f"from {branch.exact.get('left')} to {branch.exact.get('right')}"
+    for branch, stretch in ((b, stretch) for b in diagram.branches for stretch in b.words):
+        exact = stretch.exact
+        jump = f"from {exact.get('left')} to {exact.get('right')}"
         table.add_row(
             branch.id,
             str(branch.kind),
             str(branch.order),
-            branch.word,
-            short(branch.exact.get("x", "an interval")),
-            short(branch.exact.get("multiplier", jump)),
-            short(f"{diagram.parameter_name} in {_interval(branch)}"),
+            stretch.word,
+            short(exact.get("x", "an interval")),
+            short(exact.get("multiplier", jump)),
+            short(f"{diagram.parameter_name} in {_interval(stretch)}"),
         )
     return table
 
@@ -131,9 +130,9 @@ def _shown(point: SpecialPoint, name: str, value: float) -> str:
     return short(point.exact[name]) if name in point.exact else f"{value:.10f}"
 
 
-def _interval(branch: Branch) -> str:
+def _interval(stretch: Stretch) -> str:
     """An interval as (a, b], or a set of one value."""
-    interval = branch.exact["interval"]
+    interval = stretch.exact["interval"]
     if not hasattr(interval, "left_open"):
         return str(interval)
     left = "(" if interval.left_open else "["

@@ -13,9 +13,10 @@ import numpy as np
 from sympy import QQ
 
 from pwmap.algebra.exact import Fraction_, Number, to_float
-from pwmap.diagrams.diagram import BranchKind, FloatArray, SpecialPoint
+from pwmap.diagrams.diagram import BranchKind, FloatArray
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.branches import Continuation, Segment
+from pwmap.parameters.curves import Curve
 
 POINTS = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
 ROUNDING = 2.0**-53  # of one operation, relative
@@ -31,16 +32,30 @@ class BranchArrays(NamedTuple):
     multiplier: FloatArray
 
 
-def branch_arrays(
-    continuation: Continuation, segment: Segment, ends: tuple[SpecialPoint, SpecialPoint]
-) -> BranchArrays:
+def curve_arrays(continuation: Continuation, curve: Curve) -> tuple[BranchArrays, list[int]]:
+    """A branch as arrays, and the first sample of each of its segments.
+
+    Where a segment is followed by another one they share a sample, that of the following one. A
+    segment that exists at one value only has that sample for itself.
+    """
+    parts = []
+    for segment, turned in zip(curve.segments, curve.turned, strict=True):
+        found = np.array(segment_arrays(continuation, segment))[:, :: -1 if turned else 1]
+        parts.append(
+            found if segment is curve.segments[-1] else found[:, : max(1, len(found[0]) - 1)]
+        )
+    starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
+    return BranchArrays(*np.hstack(parts)), starts.tolist()
+
+
+def segment_arrays(continuation: Continuation, segment: Segment) -> BranchArrays:
     """Parameter, x and multiplier along a segment, few points where that is enough."""
     axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
+    ends = [continuation.number(end) for end in continuation.ends(segment)]
     smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated
     outer = [
         (
-            end.parameter,
-            end.x,
+            *end,
             axis.number(slope, place) if smooth and continuation.is_finite(slope, place) else nan,
         )
         for end, place in zip(ends, segment.places, strict=True)
@@ -53,7 +68,7 @@ def branch_arrays(
     degrees = [axis.degree(number) for number in (*position, *slope)]
     if degrees[0] <= 1 and not any(degrees[1:]):
         return BranchArrays(*np.array(outer).T)
-    places, parameter = _spread(axis, segment, ends)
+    places, parameter = _spread(axis, segment, *(p for p, _ in ends))
     multiplier = values(axis, slope, places, parameter)
     inner = np.array(
         [
@@ -66,11 +81,8 @@ def branch_arrays(
     return BranchArrays(*np.hstack([first, inner, last]))
 
 
-def _spread(
-    axis: Axis, segment: Segment, ends: tuple[SpecialPoint, SpecialPoint]
-) -> tuple[list[Any], FloatArray]:
+def _spread(axis: Axis, segment: Segment, low: float, high: float) -> tuple[list[Any], FloatArray]:
     """Places inside a segment, in equal steps, and the same as floats."""
-    low, high = (end.parameter for end in ends)
     steps = np.arange(1, POINTS - 1) / (POINTS - 1)
     parameter = low + (high - low) * steps
     if RESOLVED * max(abs(low), abs(high)) < high - low < inf:

@@ -1,14 +1,16 @@
 """The exact bifurcation diagram of a piecewise-linear map over one parameter.
 
 Segments become branches, and the junctions of their ends special points. What kind of point it is
-follows from which branches meet there, and on which side.
+follows from which branches meet there, and on which side. Where only jumps meet a branch goes on
+with another word.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice, pairwise
 from typing import Any
 
 import sympy
@@ -16,11 +18,12 @@ from sympy import QQ
 
 from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Progress, Report
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
-from pwmap.parameters.arrays import branch_arrays
+from pwmap.parameters.arrays import curve_arrays
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.branches import (
     ALONG,
@@ -42,6 +45,7 @@ from pwmap.parameters.cells import (
     studied_at,
     with_cells,
 )
+from pwmap.parameters.curves import Curve, Tip, connected
 
 
 def bifurcation_diagram(
@@ -79,7 +83,8 @@ def bifurcation_diagram(
     Diagram
         The exact values are sympy objects: ``exact`` of a branch holds ``x``, ``multiplier`` (or
         the limits ``left`` and ``right`` of a jump) and ``interval``, the values of the parameter
-        at which it exists. A band along one value has its ends ``lower`` and ``upper`` for ``x``,
+        at which it exists; a jump that changes its word has them for each of its stretches, see
+        ``words``. A band along one value has its ends ``lower`` and ``upper`` for ``x``,
         and each can belong to it or not. That of a point holds ``parameter`` and ``x``. ``given``
         says for which values of symbolic parameters all of it holds.
 
@@ -89,6 +94,7 @@ def bifurcation_diagram(
         As :func:`pwmap.parameter_cells`. A ``BudgetError`` if no order was completed.
     """
     orders = checked_orders(orders, budget)
+    studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
     limits: Span = (None, None) if span is None else checked_span(span)
     watch = _Watch(orders, progress, on_interrupt)
 
@@ -99,14 +105,14 @@ def bifurcation_diagram(
             close(axis, cells)
         else:
             ends = axis.place(limits[0]), axis.place(limits[1])
-        found = _assembled(map_, Continuation(axis, cells, len(map_.chain), ends))
+        found = _assembled(map_, Continuation(axis, cells, len(map_.chain), ends), orders)
         return replace(found, given=(*found.given, *watch.left_out))
 
     return with_cells(
         build,
         map_,
         parameter,
-        orders,
+        studied,  # a jump ends at cycles of smaller period too, which say what it ends in
         limits,
         sample,
         with_ends=True,
@@ -193,39 +199,47 @@ def _number(place: Any) -> Any:
     return getattr(place, "value", place)
 
 
-def _assembled(map_: PiecewiseLinearMap, continuation: Continuation) -> Diagram:
-    """Name segments and junctions, and put them together."""
+def _assembled(
+    map_: PiecewiseLinearMap, continuation: Continuation, orders: Sequence[int]
+) -> Diagram:
+    """Name branches and special points of some orders, and put them together."""
     segments = continuation.segments()
+    curves, junctions = connected(segments, continuation.junctions(segments), continuation.stops)
+    branch_ids: dict[Tip, str] = {}  # by where branches begin and end
+    shown = [curve for curve in curves if curve.length // continuation.length in orders]
+    for curve, name in zip(shown, _names(shown), strict=True):
+        branch_ids.update(dict.fromkeys(curve.tips, name))
     counts: dict[str, int] = defaultdict(int)
-    branch_ids: dict[Segment, str] = {}
-    for segment in segments:
-        letter = "F" if segment.key.kind is BranchKind.FIXED_POINT else "J"
-        counts[letter] += 1
-        branch_ids[segment] = f"{letter}{counts[letter]}"
-    points: list[SpecialPoint] = []
-    ends: dict[tuple[Segment, int], SpecialPoint] = {}
-    for junction in continuation.junctions(segments):
+    points: dict[Tip, SpecialPoint] = {}
+    for junction in junctions:
+        tips = [tip for end in junction.ends if (tip := (end.segment, end.which)) in branch_ids]
+        if not tips:
+            continue
         kind, note = classify(junction, at_span_end=junction.place in continuation.stops)
         if junction.place in continuation.stops and junction.place not in continuation.span:
             note = "end of what is assumed"
         counts[kind] += 1
-        point = _point(continuation, junction, f"{kind}{counts[kind]}", kind, note, branch_ids)
-        points.append(replace(point, cause=_cause(map_, continuation, junction, kind)))
-        ends.update({(end.segment, end.which): point for end in junction.ends})
-    branches = [
-        _branch(
-            map_, continuation, segment, branch_ids[segment], (ends[segment, 0], ends[segment, 1])
-        )
-        for segment in segments
-    ]
+        names = tuple(dict.fromkeys(branch_ids[tip] for tip in tips))
+        point = _point(continuation, junction, f"{kind}{counts[kind]}", kind, note, names)
+        point = replace(point, cause=_cause(map_, continuation, junction, kind))
+        points.update(dict.fromkeys(tips, point))
     return Diagram(
         parameter_name=continuation.axis.name,
         x_name=str(map_.x),
-        branches=tuple(branches),
-        points=tuple(points),
+        branches=tuple(_branch(map_, continuation, curve, branch_ids, points) for curve in shown),
+        points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in continuation.axis.given),
         sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
     )
+
+
+def _names(curves: Sequence[Curve]) -> Iterator[str]:
+    """F1, F2, ... for branches of fixed points, and J1, J2, ... for jumps."""
+    counts: dict[str, int] = defaultdict(int)
+    for curve in curves:
+        letter = "F" if curve.segments[0].key.kind is BranchKind.FIXED_POINT else "J"
+        counts[letter] += 1
+        yield f"{letter}{counts[letter]}"
 
 
 def _point(
@@ -234,7 +248,7 @@ def _point(
     point_id: str,
     kind: PointKind,
     note: str,
-    branch_ids: Mapping[Segment, str],
+    branches: tuple[str, ...],
 ) -> SpecialPoint:
     axis, place = continuation.axis, junction.place
     x = junction.value
@@ -244,7 +258,7 @@ def _point(
         kind=kind,
         parameter=axis.number(axis.identity, place),
         x=junction.x,
-        branches=tuple(dict.fromkeys(branch_ids[end.segment] for end in junction.ends)),
+        branches=branches,
         order=lowest(junction.ends) // continuation.length,
         note=note,
         exact={"parameter": axis.to_sympy(place), "x": exact_x},
@@ -263,22 +277,52 @@ def _cause(
         case _:
             return ""
     cuts = (end.segment.key.cut for end in junction.ends)
-    met = sorted({cut.k for cut in cuts if cut is not None})
+    met = {cut.k for cut in cuts if cut is not None}
     if len(continuation.orbits.table.breaks) == 1:
-        met = [0]
-    values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in met]
-    which = " and ".join(f"{map_.x} = {value}" for value in values)
+        met = {0}
     what = "fixed point" if lowest(junction.ends) == continuation.length else "point of a cycle"
-    return f"a {what} meets {f'the border {which}' if which else 'a border'}"
+    return f"a {what} meets {_borders(map_, continuation, met)}"
 
 
 def _branch(
     map_: PiecewiseLinearMap,
     continuation: Continuation,
-    segment: Segment,
-    branch_id: str,
-    ends: tuple[SpecialPoint, SpecialPoint],
+    curve: Curve,
+    branch_ids: Mapping[Tip, str],
+    points: Mapping[Tip, SpecialPoint],
 ) -> Branch:
+    first = curve.segments[0]
+    drawn, starts = curve_arrays(continuation, curve)
+    words = [
+        Stretch(start, _spelled(map_, segment), exact=_formulas(continuation, segment))
+        for start, segment in zip(starts, curve.segments, strict=True)
+    ]
+    for i, (before, after) in enumerate(pairwise(curve.segments), start=1):
+        cause = _cause_of_change(map_, continuation, before.key, after.key)
+        words[i] = replace(words[i], cause=cause)
+    location = first.location
+    return Branch(
+        id=branch_ids[curve.tips[0]],
+        kind=first.key.kind,
+        order=curve.length // continuation.length,
+        word=words[0].word,
+        parameter=drawn.parameter,
+        x=drawn.x,
+        multiplier=drawn.multiplier,
+        ends=(points[curve.tips[0]].id, points[curve.tips[1]].id),
+        exact=words[0].exact,
+        attracts=None if location is None or location.is_inside else location.stable,
+        words=tuple(words),
+    )
+
+
+def _spelled(map_: PiecewiseLinearMap, segment: Segment) -> str:
+    """The word of a fixed point, or those on both sides of a jump."""
+    return "|".join(map_.spelled(word) for word in segment.key.words)
+
+
+def _formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
+    """The exact expressions of a segment, by name."""
     key, axis, orbits = segment.key, continuation.axis, continuation.orbits
     low, high = (axis.to_sympy(place) for place in segment.places)
     exact: dict[str, sympy.Basic] = {"interval": _interval(segment, low, high)}
@@ -295,20 +339,45 @@ def _branch(
     else:
         slope = quotient_to_sympy(orbits.slope(key.word))
         exact["multiplier"] = sympy.nan if segment.is_isolated else slope
-    location = segment.location
-    drawn = branch_arrays(continuation, segment, ends)
-    return Branch(
-        id=branch_id,
-        kind=key.kind,
-        order=len(key.word) // continuation.length,
-        word="|".join(map_.spelled(word) for word in key.words),
-        parameter=drawn.parameter,
-        x=drawn.x,
-        multiplier=drawn.multiplier,
-        ends=(ends[0].id, ends[1].id),
-        exact=exact,
-        attracts=None if location is None or location.is_inside else location.stable,
-    )
+    return exact
+
+
+def _cause_of_change(
+    map_: PiecewiseLinearMap, continuation: Continuation, before: BranchKey, after: BranchKey
+) -> str:
+    """A sentence on what happens where a jump goes on with another word."""
+    assert before.cut is not None
+    assert after.cut is not None
+    if before.words == after.words:
+        return "a limit of the jump touches the diagonal"
+    if before.cut.steps != after.cut.steps:  # the jump that is met is the later one of both
+        met = {max(before.cut, after.cut, key=lambda cut: cut.steps).k}
+    else:
+        met = {
+            k
+            for words in zip(before.words, after.words, strict=True)
+            for k in islice(_between(map_, continuation, *words), 1)
+        }
+    return f"an orbit of the jump meets {_borders(map_, continuation, met)}"
+
+
+def _between(
+    map_: PiecewiseLinearMap, continuation: Continuation, one: Word, other: Word
+) -> Iterator[int]:
+    """The breaks between the letters of two words where these differ."""
+    table = continuation.orbits.table
+    for i, letters in enumerate(zip(one, other, strict=True)):
+        layout = table.layouts[map_.chain[i % len(map_.chain)]]
+        for k, *sides in zip(layout.breaks, layout.slots[:-1:2], layout.slots[2::2], strict=True):
+            if letters[0] != letters[1] and {*sides} == {*letters}:
+                yield k
+
+
+def _borders(map_: PiecewiseLinearMap, continuation: Continuation, met: Iterable[int]) -> str:
+    """Some breaks in words."""
+    values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in sorted(met)]
+    which = " and ".join(f"{map_.x} = {value}" for value in values)
+    return f"the border {which}" if which else "a border"
 
 
 def _interval(segment: Segment, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
@@ -350,6 +419,9 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     for those F that P_n takes across the jump. So with |m| < 1 there is one on just one side of the
     parameter, that of the fold if E and D have the same sign; with |m| > 1 there is one on both
     sides if these signs differ, otherwise on neither.
+
+    Where jumps end and no fixed point is, they end (EP): where just two meet they go on in each
+    other (:mod:`pwmap.parameters.curves`).
     """
     ends = junction.ends
     if at_span_end:
@@ -361,7 +433,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     fixed = [end for end in own if end.is_fixed and end.segment.band is None]
     bands = [end for end in ends if end.segment.band is not None]
     if not any(end.is_fixed for end in own):
-        return PointKind.WC, "jumps only"
+        return PointKind.EP, _of_jumps(ends)
     passing = {e.segment.key for e in fixed if e.side == LEFT} & {
         e.segment.key for e in fixed if e.side == RIGHT
     }
@@ -381,6 +453,17 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     folding = [end for end in fixed if end.side != ALONG]  # not a point piece that is met
     flips = len(folding) == 1 and any(not end.is_fixed for end in own) and folding[0].is_steep
     return (PointKind.FF if flips else PointKind.BC), "fold"
+
+
+def _of_jumps(ends: Sequence[End]) -> str:
+    """What happens at a point in which jumps end, but no fixed points.
+
+    A single jump ends where a piece is flat: then a whole interval is mapped onto its break.
+    """
+    beside = Counter(end.length for end in ends if end.side != ALONG)
+    if max(beside.values(), default=0) > 2:
+        return "jumps meet"
+    return "the branch closes" if 2 in beside.values() else "the jump ends"
 
 
 def _staying_note(junction: Junction, own: Sequence[End], staying: set[BranchKey]) -> str:

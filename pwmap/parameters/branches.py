@@ -450,7 +450,9 @@ class Continuation:
             for end in self.ends(segment):
                 groups[end.place, end.value].append(end)
         found = [
-            Junction(place, value, self._number(ends[0]), tuple(ends), self._attracts(place, ends))
+            Junction(
+                place, value, self.number(ends[0])[1], tuple(ends), self._attracts(place, ends)
+            )
             for (place, value), ends in groups.items()
         ]
         return sorted(found, key=cmp_to_key(self._compared))
@@ -565,12 +567,13 @@ class Continuation:
         (top, bottom), one = self.orbits.slope(segment.key.word), self.orbits.table.one
         return self.axis.compare((top * top, bottom * bottom), (one, one), place) > 0
 
-    def _number(self, end: End) -> float:
-        """The x of an end as a float, which may be infinite."""
+    def number(self, end: End) -> tuple[float, float]:
+        """Parameter and x of an end as floats; the x may be infinite."""
+        parameter = self.axis.number(self.axis.identity, end.place)
         if isinstance(end.value, Infinite):
-            return end.value.side * inf
+            return parameter, end.value.side * inf
         assert end.x is not None
-        return self.axis.number(end.x, end.place)
+        return parameter, self.axis.number(end.x, end.place)
 
 
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -44,37 +45,68 @@ class Tip:
             return 0
         return 1 if self.end == 0 else -1
 
-    @property
-    def point(self) -> str:
-        """Id of the point it ends in."""
-        return self.curve.branch.ends[self.end]
-
 
 def check_points(case: Case) -> None:
-    """Ends, incidence, sides and kinds."""
+    """Ends, incidence, sides and kinds; and where jumps go on with another word."""
     report, diagram = case.report, case.diagram
-    tips = [
-        Tip(c, end, (c.lo, c.hi)[end], c.limit(end))
-        for c in case.curves
-        if not c.is_upright
-        for end in (0, 1)
-    ]
     at_point: dict[str, list[Tip]] = {point.id: [] for point in diagram.points}
-    for tip in tips:
-        at_point[tip.point].append(tip)
-        point = diagram.point(tip.point)
-        good = compared(tip.p, place(point.exact["parameter"])) == 0 and near(
-            tip.x, point.exact["x"]
-        )
-        report.check(
-            "ends", good, lambda t=tip, q=point: f"{t.curve.branch.id} ends at {t.x}, not at {q}"
-        )
+    inner: list[tuple[Tip, Tip]] = []
+    for curves in case.of_branches():
+        outer, within = _joined(curves)
+        inner += within
+        for tip, name in zip(outer, curves[0].branch.ends, strict=bool(outer)):
+            at_point[name].append(tip)
+            point = diagram.point(name)
+            good = compared(tip.p, place(point.exact["parameter"])) == 0 and near(
+                tip.x, point.exact["x"]
+            )
+            report.check(
+                "ends",
+                good,
+                lambda t=tip, q=point: f"{t.curve.branch.id} ends at {t.x}, not at {q}",
+            )
     for point in diagram.points:
         _check_point(case, point, at_point[point.id])
     points = [(place(point.exact["parameter"]), point) for point in diagram.points]
     for (p, first), (q, second) in pairwise(points):
         same = compared(p, q) == 0 and first.exact["x"] == second.exact["x"]
         report.check("incidence", not same, lambda a=first, b=second: f"{a.id} and {b.id} are one")
+    _check_marks(case, [*inner, *((tip,) for tips in at_point.values() for tip in tips)])
+
+
+def _joined(curves: Sequence[Curve]) -> tuple[list[Tip], list[tuple[Tip, Tip]]]:
+    """Both ends of a branch, if it is not upright, and the pairs of ends at which its word changes.
+
+    Each curve begins where the one before ends.
+    """
+    if curves[0].is_upright:
+        return [], []
+    tips = [[Tip(c, end, (c.lo, c.hi)[end], c.limit(end)) for end in (0, 1)] for c in curves]
+    for i, (before, after) in enumerate(pairwise(tips)):
+        free = before if i == 0 else before[1:]
+        meeting = [(a, b) for a in free for b in after if compared(a.p, b.p) == 0 and a.x == b.x]
+        assert meeting, f"{before[0].curve} is not continued by {after[0].curve}"
+        if before[1] is not meeting[0][0]:
+            before.reverse()
+        if after[0] is not meeting[0][1]:
+            after.reverse()
+    return [tips[0][0], tips[-1][1]], [(a[1], b[0]) for a, b in pairwise(tips)]
+
+
+def _check_marks(case: Case, met: Sequence[tuple[Tip, ...]]) -> None:
+    """Where a word changes only jumps meet, just two of one order beside each other."""
+    for group in met:
+        if len(group) < 2:
+            continue
+        mark = group[0]
+        there = [
+            tip
+            for tip in (tip for others in met for tip in others)
+            if compared(tip.p, mark.p) == 0 and tip.x == mark.x
+        ]
+        own = [t for t in there if t.side and t.curve.branch.order == mark.curve.branch.order]
+        good = len(own) == 2 and not any(tip.curve.is_fixed for tip in there)
+        case.report.check("marks", good, lambda m=mark, t=there: f"{m.curve} goes on at {_told(t)}")
 
 
 def _check_point(case: Case, point: SpecialPoint, tips: Sequence[Tip]) -> None:
@@ -105,8 +137,12 @@ def _check_kind(
 ) -> None:
     """The code and the note, by what brute force sees just beside."""
     family, found = case.family, (point.kind, point.note)
+    expected: tuple[Any, ...]
     if p in family.span:
-        expected: tuple[Any, ...] = (PointKind.EP,)
+        expected = (PointKind.EP,)
+    elif case.whole is not case.diagram:  # what a jump ends in may be a cycle that is not shown
+        (same,) = (q for q in case.whole.points if q.exact == point.exact)
+        expected = (same.kind, same.note)
     else:
         expected = _kind_inside(case, point, p, tips, upright)
     good = found[: len(expected)] == expected
@@ -118,9 +154,7 @@ def _brief(point: SpecialPoint) -> str:
 
 
 def _told(tips: Sequence[Tip]) -> list[tuple[Any, ...]]:
-    return [
-        (t.curve.branch.kind.value, t.curve.branch.order, t.curve.branch.word, t.side) for t in tips
-    ]
+    return [(t.curve.branch.kind.value, t.curve.branch.order, t.curve.word, t.side) for t in tips]
 
 
 def _kind_inside(
@@ -128,7 +162,9 @@ def _kind_inside(
 ) -> tuple[Any, ...]:
     fixed = [t for t in tips if t.curve.is_fixed]
     if not fixed and not upright:
-        return (PointKind.WC,)
+        orders = Counter(t.curve.branch.order for t in tips if t.side)
+        assert 2 not in orders.values(), f"{_brief(point)} is no point: {_told(tips)}"
+        return PointKind.EP, "jumps meet" if max(orders.values()) > 2 else "the jump ends"
     order = min(c.branch.order for c in (*(t.curve for t in fixed), *upright))
     own = [t for t in fixed if t.curve.branch.order == order]
     if not own:
@@ -187,7 +223,7 @@ def _staying(
 
 def _varies(tip: Tip) -> bool:
     """Whether the multiplier depends on the parameter."""
-    multiplier = quotient(tip.curve.branch.exact["multiplier"])  # type: ignore[arg-type]
+    multiplier = quotient(tip.curve.stretch.exact["multiplier"])  # type: ignore[arg-type]
     return multiplier is not None and max(map(len, multiplier)) > 1
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from itertools import pairwise
 from math import inf
 from typing import Any
@@ -55,7 +55,21 @@ class Case:
     @classmethod
     def of(cls, family: Family, report: Report) -> Case:
         diagram = bifurcation_diagram(family.map(), "p", family.span, family.orders)
-        return cls(family, diagram, tuple(map(Curve.of, diagram.branches)), report)
+        curves = tuple(curve for branch in diagram.branches for curve in Curve.of(branch))
+        return cls(family, diagram, curves, report)
+
+    def of_branches(self) -> Iterator[list[Curve]]:
+        """The curves of each branch, one after the other."""
+        for branch in self.diagram.branches:
+            yield [curve for curve in self.curves if curve.branch is branch]
+
+    @cached_property
+    def whole(self) -> Diagram:
+        """The diagram with the cycles of all periods that divide an order."""
+        orders = {d for n in self.family.orders for d in range(1, n + 1) if n % d == 0}
+        if orders == set(self.family.orders):
+            return self.diagram
+        return bifurcation_diagram(self.family.map(), "p", self.family.span, orders)
 
     def formulas(self) -> dict[Place, Any]:
         """The values of the parameter at which special points lie, as the diagram writes them."""
@@ -94,7 +108,7 @@ def _check_fixed(
     order = own[0].branch.order if own else _order(parts)
     truth = {(f.x, f.word): f for f in fixed_points(base, parts, order) if f.period == order}
     bands = [q for q in parts if q.is_identity and band_period(base, q, order) == order]
-    shown = {(c.x(at), c.branch.word): c for c in own if c.is_fixed and not c.is_upright}
+    shown = {(c.x(at), c.word): c for c in own if c.is_fixed and not c.is_upright}
     ends = {
         (end, band.word)
         for band in bands
@@ -144,7 +158,7 @@ def _check_upright(case: Case, own: Sequence[Curve], bands: Sequence[Part], wher
     """Branches along one value of the parameter lie in bands."""
     for curve in own:
         ends = [case.diagram.point(name).exact["x"] for name in curve.branch.ends]
-        holding = [b for b in bands if b.word == curve.branch.word]
+        holding = [b for b in bands if b.word == curve.word]
         good = len(holding) == 1 and all(
             near(bound, end)
             or (bound is None and end in (sympy.oo, -sympy.oo))
@@ -152,7 +166,7 @@ def _check_upright(case: Case, own: Sequence[Curve], bands: Sequence[Part], wher
             for bound, end in zip((holding[0].lo, holding[0].hi), ends, strict=True)
         )
         case.report.check("bands", good, lambda c=curve: f"{where}: no band for {c.branch.id}")
-    words = {c.branch.word for c in own}
+    words = {c.word for c in own}
     for band in bands:
         lasting = _is_lasting(case.family, band.word)
         case.report.check(
@@ -188,8 +202,8 @@ def _check_jumps(
     shown = set()
     for c in own:
         if not c.is_fixed:
-            limits = (evaluated(c.branch.exact[side], at) for side in ("left", "right"))
-            shown.add((c.x(at), *limits, c.branch.word))
+            limits = (evaluated(c.stretch.exact[side], at) for side in ("left", "right"))
+            shown.add((c.x(at), *limits, c.word))
     missing = truth - shown
     if at_end:  # what exists there only is left out
         missing = {c for c in missing if _goes_on(case, p, _order(parts), c[3], c[0])}
@@ -204,10 +218,9 @@ def _check_hits(case: Case, here: Sequence[Curve], p: Place) -> None:
     """``Diagram.at`` against the branches that exist there."""
     at, asked = number_of(p), p if isinstance(p, Fraction) else case.formulas()[p]
     hits = case.diagram.at(asked)
-    curves = {curve.branch.id: curve for curve in here}
     expected = sorted(c.branch.id for c in here for _ in range(1 + c.is_upright))
     good = expected == sorted(hit.branch.id for hit in hits) and all(
-        _is_hit(case, curves[hit.branch.id], hit, at) for hit in hits
+        any(_is_hit(case, c, hit, at) for c in here if c.branch is hit.branch) for hit in hits
     )
     positions = [hit.exact["x"] for hit in hits]
     if isinstance(p, Fraction):
@@ -219,7 +232,7 @@ def _check_hits(case: Case, here: Sequence[Curve], p: Place) -> None:
 def _is_hit(case: Case, curve: Curve, hit: Hit, at: Number) -> bool:
     """Whether the values of a hit are those of its branch."""
     names = hit.exact.keys() - {"x"}
-    same = all(_is_value(evaluated(curve.branch.exact[n], at), hit.exact[n]) for n in names)
+    same = all(_is_value(evaluated(curve.stretch.exact[n], at), hit.exact[n]) for n in names)
     number, exact = float(sympy.N(hit.exact["x"], 20)), abs(hit.x) != inf
     if exact and abs(hit.x - number) > 1e-15 * abs(number):  # some units in the last place
         return False

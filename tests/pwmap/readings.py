@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 from independent import Number, Poly, Root, trimmed, value
 
-from pwmap import Branch, BranchKind
+from pwmap import Branch, BranchKind, Stretch
 
 P = sympy.Symbol("p")
 DIGITS = 60  # of algebraic numbers that are only compared
@@ -91,26 +91,37 @@ def closed_set(interval: sympy.Set) -> tuple[Place, bool, Place, bool]:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A branch, from its exact values only."""
+    """A branch as far as its formulas hold, from its exact values only."""
 
     branch: Branch
+    stretch: Stretch
     lo: Place
     lo_in: bool
     hi: Place
     hi_in: bool
 
     @classmethod
-    def of(cls, branch: Branch) -> Curve:
-        return cls(branch, *closed_set(branch.exact["interval"]))  # type: ignore[arg-type]
+    def of(cls, branch: Branch) -> list[Curve]:
+        """Those of all its stretches, one after the other."""
+        return [
+            cls(branch, stretch, *closed_set(stretch.exact["interval"]))  # type: ignore[arg-type]
+            for stretch in branch.words
+        ]
 
     def __str__(self) -> str:
-        b = self.branch
-        return f"{b.id} (order {b.order}, {b.word}, x = {b.exact.get('x')}, {b.exact['interval']})"
+        exact = self.stretch.exact
+        order = f"order {self.branch.order}, {self.word}"
+        return f"{self.branch.id} ({order}, x = {exact.get('x')}, {exact['interval']})"
+
+    @property
+    def word(self) -> str:
+        """Of the stretch."""
+        return self.stretch.word
 
     @property
     def is_upright(self) -> bool:
         """Whether it is a band along one value of the parameter."""
-        return "x" not in self.branch.exact
+        return "x" not in self.stretch.exact
 
     @property
     def is_fixed(self) -> bool:
@@ -120,7 +131,7 @@ class Curve:
     @property
     def key(self) -> tuple[int, str]:
         """Order and word."""
-        return self.branch.order, self.branch.word
+        return self.branch.order, self.word
 
     def holds(self, p: Place) -> bool:
         """Whether the branch exists there."""
@@ -133,11 +144,11 @@ class Curve:
 
     def x(self, p: Number) -> Number:
         """Its position."""
-        return evaluated(self.branch.exact["x"], p)
+        return evaluated(self.stretch.exact["x"], p)
 
     def multiplier(self, p: Number) -> Number:
         """Its multiplier; None if it is nan."""
-        return evaluated(self.branch.exact["multiplier"], p)
+        return evaluated(self.stretch.exact["multiplier"], p)
 
     def stable(self, p: Number) -> bool:
         """Whether it attracts."""
@@ -149,7 +160,7 @@ class Curve:
     def limit(self, end: int) -> Number:
         """x at an end; a float if it is infinite."""
         p = number_of((self.lo, self.hi)[end])
-        top, bottom = quotient(self.branch.exact["x"])  # type: ignore[misc]
+        top, bottom = quotient(self.stretch.exact["x"])  # type: ignore[misc]
         if value(bottom, p) != 0:
             return value(top, p) / value(bottom, p)
         beside = between(self.lo, self.hi)

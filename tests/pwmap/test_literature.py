@@ -480,7 +480,7 @@ def test_all_cycles_of_contracted_rotations_attract() -> None:
     fixed = [b for b in diagram.branches if b.kind is BranchKind.FIXED_POINT]
     assert all(b.exact["multiplier"] == Rational(1, 2**b.order) and b.stable.all() for b in fixed)
     assert len(fixed) == sum(q for _, q in fractions_up_to(8))
-    assert {p.kind for p in diagram.points} <= {PointKind.BC, PointKind.EP, PointKind.WC}
+    assert {p.kind for p in diagram.points} <= {PointKind.BC, PointKind.EP}
 
 
 @pytest.mark.slow

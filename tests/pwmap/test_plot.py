@@ -95,7 +95,6 @@ def small_diagram() -> Diagram:
     points = (
         SpecialPoint(id="BC1", kind=PointKind.BC, parameter=0.0, x=0.0, name="C"),
         SpecialPoint(id="EP1", kind=PointKind.EP, parameter=1.0, x=2.0),
-        SpecialPoint(id="WC1", kind=PointKind.WC, parameter=0.75, x=1.5),
     )
     branch = Branch(
         id="F1", kind=BranchKind.FIXED_POINT, order=1, word="A", ends=("BC1", "EP1"),
@@ -114,4 +113,4 @@ def test_names_are_written_and_words_marked_on_request() -> None:
         shown = [text.get_text() for text in legend.get_texts()]
         assert shown == ["stable", "border collision", "end point", *["word change"] * words]
         places = [np.asarray(marks.get_offsets()).tolist() for marks in ax.collections]
-        assert ([[0.75, 1.5], [0.5, 1.0]] in places) is words
+        assert ([[0.5, 1.0]] in places) is words

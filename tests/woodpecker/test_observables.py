@@ -74,7 +74,7 @@ def test_more_observables_are_added(diagram: Diagram) -> None:
 
 
 def test_refused(diagram: Diagram) -> None:
-    with pytest.raises(ValueError, match="a name must be one of period, drop, got 'height'"):
+    with pytest.raises(ValueError, match="an observable must be one of period, drop, got 'height'"):
         observables(Toy(), diagram, "height")
     with pytest.raises(ValueError, match="column 'period' must have a value for each of 1 samples"):
         Branch(

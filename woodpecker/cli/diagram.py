@@ -20,11 +20,11 @@ from woodpecker.cli.options import (
     Window,
     complain,
     console,
-    folder,
     motion,
     option,
     progress,
     report,
+    results_in,
     say,
 )
 from woodpecker.continued import continuation
@@ -35,6 +35,8 @@ from woodpecker.piecewise.local import local_model
 from woodpecker.piecewise.search import Progress, Stage
 from woodpecker.piecewise.settings import Settings
 from woodpecker.runs import WINDOW, saved_diagram
+from woodpecker.solutions import known_observables
+from woodpecker.solutions import observables as observed
 from woodpecker.toypieces import ToyPieces
 
 RUN = "run.jsonl"
@@ -43,46 +45,59 @@ NAMED = "eps_n1"  # the parameter of these places
 CORES = os.cpu_count() or 1
 
 
+Parameter = Annotated[str, option("Parameter of the toy to vary.")]
+Span = Annotated[tuple[float, float], option("Interval of the parameter.")]
+Guess = Annotated[float, option("Guess for the periodic motion to start from, phi_S [rad].")]
+Order = Annotated[int, option("Number of returns j of the motion.", min=1)]
+Orders = Annotated[
+    str | None, option("Every branch of these iterates, such as 1,2, not one motion's only.")
+]
+Also = Annotated[
+    str | None,
+    option(
+        "Iterates, such as 2,4, to follow beside the motion's own: at a flip the doubled branch "
+        "starts."
+    ),
+]
+Step = Annotated[float, option("Largest step along a branch, in arclength.")]
+Resume = Annotated[bool, option("Go on with an interrupted run in the folder.", "--resume")]
+Workers = Annotated[
+    int | None,
+    option("Processes for --orders; by default, and at most, one for each core.", min=1),
+]
+Names = Annotated[
+    str,
+    option(
+        "Names for the border collisions nearest to these places (eps_n1, phi_S); by default those "
+        "of the paper, read off its Figure 10."
+    ),
+]
+Words = Annotated[
+    bool, option("Mark in the picture where the sequence of events changes.", "--words")
+]
+Observables = Annotated[
+    str | None,
+    option("Columns of branches.csv besides the multiplier: period [s], drop [m], or period,drop."),
+]
+
+
 def diagram(
     toy: Toy,
-    parameter: Annotated[str, option("Parameter of the toy to vary.")] = "eps_n1",
-    span: Annotated[tuple[float, float], option("Interval of the parameter.")] = (0.0, 1.0),
-    phi_s: Annotated[
-        float, option("Guess for the periodic motion to start from, phi_S [rad].")
-    ] = GUESS,
-    order: Annotated[int, option("Number of returns j of the motion.", min=1)] = 1,
-    orders: Annotated[
-        str | None,
-        option("Every branch of these iterates, such as 1,2, not one motion's only."),
-    ] = None,
-    also: Annotated[
-        str | None,
-        option(
-            "Iterates, such as 2,4, to follow beside the motion's own: at a flip the doubled "
-            "branch starts."
-        ),
-    ] = None,
+    parameter: Parameter = "eps_n1",
+    span: Span = (0.0, 1.0),
+    phi_s: Guess = GUESS,
+    order: Order = 1,
+    orders: Orders = None,
+    also: Also = None,
     window: Window = WINDOW,
-    step: Annotated[float, option("Largest step along a branch, in arclength.")] = 0.02,
-    resume: Annotated[
-        bool, option("Go on with an interrupted run in the folder.", "--resume")
-    ] = False,
-    workers: Annotated[
-        int | None,
-        option("Processes for --orders; by default, and at most, one for each core.", min=1),
-    ] = None,
-    names: Annotated[
-        str,
-        option(
-            "Names for the border collisions nearest to these places (eps_n1, phi_S); by default "
-            "those of the paper, read off its Figure 10."
-        ),
-    ] = PAPER,
-    words: Annotated[
-        bool, option("Mark in the picture where the sequence of events changes.", "--words")
-    ] = False,
+    step: Step = 0.02,
+    resume: Resume = False,
+    workers: Workers = None,
+    names: Names = PAPER,
+    words: Words = False,
+    observables: Observables = None,
     out: Out = Path("out"),
-) -> None:  # fmt: skip
+) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
 
     With --orders find every branch in the window instead, islands too. Every finished branch is
@@ -92,30 +107,37 @@ def diagram(
     """
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     known_parameter(parameter)
-    places = _places(names)
+    shows = _Shows(
+        places=_places(names) if parameter == NAMED else {},
+        columns=_columns(observables) if observables is not None else (),
+        words=words,
+    )
     wanted = _orders(orders) if orders is not None else None
     beside = _orders(also, "--also") if also is not None else []
     if beside and wanted is not None:
         raise ValueError("--also follows one motion, --orders every branch: take one of them")
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
-    target = folder(out)  # all else that can be wrong was looked at
-    keep: dict[str, Any] = {"run": target / RUN, "resume": resume, "settings": settings}
-    if wanted is None:
-        search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})
-    else:
-        search = _of_orders(toy, wanted, parameter, workers, keep)
-    found = _searched(search, parameter, target / RUN)
-    shown = found.diagram.named(places) if parameter == NAMED else found.diagram
-    pictures = _draw(toy, shown, target, words)
-    write_results(shown, target)
-    console.print(table_of_points(shown))
-    if found.summary:
-        say(found.summary)
-    report(target, *pictures, *FILES)
+    with results_in(out) as target:
+        keep: dict[str, Any] = {"run": target / RUN, "resume": resume, "settings": settings}
+        if wanted is None:
+            search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})
+        else:
+            search = _of_orders(toy, wanted, parameter, workers, keep)
+        found = _searched(search, parameter, target / RUN)
+        _write(toy, found, shows, target)
     if found.stopped:
-        complain(f"Interrupted: {len(shown.branches)} branches are kept; go on with --resume")
+        kept = f"{len(found.diagram.branches)} branches are kept"
+        complain(f"Interrupted: {kept}; go on with --resume")
         raise typer.Exit(INTERRUPTED)
+
+
+class _Shows(NamedTuple):
+    """What is shown of a diagram: names by their places, columns of branches, changes of word."""
+
+    places: dict[str, tuple[float, float]]
+    columns: tuple[str, ...]
+    words: bool
 
 
 class _Searched(NamedTuple):
@@ -181,6 +203,17 @@ def _shown(bar: Bar, parameter: str) -> Progress:
     return show
 
 
+def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
+    """Pictures, tables and graphs; the special points on the screen too."""
+    shown = observed(toy, found.diagram.named(shows.places), *shows.columns)
+    pictures = _draw(toy, shown, target, shows.words)
+    write_results(shown, target)
+    console.print(table_of_points(shown))
+    if found.summary:
+        say(found.summary)
+    report(target, *pictures, *FILES)
+
+
 def _draw(toy: Toy, found: Diagram, target: Path, words: bool) -> list[str]:
     """The diagram, each order on its own if there are several, and fold-flips with their models."""
     from pwmap.plot import plot_diagram
@@ -224,6 +257,13 @@ def _places(text: str) -> dict[str, tuple[float, float]]:
             raise ValueError(f"--names needs name=eps_n1,phi_S for each, got {part!r}") from None
         found[name] = p, x
     return found
+
+
+def _columns(text: str) -> tuple[str, ...]:
+    """Names of observables."""
+    names = tuple(part.strip() for part in text.split(","))
+    known_observables(names)
+    return names
 
 
 def _orders(text: str, name: str = "--orders") -> list[int]:

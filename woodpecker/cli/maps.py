@@ -19,10 +19,10 @@ from woodpecker.cli.options import (
     Window,
     complain,
     console,
-    folder,
     option,
     progress,
     report,
+    results_in,
     say,
 )
 from woodpecker.mechanics.toy import Toy
@@ -51,10 +51,10 @@ def draw_map(
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
-    target = folder(out)
-    found = _computed(toy, order, starts)
-    write_figure(target / FILES[0], plot_curve(found.curve, order=order).figure)
-    _write_table(found.returns, target / FILES[1])
+    with results_in(out) as target:
+        found = _computed(toy, order, starts)
+        write_figure(target / FILES[0], plot_curve(found.curve, order=order).figure)
+        _write_table(found.returns, target / FILES[1])
     console.print(_outcomes(found.returns))
     if found.curve.between(Link.OPEN).size:
         say(_left_out(found.curve, order))

@@ -14,12 +14,12 @@ from woodpecker.cli.options import (
     Out,
     Start,
     console,
-    folder,
     in_mm,
     motion,
     option,
     progress,
     report,
+    results_in,
 )
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.status import Status
@@ -45,14 +45,14 @@ def simulate(
     """
     from woodpecker.plot.figures import plot_phase_portraits, plot_time_history
 
-    target = folder(out)
-    start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
-    trajectory = run_simulation(toy, start, finish, samples=samples)
-    for name, axes in zip(
-        FILES, (plot_time_history(trajectory), plot_phase_portraits(trajectory)), strict=False
-    ):
-        write_figure(target / name, axes[0].figure)
-    _write_tables(trajectory, target)
+    with results_in(out) as target:
+        start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
+        trajectory = run_simulation(toy, start, finish, samples=samples)
+        for name, axes in zip(
+            FILES, (plot_time_history(trajectory), plot_phase_portraits(trajectory)), strict=False
+        ):
+            write_figure(target / name, axes[0].figure)
+        _write_tables(trajectory, target)
     console.print(_events(trajectory))
     report(target, *FILES)
     _complete(trajectory)
@@ -73,15 +73,15 @@ def animate(
     """
     from woodpecker.plot import drawing
 
-    target = folder(out)
-    start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
-    trajectory = run_simulation(toy, start, finish)
-    with progress() as bar:
-        task = bar.add_task("frames", total=1.0)
-        drawing.animate(
-            trajectory, target / file, slow=slow, fps=fps,
-            progress=lambda share: bar.update(task, completed=share),
-        )  # fmt: skip
+    with results_in(out) as target:
+        start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
+        trajectory = run_simulation(toy, start, finish)
+        with progress() as bar:
+            task = bar.add_task("frames", total=1.0)
+            drawing.animate(
+                trajectory, target / file, slow=slow, fps=fps,
+                progress=lambda share: bar.update(task, completed=share),
+            )  # fmt: skip
     console.print(f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}")
     report(target, file)
     _complete(trajectory)

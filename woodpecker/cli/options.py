@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
@@ -106,10 +107,22 @@ def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     return orbit
 
 
-def folder(out: Path) -> Path:
-    """The folder for the results, made before anything long is computed."""
+@contextmanager
+def results_in(out: Path) -> Iterator[Path]:
+    """The folder for the results, made before anything long is computed.
+
+    Where a command ends in an error before it has written anything, what was made of the folder is
+    gone again.
+    """
+    missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
-    return out
+    try:
+        yield out
+    except BaseException:
+        with suppress(OSError):  # there is something in it
+            for each in missing:
+                each.rmdir()
+        raise
 
 
 def progress() -> Progress:

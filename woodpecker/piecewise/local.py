@@ -233,12 +233,13 @@ def _starts(found: Diagram, point: SpecialPoint, speed: float) -> list[Start]:
     for side, names in ((-1, left), (1, right)):
         for name in names:
             branch = found.branch(name)
-            rate = float(sympy.diff(branch.exact["x"], Q).subs(Q, 0))
+            stretch = branch.words[0 if branch.ends[0] == point.id else -1]
+            rate = float(sympy.diff(stretch.exact["x"], Q).subs(Q, 0))
             starts.append(
                 Start(
                     kind=branch.kind,
                     order=branch.order,
-                    word=branch.word,
+                    word=stretch.word,
                     side=side,
                     slope=rate + speed,
                 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import Field, dataclass, fields
 from typing import Any
 
 from woodpecker.base.checks import interval, positive, whole
@@ -229,12 +229,10 @@ class Numerics:
 
     def __post_init__(self) -> None:
         for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(each.default, int):
-                object.__setattr__(self, each.name, whole(each.name, value))
-            else:
-                part = float(each.default) < 1.0  # type: ignore[arg-type]
-                object.__setattr__(self, each.name, _part_or_factor(each.name, value, part=part))
+            checked = _checked(self, each)
+            if isinstance(each.default, float):
+                _part_or_factor(each.name, checked, part=each.default < 1.0)
+            object.__setattr__(self, each.name, checked)
 
     @property
     def farther(self) -> float:
@@ -242,12 +240,16 @@ class Numerics:
         return 1.0 / self.nearer
 
 
-def _part_or_factor(name: str, value: Any, *, part: bool) -> float:
-    """A positive number, less than 1 if it is a part of something, and more if it is a factor."""
-    checked = positive(name, value)
-    if not (checked < 1.0 if part else checked > 1.0):
+def _checked(settings: Any, each: Field[Any]) -> Any:
+    """A setting that is positive: a whole number, or any, as its default is."""
+    check = whole if isinstance(each.default, int) else positive
+    return check(each.name, getattr(settings, each.name))
+
+
+def _part_or_factor(name: str, value: float, *, part: bool) -> None:
+    """Complain of a part of something that is not less than 1, or a factor that is not more."""
+    if not (value < 1.0 if part else value > 1.0):
         raise ValueError(f"{name} must be {'less' if part else 'more'} than 1, got {value}")
-    return checked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -373,18 +375,13 @@ class Settings:
         for name in ("span", "window"):
             ends = interval(name, getattr(self, name), finite=name == "span")
             object.__setattr__(self, name, ends)
-        for name in (
-            "step", "max_step", "again", "min_step", "max_turn", "hairpin", "converged", "stalled",
-            "beside", "nearest", "jump", "kink", "finest", "coarse", "same", "closer", "near",
-            "even", "loose",
-        ):  # fmt: skip
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        for each in fields(self):
+            if isinstance(each.default, int | float):
+                object.__setattr__(self, each.name, _checked(self, each))
         if not self.min_step <= self.step <= self.max_step:
             raise ValueError(
                 f"step must lie in [{self.min_step}, {self.max_step}], got {self.step}"
             )
-        for name in ("max_samples", "newton", "halvings", "interior", "zooms", "pulls"):
-            object.__setattr__(self, name, whole(name, getattr(self, name)))
         if not isinstance(self.numerics, Numerics):
             raise TypeError(f"numerics must be woodpecker.Numerics, got {self.numerics!r}")
 

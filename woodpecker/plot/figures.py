@@ -209,7 +209,8 @@ def plot_local(
 ) -> Figure | SubFigure:
     """A diagram next to a border collision, beside what its local model predicts.
 
-    Both panels have the same axes. The predicted lines are also drawn behind the diagram, in grey.
+    Both panels have the same axes. The predicted lines of those iterates that the diagram holds are
+    also drawn behind it, in grey.
 
     Parameters
     ----------
@@ -227,30 +228,30 @@ def plot_local(
     near = diagram.within(model.p - 2.0 * reach, model.p + 2.0 * reach)
     plot_diagram(near, seen, kinds=(model.point.kind,), legend=False)
     lines = _predictions(model, reach)
+    orders = {branch.order for branch in near.branches}
     for line in lines:
-        seen.plot(line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9)
+        if line.order in orders:
+            seen.plot(line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9)
         predicted.plot(line.p, line.x, **BRANCH[line.style])
-        left = line.p[1] < line.p[0]
-        predicted.annotate(
-            line.name, (line.p[1], line.x[1]), (-4 if left else 4, 0), textcoords="offset points",
-            ha="right" if left else "left", va="center", fontsize=8,
-            color=BRANCH[line.style]["color"],
-        )  # fmt: skip
     marker, color = MARKERS[model.point.kind]
-    predicted.scatter(
+    star = predicted.scatter(
         [model.p], [model.x], s=70 if marker == "*" else 26, marker=marker, color=color,
-        edgecolors="white", linewidths=0.6, zorder=5,
+        edgecolors="white", linewidths=0.6, zorder=5, label=model.point.kind.label,
     )  # fmt: skip
     _frame(seen, model, lines)
+    _name_lines(predicted, lines)
     seen.set_title("the toy, with the prediction in grey", fontsize=9)
     predicted.set_title("its local model, solved exactly", fontsize=9)
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
     predicted.legend(
         handles=[
-            Line2D([], [], label=name, **BRANCH[name])
-            for name in BRANCH
-            if name in {line.style for line in lines}
+            *(
+                Line2D([], [], label=name, **BRANCH[name])
+                for name in BRANCH
+                if name in {line.style for line in lines}
+            ),
+            star,
         ],
         fontsize=7, framealpha=0.9,
     )  # fmt: skip
@@ -258,6 +259,7 @@ def plot_local(
 
 
 MARGIN = 0.12  # of the width and height of what is drawn
+APART = 9.0  # points between names at the ends of lines, a little more than their height
 NARROWEST = 0.02  # what is drawn around something without width or height
 BRANCH: dict[str, dict[str, Any]] = {
     "stable": {"color": STABLE, "linestyle": "-", "linewidth": 1.6},
@@ -269,7 +271,7 @@ BRANCH: dict[str, dict[str, Any]] = {
 class _Prediction(NamedTuple):
     """A straight line from a collision, as it is drawn."""
 
-    name: str
+    order: int
     style: str
     p: tuple[float, float]
     x: tuple[float, float]
@@ -290,8 +292,39 @@ def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
             else "unstable"
         )
         end = p + start.side * reach, x + start.side * start.slope * reach
-        lines.append(_Prediction(f"$P_{start.order}$", style, (p, end[0]), (x, end[1])))
+        lines.append(_Prediction(start.order, style, (p, end[0]), (x, end[1])))
     return lines
+
+
+def _name_lines(ax: Axes, lines: Sequence[_Prediction]) -> None:
+    """Names of iterates beside the ends of lines, moved apart where these lie close."""
+    low, high = ax.get_ylim()
+    height = 72.0 * ax.bbox.height / ax.figure.dpi  # points
+    for side in (-1, 1):
+        beside = [line for line in lines if (line.p[1] - line.p[0]) * side > 0.0]
+        beside.sort(key=lambda line: line.x[1])
+        at = np.array([(line.x[1] - low) / (high - low) * height for line in beside])
+        for line, up in zip(beside, (spread(at, APART) - at).tolist(), strict=True):
+            ax.annotate(
+                f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
+                textcoords="offset points", ha="right" if side < 0 else "left", va="center",
+                fontsize=8, color=BRANCH[line.style]["color"],
+            )  # fmt: skip
+
+
+def spread(at: Floats, apart: float) -> Floats:
+    """Ascending places (n,), moved by as little as can be until neighbours are so far apart.
+
+    In the mean of squares: those that would overlap are moved together, about their mean.
+    """
+    groups: list[list[float]] = []
+    for value in (at - apart * np.arange(len(at))).tolist():
+        groups.append([value])
+        while len(groups) > 1 and np.mean(groups[-2]) > np.mean(groups[-1]):
+            groups[-2:] = [[*groups[-2], *groups[-1]]]
+    means = [float(np.mean(group)) for group in groups for _ in group]
+    moved: Floats = np.array(means) + apart * np.arange(len(at))
+    return moved
 
 
 def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:

@@ -194,17 +194,24 @@ def order_of(guard: int, step: Ints, route: Route) -> int:
 
 
 @part
-def exact_jet(
-    model: Floats, mode: int, guard: int, order: int, route: Route
+def _from_order(
+    order: int, f0: float, f1: float, f2: float, f3: float
 ) -> tuple[float, float, float, float]:
-    """Jet of a guard where its phase begins, with its exact zeros."""
-    f0, f1, f2, f3 = jet(model, mode, guard, route.z, route.gaps, route.states)
+    """A jet of which so many leading terms are exactly zero."""
     return (
         f0 if order < 1 else 0.0,
         f1 if order < 2 else 0.0,
         f2 if order < 3 else 0.0,
         f3,
     )
+
+
+@part
+def exact_jet(
+    model: Floats, mode: int, guard: int, order: int, route: Route
+) -> tuple[float, float, float, float]:
+    """Jet of a guard where its phase begins, with its exact zeros."""
+    return _from_order(order, *jet(model, mode, guard, route.z, route.gaps, route.states))
 
 
 @part
@@ -252,12 +259,7 @@ def _jet_rates(
             f1 += more * d1
             f2 += more * d2
             f3 += (more * kappa + r * change[mode, KAPPA]) * d1
-    return (
-        f0 if order < 1 else 0.0,
-        f1 if order < 2 else 0.0,
-        f2 if order < 3 else 0.0,
-        f3,
-    )
+    return _from_order(order, f0, f1, f2, f3)
 
 
 @part

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -166,26 +167,42 @@ def simulate(
     t_end = positive("t_end", t_end)
     samples, max_events = whole("samples", samples, 2), whole("max_events", max_events)
     state = start if isinstance(start, State) else State.on_section(toy, number("phi_s", start))
+    found = _followed(toy, state, t_end, max_events)
+    times, q, u = _sampled(toy, found, samples)
+    return Trajectory(
+        toy=toy,
+        t=times,
+        q=q,
+        u=u,
+        events=found.events,
+        word=word(found.codes),
+        status=found.status,
+        t_end=found.finish,
+        drop=found.drop,
+        phases=found.phases,
+    )
+
+
+class _Followed(NamedTuple):
+    """What the compiled loop came to: events, phases (n, PHASE_COLUMNS), and why it ended."""
+
+    events: tuple[Event, ...]
+    codes: list[int]
+    phases: Floats
+    status: Status
+    finish: float
+    drop: float
+
+
+def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> _Followed:
+    """The motion from a state, until a time or the end of the pole."""
     numbers = model(toy)
     z, states = _initial(toy, state)
     codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
     phases = np.zeros((max_events + 1, PHASE_COLUMNS))
     rows = np.zeros((max_events, EVENT_COLUMNS))
     announce(compute)
-    reason = status(
-        run(
-            numbers,
-            z,
-            states,
-            False,
-            t_end,
-            codes,
-            phases,
-            NO_PATH,
-            rows,
-            counts,
-        )
-    )
+    reason = status(run(numbers, z, states, False, t_end, codes, phases, NO_PATH, rows, counts))
     phases = phases[: max(1, counts[1])].copy()
     if counts[1] == 0:
         phases[0, :7] = z
@@ -195,23 +212,19 @@ def simulate(
         finish, drop = _pole_end(toy, numbers, phases, finish), toy.pole + state.y
     phases.setflags(write=False)
     events = tuple(_event(row) for row in rows[: counts[2]])
-    times, before = _sample_times(finish, samples, events)
+    seen = codes[: min(counts[0], max_events)].tolist()
+    return _Followed(events, seen, phases, reason, finish, drop)
+
+
+def _sampled(toy: Toy, found: _Followed, samples: int) -> tuple[Floats, Floats, Floats]:
+    """Times (n,), coordinates and velocities (n, 3); at events before and after them."""
+    numbers = model(toy)
+    times, before = _sample_times(found.finish, samples, found.events)
     out = np.empty((len(times), 7))
-    sample(numbers, phases, times, False, out)
-    sample(numbers, phases, times[before], True, left := np.empty((before.sum(), 7)))
+    sample(numbers, found.phases, times, False, out)
+    sample(numbers, found.phases, times[before], True, left := np.empty((before.sum(), 7)))
     out[before] = left
-    return Trajectory(
-        toy=toy,
-        t=times,
-        q=np.ascontiguousarray(out[:, :3]),
-        u=np.ascontiguousarray(out[:, 3:6]),
-        events=events,
-        word=word(codes[: min(counts[0], max_events)].tolist()),
-        status=reason,
-        t_end=finish,
-        drop=drop,
-        phases=phases,
-    )
+    return times, np.ascontiguousarray(out[:, :3]), np.ascontiguousarray(out[:, 3:6])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -161,6 +161,13 @@ def unframed(text: str) -> str:
         (["diagram", "--window", "-1", "-0.8"], "window must hold the orbit, phi_S = -0.529472"),
         (["diagram", "--names", "A"], "--names needs name=eps_n1,phi_S for each, got 'A'"),
         (["diagram", "--names", "A=1,x"], "--names needs name=eps_n1,phi_S for each, got 'A=1,x'"),
+        (["diagram", "--window", "-0.8", "-1"], "window must ascend"),
+        (["diagram", "--orders", "1", "--window", "-inf", "0"], "needs a finite window"),
+        (["diagram", "--resume"], "there is no saved run"),
+        (
+            ["diagram", "--observables", "period,speed"],
+            "an observable must be one of period, drop, got 'speed'",
+        ),
         (["map", "--window", "-0.2", "-0.3"], "window must ascend"),
         (["map", "--window", "-0.2", "0.3"], "where the beak touches the pole"),
         (["map", "--window", "-inf", "0.1"], "window must be finite, got (-inf, 0.1)"),
@@ -171,15 +178,31 @@ def unframed(text: str) -> str:
         (["diagram", "--orders", "1", "--workers", "0"], "--workers"),
         (["diagram", "--also", "two"], "--also needs integers such as 1,2,3, got 'two'"),
         (["diagram", "--also", "2", "--orders", "1"], "take one of them"),
+        (["animate", "--t-end", "0.1", "--file", "toy.bmp"], ".gif"),
         (["simulate", "--samples", "-5"], "--samples"),
         (["simulate", "--phi-s", "0.2", "--t-end", "1"], "the start penetrates contact 1"),
         (["simulate", "--phi-s", "-0.5", "--t-end", "-1"], "t_end must be positive"),
     ],
 )
-def test_wrong_request_gets_one_sentence(arguments: list[str], sentence: str) -> None:
-    status, text = run(*arguments)
+def test_wrong_request_gets_one_sentence(
+    arguments: list[str], sentence: str, tmp_path: Path
+) -> None:
+    """And leaves nothing behind."""
+    status, text = run(*arguments, "--out", str(tmp_path / "new" / "out"))
     assert status == 2
     assert sentence in text
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
+    """Of what is missing only the rest was made, and is gone again; a file keeps its folder."""
+    here = tmp_path / "here"
+    here.mkdir()
+    arguments = ("diagram", "--window", "-1", "-0.8", "--out")
+    assert run(*arguments, str(here / "deep" / "er"))[0] == 2
+    assert list(tmp_path.rglob("*")) == [here]
+    assert run(*arguments, str(here))[0] == 2
+    assert list(tmp_path.rglob("*")) == [here]
 
 
 def test_unknown_option_and_unreadable_number_have_status_2() -> None:
@@ -382,6 +405,23 @@ def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
     assert flips == pytest.approx([0.6485492], abs=1e-6)
     assert len({row["id"] for row in rows(tmp_path / "branches.csv")}) == len(first.edges)
     assert (tmp_path / "diagram.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_what_is_observed_stands_beside_the_multiplier(tmp_path: Path) -> None:
+    """The motion of the paper falls 19.4454 mm in 0.14597607 s."""
+    arguments = ("--span", "0.45", "0.5", "--observables", "drop,period", "--out", str(tmp_path))
+    status, text = run("diagram", *arguments)
+    assert status == 0, text
+    table = rows(tmp_path / "branches.csv")
+    names = list(table[0])
+    assert names[names.index("multiplier") :] == ["multiplier", "drop", "period"]
+    (row,) = [row for row in table if float(row["eps_n1"]) == 0.5 and row["id"] == "F1"]
+    toy = Toy()
+    back = first_return(toy, float(row["phi_s"]))
+    assert (float(row["drop"]), float(row["period"])) == (back.drop, back.period)
+    assert float(row["period"]) == pytest.approx(0.14597607, abs=5e-9)  # of the last digit
+    assert float(row["drop"]) == pytest.approx(19.4454e-3, abs=5e-8)
 
 
 @pytest.mark.slow

@@ -196,38 +196,32 @@ def graph_of(diagram: Diagram) -> Graph:
 
 
 def essential(exact: Diagram) -> Graph:
-    """An exact diagram without the points at which nothing happens but a change of word.
+    """An exact diagram without the kinks at which nothing happens to fixed points.
 
-    That is a meeting of jumps only (WC), where two of one order are one branch; and a kink at which
-    just two fixed-point branches of one order meet (BC, persistence) that both attract, or neither.
+    There just two branches of one order meet (BC, persistence) that both attract, or neither.
     """
     graph = graph_of(exact)
     for name, point in list(graph.nodes.items()):
         meeting = [edge for edge in graph.edges for end in edge.ends if end == name]
-        for pair in _passing(point, meeting):
-            one, other = pair
+        if _passes(point, meeting):
+            one, other = meeting
             one = one if one.ends[1] == name else one.reversed()
             other = other if other.ends[0] == name else other.reversed()
-            rest = [edge for edge in graph.edges if edge not in pair]
+            rest = [edge for edge in graph.edges if edge not in meeting]
             graph = Graph(graph.nodes, [*rest, one.joined(other)])
         if not any(name in edge.ends for edge in graph.edges):
             del graph.nodes[name]
     return graph
 
 
-def _passing(point: SpecialPoint, meeting: Sequence[Edge]) -> Iterator[tuple[Edge, Edge]]:
-    """Pairs of branches that are one but for their words."""
-    if point.kind is PointKind.WC:
-        for order in {edge.order for edge in meeting}:
-            pair = [edge for edge in meeting if edge.order == order]
-            if len(pair) == 2 and pair[0] is not pair[1]:
-                yield pair[0], pair[1]
-    elif point.kind is PointKind.BC and point.note == "persistence" and len(meeting) == 2:
-        one, other = meeting
-        fixed = one.kind is other.kind is BranchKind.FIXED_POINT and one.order == other.order
-        same = _stable_at(one, point.id) == _stable_at(other, point.id)
-        if fixed and same and one is not other:
-            yield one, other
+def _passes(point: SpecialPoint, meeting: Sequence[Edge]) -> bool:
+    """Whether two branches meet that are one but for their words."""
+    if point.kind is not PointKind.BC or point.note != "persistence" or len(meeting) != 2:
+        return False
+    one, other = meeting
+    fixed = one.kind is other.kind is BranchKind.FIXED_POINT and one.order == other.order
+    same = _stable_at(one, point.id) == _stable_at(other, point.id)
+    return fixed and same and one is not other
 
 
 def _stable_at(edge: Edge, name: str) -> bool:

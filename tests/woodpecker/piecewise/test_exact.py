@@ -167,23 +167,6 @@ def test_branches_of_two_orders_are_never_one() -> None:
         assert ("k" in essential(diagram).nodes) == (order == 2)
 
 
-def test_jumps_of_two_orders_that_change_their_words_at_once_go_on() -> None:
-    """At (0, 1) jumps of P_2 and of P_3 end, two of each: both are one branch without the point."""
-    ends = (point("w", "WC", 0.0, 1.0), *(point(f"e{k}", "EP", k - 2.5, 1.0) for k in range(1, 5)))
-    lines = [
-        replace(branch(f"J{k}", JUMP, ("w", f"e{k}"), [0.0, k - 2.5], [1.0, 1.0]), order=2 + k % 2)
-        for k in range(1, 5)
-    ]
-    graph = essential(Diagram(parameter_name="p", x_name="x", branches=tuple(lines), points=ends))
-    assert "w" not in graph.nodes
-    joined = sorted((edge.order, *sorted(edge.p.tolist())) for edge in graph.edges)
-    assert joined == [(2, -0.5, 0.0, 1.5), (3, -1.5, 0.0, 0.5)]
-    three = Diagram(
-        parameter_name="p", x_name="x", branches=tuple(lines[:3]), points=ends[:4]
-    )  # fmt: skip
-    assert "w" in essential(three).nodes
-
-
 def as_diagram(graph: Graph) -> Diagram:
     """A graph as a computation would draw it."""
     branches = [
