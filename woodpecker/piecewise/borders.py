@@ -88,13 +88,29 @@ def beyond(
         there = found.piece.at(x, p) if not found.reason else found
         if found.reason or there.reason or strays(found, there, away, settings):
             there = _limit_of(found, x, p, side * away, settings)
-        elif depth(there) >= -max(least, thin * away):
+        elif _begins(found, there, x + side * thin * away, p, max(least, thin * away), settings):
             return _beside(there, found), nearest_code(there, -side)
         code = nearest_code(there, -side)
         if away <= least:
             return _beside(there, found), code
         away *= settings.numerics.nearer
         found = map_.at(x + side * away, p)
+
+
+def _begins(
+    found: Image, there: Image, near: float, p: float, thin: float, settings: Settings
+) -> bool:
+    """Whether a piece that was found beyond a border begins there, and no other one in between.
+
+    Where slopes are those of a square root margins may be, too: at the border they seem to vanish
+    right beside it, wherever they do. A place near it tells.
+    """
+    if depth(there) < -thin:
+        return False
+    if abs(there.slope) <= settings.numerics.rooted * max(1.0, abs(found.slope)):
+        return True
+    beside = found.piece.at(near, p)
+    return bool(beside.reason) or depth(beside) >= -thin
 
 
 def _beside(there: Image, found: Image) -> Image:

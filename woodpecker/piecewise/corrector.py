@@ -76,9 +76,9 @@ class Corrector:
             return 0.5 * step
         distance = Distance(last.orbit.point, last.tangent, step, scale)
         solution = solve(predicted, (self.closing, distance), self.settings, contracts=True)
-        if solution.converged and not self._is_met(solution.orbit):  # steep: rounding of a step was
+        if solution.converged and not self.is_met(solution.orbit):  # steep: rounding of a step was
             solution = solve(solution.orbit, (self.closing, distance), self.settings)  # too much
-        if not solution.converged or not self._is_met(solution.orbit):
+        if not solution.converged or not self.is_met(solution.orbit):
             return 0.5 * step
         found = tangent(solution.orbit, self.closing, self.settings)
         if not np.isfinite(found).all():
@@ -168,15 +168,20 @@ class Corrector:
         )
         return Orbit(x, p, images)
 
-    def _is_met(self, orbit: Orbit) -> bool:
-        """Whether each image meets the next point, or would within rounding of its own point.
+    def is_met(self, orbit: Orbit) -> bool:
+        """Whether each image meets the next point, or would within rounding of x and p.
 
-        Where a piece ends in a square root Newton's steps become short also if there is no orbit.
+        Where a piece ends in a square root, or right beyond a sharp fold, Newton's steps become
+        short also if there is no orbit: what is left of the equations tells.
         """
-        away = self.settings.converged * self.settings.x_scale
+        settings = self.settings
+        away, aside = settings.converged * settings.x_scale, settings.converged * settings.p_scale
         for image, x, to in zip(orbit.images, orbit.x.tolist(), self._targets(orbit), strict=True):
             off = image.value - to
-            if abs(off) <= self.settings.same * self.settings.x_scale:
+            rounding = away * max(1.0, abs(image.slope)) + aside * abs(image.d_parameter)
+            if abs(off) > rounding:
+                return False
+            if abs(off) <= settings.same * settings.x_scale:
                 continue
             beside = [nearest_value(image, x, x + side * away, orbit.p) for side in (-1.0, 1.0)]
             if not any(off * (value - to) <= 0.0 for value in beside):

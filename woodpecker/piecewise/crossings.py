@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -97,13 +97,36 @@ def _is_at_border(orbit: Orbit, margin: Margin, settings: Settings) -> bool:
     return abs(image.margin(margin.code)) <= away and not off > same * settings.x_scale
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Restart:
+    """Where a branch goes on beyond a border.
+
+    Attributes
+    ----------
+    sample
+        The first one beyond.
+    step
+        The first step from there: a short one if a fold or a flip is known to lie ahead.
+    """
+
+    sample: Sample
+    step: float = math.inf
+
+    @property
+    def multiplier(self) -> float:
+        """Beyond the border."""
+        return self.sample.orbit.multiplier
+
+
 def restart(
     orbit: Orbit, closing: Condition, border: Border, index: int, settings: Settings
-) -> Sample | None:
+) -> Restart | None:
     """The orbit beyond a border, whose margin there is small and positive; None if there is none.
 
-    That is well posed also where the piece beyond begins with a square root. It lies so close to
-    the border that no fold or flip is passed that is not one point with the border.
+    That is well posed also where the piece beyond begins with a square root. A branch through a
+    border of a continuous map goes on with the multiplier that the piece beyond has there. An orbit
+    on the other side of a fold or a flip lies beyond that point, or on another sheet of the branch:
+    it is taken only if none is found closer to the border, as where they are one point with it.
     """
     tiny = border.side * settings.resolved
     right_beside = border.outer.piece.at(border.x + tiny, border.p)  # at a root only there is one
@@ -111,14 +134,23 @@ def restart(
     at_border = Orbit(orbit.x, orbit.p, replaced(orbit.images, index, outer)).multiplier
     found: Sample | None = None
     away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
-    while away >= settings.nearest * settings.x_scale and (found is None or away >= same):
+    while away >= settings.nearest * settings.x_scale:
         there = _restarted(orbit, closing, border, index, away, settings)
-        if there is not None:  # from here the piece is followed back: at a root it may start badly
-            found, border = there, replace(border, outer=_led_back(there, border, index))
         if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
-            return there
+            step = math.inf if found is None else _distance(orbit, there, settings)
+            return Restart(there, step)
+        if there is not None and (found is None or away >= same):
+            # from here the piece is followed back: at a root it may start badly
+            found, border = there, replace(border, outer=_led_back(there, border, index))
         away *= settings.numerics.restart
-    return found or _ahead(orbit, closing, border, index, settings)
+    found = found or _ahead(orbit, closing, border, index, settings)
+    return None if found is None else Restart(found)
+
+
+def _distance(orbit: Orbit, there: Sample, settings: Settings) -> float:
+    """How far a sample lies from an orbit, scaled, or the shortest step if they are the same."""
+    way = (there.orbit.point - orbit.point) / scales(len(orbit), settings)
+    return max(float(np.linalg.norm(way)), settings.min_step)
 
 
 def _ahead(

@@ -14,7 +14,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import conditions, directions
-from woodpecker.piecewise.crossings import border_at, is_inside, replaced, restart
+from woodpecker.piecewise.crossings import Restart, border_at, is_inside, replaced, restart
 from woodpecker.piecewise.curves import (
     Curve,
     Leg,
@@ -97,19 +97,21 @@ class Cycles:
                 there = self._passed_over(stretch)
                 if there is not None:
                     marks.append(Mark(len(samples) - 1, PASSED_OVER, BorderKind.SMOOTH))
-                    samples.append(there)
+                    samples.append(there.sample)
                     continue
             if stretch.stop is not Stop.BORDER:
                 passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
                 passes &= not self._halves(stretch)
                 here, on = self._end(stretch), (samples[-1],) if passes else ()
+                if passes and stretch.beyond is not None:
+                    on = (*on, stretch.beyond)
                 return Leg(tuple(samples), tuple(marks), here, on, stretch.stop, stretch.step)
             mark, end, there = self._meet(stretch)
             if end is not None and end.status is PointStatus.OPEN:
                 there = self._passed_over(stretch)
                 if there is not None:
                     mark = replace(mark, cause=f"{mark.cause}: {PASSED_OVER}")
-                    before, after = samples[-1].orbit.multiplier, there.orbit.multiplier
+                    before, after = samples[-1].orbit.multiplier, there.multiplier
                     changes = _changes_stability(before, mark.kind, after, self.settings)
                     persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
                     end = persists if changes else None
@@ -117,13 +119,15 @@ class Cycles:
                     end = self._lost(stretch, mark.cause) or end
             if end is not None:
                 begin = self._across(stretch) if end.kind is PointKind.BC else samples[-1]
-                following = () if there is None else (begin, there)
+                following = () if there is None else (begin, there.sample)
+                step = step if there is None else min(step, there.step)
                 return Leg(tuple(samples), tuple(marks), end, following, stretch.stop, step)
             assert there is not None
             marks.append(replace(mark, sample=len(samples) - 1))
-            samples.append(there)
+            samples.append(there.sample)
+            step = min(step, there.step)
 
-    def _meet(self, stretch: Stretch) -> tuple[Mark, End | None, Sample | None]:
+    def _meet(self, stretch: Stretch) -> tuple[Mark, End | None, Restart | None]:
         """What happens to a branch at a border, whether that is special, and where it goes on."""
         orbit, margin, last = stretch.end, stretch.margins[0], stretch.samples[-1]
         border = border_at(self.map, orbit, margin, self.settings)
@@ -138,7 +142,8 @@ class Cycles:
             met = collision(self.map, orbit, margin, border, self.settings)
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
-        if there is not None and self._period(there.orbit) < self._period(stretch.samples[0].orbit):
+        before = self._period(stretch.samples[0].orbit)
+        if there is not None and self._period(there.sample.orbit) < before:
             return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
         if there is None:
             met = collision(self.map, orbit, margin, border, self.settings)
@@ -147,9 +152,9 @@ class Cycles:
             note = NOTHING_BEYOND if border.outer_code >= 0 else PASSED_OVER
             lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
-        note = "fold" if last.tangent[-1] * there.tangent[-1] < 0.0 else "persistence"
-        before, after = _inside(stretch, self.settings), there.orbit.multiplier
-        if note == "fold" or _changes_stability(before, kind, after, self.settings):
+        note = "fold" if last.tangent[-1] * there.sample.tangent[-1] < 0.0 else "persistence"
+        inside, after = _inside(stretch, self.settings), there.multiplier
+        if note == "fold" or _changes_stability(inside, kind, after, self.settings):
             end = end_at(PointKind.BC, orbit, note, border.cause)
             return mark, replace(end, precision=self._blur(orbit, border, margin)), there
         return mark, None, there
@@ -204,7 +209,7 @@ class Cycles:
         last = replace(stretch.samples[-1], orbit=end)
         return replace(stretch, samples=(*stretch.samples[:-1], last))
 
-    def _passed_over(self, stretch: Stretch) -> Sample | None:
+    def _passed_over(self, stretch: Stretch) -> Restart | None:
         """The branch beyond a place where borders accumulate, the nearest there is.
 
         It is looked for along the tangent, with the pieces that the map takes there.
@@ -228,7 +233,7 @@ class Cycles:
             found = solution.orbit
             aside = float(np.abs(found.x - end.orbit.x).max()) / x_scale
             if solution.converged and is_inside(found, Closed()) and aside <= fastest * away:
-                return self.corrector.sample(found, sign * np.eye(len(found) + 1)[-1])
+                return Restart(self.corrector.sample(found, sign * np.eye(len(found) + 1)[-1]))
         return None
 
     def _lost(self, stretch: Stretch, cause: str) -> End | None:

@@ -319,7 +319,7 @@ class Jumps:
         found = restart(end.orbit, closing, border, index, self.settings)
         if found is None:
             return None
-        there = self._sample(found.orbit, closing, found.tangent)
+        there = self._sample(found.sample.orbit, closing, found.sample.tangent)
         return there if there.jump is not None and there.jump.crosses else None
 
     def _passed_over(self, end: Sample, narrow: bool = False) -> Sample | None:
@@ -484,4 +484,4 @@ def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:
     code, side = met.margin.code, 1 if gradient[0] > 0.0 else -1
     border = Border(float(met.orbit.x[i]), met.orbit.p, image, code, side, image, code)
     there = restart(met.orbit, Closed(), border, i, settings)
-    return (first,) if there is None else (first, there)
+    return (first,) if there is None else (first, there.sample)

@@ -110,6 +110,8 @@ class Stretch:
         that place.
     step
         The last step: the next stretch may begin with it.
+    beyond
+        Where the branch goes on if it turns round too sharply for steps.
     """
 
     samples: tuple[Sample, ...]
@@ -118,6 +120,7 @@ class Stretch:
     inner: bool = True
     meeting: Orbit | None = None
     step: float = math.inf
+    beyond: Sample | None = None
 
     @property
     def end(self) -> Orbit:

@@ -13,6 +13,7 @@ from contextlib import nullcontext, suppress
 
 from woodpecker.piecewise.border_stops import at_border, is_first
 from woodpecker.piecewise.corrector import Corrector
+from woodpecker.piecewise.hairpins import round_hairpin
 from woodpecker.piecewise.limit_stops import at_diagonal, at_tails, still_crosses
 from woodpecker.piecewise.orbits import Condition
 from woodpecker.piecewise.pieces import PiecewiseMap
@@ -32,6 +33,8 @@ from woodpecker.piecewise.stops import (
     is_asked,
     leaves,
 )
+
+TURNS = frozenset({Stop.FOLD, Stop.FLIP})
 
 
 class Stepper:
@@ -85,7 +88,8 @@ class Stepper:
         retry = self.settings.numerics.retry
         while len(samples) < self.settings.max_samples:
             if step < self.settings.min_step:
-                return Stretch(tuple(samples), Stop.SHORT)
+                short = Stretch(tuple(samples), Stop.SHORT)
+                return self._round_hairpin(samples, step) or short
             last = samples[-1]
             before = samples[-2] if len(samples) > 1 else None
             found = corrector.to_end(last, step) or corrector.advance(last, step, before)
@@ -99,6 +103,9 @@ class Stepper:
                 step, grows = 0.5 * step, False
                 continue
             if ending is not None:
+                turn = self._round_hairpin(samples, step) if ending.stop in TURNS else None
+                if turn is not None:
+                    return turn
                 return Stretch(
                     (*samples, ending.sample), ending.stop, ending.margins, ending.inner,
                     ending.meeting, step,
@@ -114,6 +121,19 @@ class Stepper:
             growth = wanted / turned if growth * turned > wanted else growth
             step, grows = min(self.settings.max_step, step * growth), True
         return Stretch(tuple(samples), Stop.MANY)
+
+    def _round_hairpin(self, samples: list[Sample], step: float) -> Stretch | None:
+        """A stretch that ends in a fold too sharp to be followed round; None if there is none.
+
+        Steps are as short there as the shortest, and flip and fold are one point.
+        """
+        if self.order or step > self.settings.numerics.noise * self.settings.min_step:
+            return None
+        turn = round_hairpin(self.corrector, samples)
+        if turn is None:
+            return None
+        fold, beyond = turn
+        return Stretch((*samples, fold), Stop.FOLD, step=self.settings.min_step, beyond=beyond)
 
     def _ending(
         self, a: Sample, b: Sample, step: float, skipped: Stop | None, start: Sample | None
