@@ -190,7 +190,7 @@ def unresolved(dips: Sequence[tuple[float, float]] = DIPS) -> Row:
         "kind": Kind.BOUNDED.value,
         "verdict": f"stated: {power(length)} rad open",
         "error": length,
-        "pieces": sum(len(each.stretches) for each in found),
+        "pieces": sum(len(each.cylinders) for each in found),
         "resolution": COARSE,
     }
 

@@ -92,7 +92,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     rims = ends(toy)
     map_, left = ToyPieces(toy), (WINDOW[0], rims.band[0] - BESIDE)
     jumps = seen(borders_in(map_, toy.eps_n1, left, SCALES))
-    pieces = partition(map_, toy.eps_n1, left, COUNTED).stretches
+    pieces = partition(map_, toy.eps_n1, left, COUNTED).cylinders
     (found,) = slices_at(map_, toy.eps_n1, (1,), Settings(window=left))
     points = [(float(orbit.x[0]), orbit.multiplier) for orbit in found.cycles]
     if out is not None:

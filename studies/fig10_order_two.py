@@ -52,7 +52,7 @@ FULL = Part((0.012, 1.0), (-2.5, -0.24), Search(), 48)
 OTHER = FULL._replace(search=Search(slices=64), law=SEPARATE)  # for the second picture
 
 
-class Stretch(NamedTuple):
+class Course(NamedTuple):
     """Branches of P_2 of one kind that follow each other on a way through the graph."""
 
     kind: str
@@ -116,7 +116,7 @@ def study(part: Part, out: Path | None = None) -> tuple[Diagram, Results]:
         What :func:`whole.examined` says of P_2, and ``unpaired``: how many branches of period 2 P_1
         does not map to another; ``odd_jumps``: parameters of slices with an odd number of
         crossings; ``from_a``, ``from_c``: where the jump branches of P_2 lead that start there;
-        ``way``: from A to C, see :class:`Stretch`; ``two_cycle``: phi_S [rad] of the cycles of
+        ``way``: from A to C, see :class:`Course`; ``two_cycle``: phi_S [rad] of the cycles of
         period 2 that attract at eps_N1 = 0.05; ``loops``: see :class:`Loop`, a loop of P_2 and its
         partner.
     """
@@ -131,7 +131,7 @@ def study(part: Part, out: Path | None = None) -> tuple[Diagram, Results]:
         "odd_jumps": [slice_["eps_n1"] for slice_ in results["seen"] if slice_["crossings"] % 2],
         "from_a": leads(diagram, point_a),
         "from_c": leads(diagram, POINT_C),
-        "way": [stretch._asdict() for stretch in way(diagram, point_a, POINT_C)],
+        "way": [course._asdict() for course in way(diagram, point_a, POINT_C)],
         "two_cycle": attracting(diagram, part, AT),
         "loops": [loop._asdict() for loop in loops(diagram, part)],
     }
@@ -193,13 +193,13 @@ def leads(diagram: Diagram, place: tuple[float, float]) -> list[tuple[str, str, 
     return [(str(p.kind), p.note, float(p.parameter), float(p.x)) for p in points]
 
 
-def way(diagram: Diagram, start: tuple[float, float], end: tuple[float, float]) -> list[Stretch]:
+def way(diagram: Diagram, start: tuple[float, float], end: tuple[float, float]) -> list[Course]:
     """The shortest way between two collisions of P_1 along branches of P_2, cycles included.
 
     Returns
     -------
     list
-        Stretches of one kind; empty if the branches of P_2 do not connect the two.
+        Courses of one kind; empty if the branches of P_2 do not connect the two.
     """
     first, last = nearest(diagram, start), nearest(diagram, end)
     graph = nx.Graph()
@@ -210,13 +210,13 @@ def way(diagram: Diagram, start: tuple[float, float], end: tuple[float, float]) 
     if not nx.has_path(graph, first.id, last.id):
         return []
     steps = list(pairwise(nx.shortest_path(graph, first.id, last.id)))
-    stretches = []
+    courses = []
     for kind, some in groupby(steps, key=lambda step: str(graph.edges[step]["kind"])):
         chosen = list(some)
         ends = (diagram.point(chosen[0][0]), diagram.point(chosen[-1][1]))
         places = [(float(point.parameter), float(point.x)) for point in ends]
-        stretches.append(Stretch(kind, *places))
-    return stretches
+        courses.append(Course(kind, *places))
+    return courses
 
 
 def nearest(diagram: Diagram, place: tuple[float, float]) -> SpecialPoint | None:

@@ -38,7 +38,7 @@ from woodpecker import (
     crosses,
 )
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.partition import Partition, Stretch, partition
+from woodpecker.piecewise.partition import Cylinder, Partition, partition
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import slices_at
 
@@ -203,7 +203,7 @@ def draw(scenes: list[Scene]) -> Figure:
 def panel(each: Scene, ax: Axes) -> None:
     """One map with the diagonal and what lies on it."""
     ax.plot(WINDOW, WINDOW, color=GREY, linewidth=0.8)
-    for piece in each.map.stretches:
+    for piece in each.map.cylinders:
         ax.plot(*drawn(piece, each.eps_n1), color="#252525", linewidth=1.2)
     for jump in each.jumps:
         limits = (jump.inner.value, jump.outer.value)
@@ -221,7 +221,7 @@ def panel(each: Scene, ax: Axes) -> None:
     ax.set(xlim=WINDOW, ylim=SHOWN, xticks=(-1.1, -0.9, -0.7), yticks=(-1.4, -1.0, -0.6))
 
 
-def drawn(piece: Stretch, p: float) -> tuple[Floats, list[float]]:
+def drawn(piece: Cylinder, p: float) -> tuple[Floats, list[float]]:
     """A piece as a line: its samples are too far apart to be joined, so it is asked again."""
     x = np.linspace(piece.low, piece.high, POINTS)
     near = np.searchsorted(piece.x, x).clip(max=len(piece.x) - 1)

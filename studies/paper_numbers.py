@@ -120,7 +120,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     dict
         ``rows``: see :class:`Row`; ``agree``, ``differ``: how many of what the paper claims of the
         toy; ``skipped``: how many were left out; ``differing``: the quantities that do not agree;
-        ``way``: from A to C along branches of P_2, see :class:`fig10_order_two.Stretch`.
+        ``way``: from A to C along branches of P_2, see :class:`fig10_order_two.Course`.
     """
     toy = Toy()
     diagrams = {} if fast else {law: between_a_and_b(law) for law in LAWS}
@@ -134,10 +134,10 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "skipped": sum(row.ours is None for row in rows),
         "differing": [row.quantity for row in rows if row.agrees is False],
         "way": [
-            stretch._asdict()
+            course._asdict()
             for law, diagram in diagrams.items()
             if law is SUMMED
-            for stretch in way(diagram, POINT_A[law], POINT_C)
+            for course in way(diagram, POINT_A[law], POINT_C)
         ],
     }
 
@@ -323,8 +323,8 @@ def stable_from_b(diagram: Diagram, law: ExpansionFriction) -> float | None:
 
 def _reached(diagram: Diagram, law: ExpansionFriction) -> bool:
     """Whether branches of P_2 lead from A to C, the first of them a jump branch."""
-    stretches = way(diagram, POINT_A[law], POINT_C)
-    return bool(stretches) and stretches[0].kind == str(BranchKind.JUMP)
+    courses = way(diagram, POINT_A[law], POINT_C)
+    return bool(courses) and courses[0].kind == str(BranchKind.JUMP)
 
 
 def island(toy: Toy, fast: bool) -> Iterator[Row]:

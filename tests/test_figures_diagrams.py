@@ -121,7 +121,7 @@ def test_jump_crossings_of_order_two_are_single(second: ShortRun) -> None:
 @pytest.mark.slow
 def test_the_way_from_a_to_c_has_a_real_cycle_on_it(second: ShortRun) -> None:
     results, _ = second
-    way = [fig10.Stretch(**stretch) for stretch in results["way"]]
+    way = [fig10.Course(**course) for course in results["way"]]
     assert [stretch.kind for stretch in way] == ["jump", "fixed-point", "jump"]
     places = [way[0].begins, *(stretch.ends for stretch in way)]
     known = [A, *CYCLE_ENDS, C]

@@ -72,7 +72,7 @@ class Crossing(NamedTuple):
     right_word: Word
 
 
-class Stretch(NamedTuple):
+class Piece(NamedTuple):
     """One affine piece of an iterate."""
 
     part: Part
@@ -214,23 +214,23 @@ def affine(f: Map, j: int, lo: Fraction | None, hi: Fraction | None) -> tuple[Fr
 
 
 @lru_cache(maxsize=32)
-def pieces(f: Map, j: int) -> list[Stretch]:
+def pieces(f: Map, j: int) -> list[Piece]:
     """The pieces of P_j from left to right."""
-    found: list[Stretch] = []
+    found: list[Piece] = []
     lo_closed = False
     for lo, hi in gaps(breaks(f, j)):
         slope, intercept = affine(f, j, lo, hi)
         word = followed(f, inner(lo, hi)[0], j).word
         if hi is None:
-            found.append(Stretch(Part(lo, lo_closed, None, False, slope, intercept), word))
+            found.append(Piece(Part(lo, lo_closed, None, False, slope, intercept), word))
             break
         at, left, right = (followed(f, hi, j, side).word for side in (EXACT, LEFT, RIGHT))
         assert left == word
-        found.append(Stretch(Part(lo, lo_closed, hi, at == left, slope, intercept), word))
+        found.append(Piece(Part(lo, lo_closed, hi, at == left, slope, intercept), word))
         lo_closed = at == right
         if at not in (left, right):
             flat = Part(hi, True, hi, True, 0 * ONE, value(f, hi, j))
-            found.append(Stretch(flat, at))
+            found.append(Piece(flat, at))
     return found
 
 

@@ -37,7 +37,7 @@ from woodpecker.piecewise.orbits import (
     solve,
 )
 from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.samples import Sample, Stop, StopRule, Stretch
+from woodpecker.piecewise.samples import Arc, Sample, Stop, StopRule
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stepping import Stepper
 from woodpecker.piecewise.stops import FLIP
@@ -89,51 +89,51 @@ class Cycles:
     ) -> Leg:
         samples, marks = list(first), list[Mark]()
         while True:
-            stretch = self.stepper.follow(samples[-1], ignored, origin, step)
-            ignored, step = None, max(stretch.step, self.settings.again)
-            stretch = self._sharpened(_at_nearest(stretch, self.settings))
-            samples += stretch.samples[1:]
-            if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-                there = self._passed_over(stretch)
+            arc = self.stepper.follow(samples[-1], ignored, origin, step)
+            ignored, step = None, max(arc.step, self.settings.again)
+            arc = self._sharpened(_at_nearest(arc, self.settings))
+            samples += arc.samples[1:]
+            if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+                there = self._passed_over(arc)
                 if there is not None:
                     marks.append(Mark(len(samples) - 1, PASSED_OVER, BorderKind.SMOOTH))
                     samples.append(there.sample)
                     continue
-            if stretch.stop is not Stop.BORDER:
-                passes = stretch.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
-                passes &= not self._halves(stretch)
-                here, on = self._end(stretch), (samples[-1],) if passes else ()
-                if passes and stretch.beyond is not None:
-                    on = (*on, stretch.beyond)
-                return Leg(tuple(samples), tuple(marks), here, on, stretch.stop, stretch.step)
-            mark, end, there = self._meet(stretch)
+            if arc.stop is not Stop.BORDER:
+                passes = arc.stop in (Stop.FOLD, Stop.FLIP, Stop.BRANCHING)
+                passes &= not self._halves(arc)
+                here, on = self._end(arc), (samples[-1],) if passes else ()
+                if passes and arc.beyond is not None:
+                    on = (*on, arc.beyond)
+                return Leg(tuple(samples), tuple(marks), here, on, arc.stop, arc.step)
+            mark, end, there = self._meet(arc)
             if end is not None and end.status is PointStatus.OPEN:
-                there = self._passed_over(stretch)
+                there = self._passed_over(arc)
                 if there is not None:
                     mark = replace(mark, cause=f"{mark.cause}: {PASSED_OVER}")
                     before, after = samples[-1].orbit.multiplier, there.multiplier
                     changes = _changes_stability(before, mark.kind, after, self.settings)
-                    persists = end_at(PointKind.BC, stretch.end, "persistence", mark.cause)
+                    persists = end_at(PointKind.BC, arc.end, "persistence", mark.cause)
                     end = persists if changes else None
                 else:
-                    end = self._lost(stretch, mark.cause) or end
+                    end = self._lost(arc, mark.cause) or end
             if end is not None:
-                begin = self._across(stretch) if end.kind is PointKind.BC else samples[-1]
+                begin = self._across(arc) if end.kind is PointKind.BC else samples[-1]
                 following = () if there is None else (begin, there.sample)
                 step = step if there is None else min(step, there.step)
-                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop, step)
+                return Leg(tuple(samples), tuple(marks), end, following, arc.stop, step)
             assert there is not None
             marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there.sample)
             step = min(step, there.step)
 
-    def _meet(self, stretch: Stretch) -> tuple[Mark, End | None, Restart | None]:
+    def _meet(self, arc: Arc) -> tuple[Mark, End | None, Restart | None]:
         """What happens to a branch at a border, whether that is special, and where it goes on."""
-        orbit, margin, last = stretch.end, stretch.margins[0], stretch.samples[-1]
+        orbit, margin, last = arc.end, arc.margins[0], arc.samples[-1]
         border = border_at(self.map, orbit, margin, self.settings)
         kind = border.kind(self.settings)
         mark = Mark(sample=0, cause=border.cause, kind=kind)
-        if self._halves(stretch):
+        if self._halves(arc):
             return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
         if kind is BorderKind.LOST:
             lost = end_at(PointKind.FALL, orbit, border.outer.reason, border.cause)
@@ -142,7 +142,7 @@ class Cycles:
             met = collision(self.map, orbit, margin, border, self.settings)
             return mark, end_of(met, orbit), None
         there = restart(orbit, Closed(), border, margin.index, self.settings)
-        before = self._period(stretch.samples[0].orbit)
+        before = self._period(arc.samples[0].orbit)
         if there is not None and self._period(there.sample.orbit) < before:
             return mark, end_at(PointKind.BC, orbit, ON_LOWER, border.cause), None
         if there is None:
@@ -153,15 +153,15 @@ class Cycles:
             lost = end_at(PointKind.EP, orbit, note, border.cause, PointStatus.OPEN)
             return mark, lost, None
         note = "fold" if last.tangent[-1] * there.sample.tangent[-1] < 0.0 else "persistence"
-        inside, after = _inside(stretch, self.settings), there.multiplier
+        inside, after = _inside(arc, self.settings), there.multiplier
         if note == "fold" or _changes_stability(inside, kind, after, self.settings):
             end = end_at(PointKind.BC, orbit, note, border.cause)
             return mark, replace(end, precision=self._blur(orbit, border, margin)), there
         return mark, None, there
 
-    def _across(self, stretch: Stretch) -> Sample:
+    def _across(self, arc: Arc) -> Sample:
         """The sample at the end as the branch beyond begins with it: with the piece beyond."""
-        margin, last = stretch.margins[0], stretch.samples[-1]
+        margin, last = arc.margins[0], arc.samples[-1]
         border = border_at(self.map, last.orbit, margin, self.settings)
         if border.outer_code < 0 or border.outer.reason:
             return last
@@ -176,45 +176,45 @@ class Cycles:
             orbit, margin = outer, Margin(i, border.outer_code)
         return located_to(orbit, (Closed(), margin), self.settings)
 
-    def _sharpened(self, stretch: Stretch) -> Stretch:
-        """A stretch that ends at a square root, with its end as the piece beyond locates it.
+    def _sharpened(self, arc: Arc) -> Arc:
+        """An arc that ends at a square root, with its end as the piece beyond locates it.
 
         The map is continuous there, and the piece beyond is not steep: it is not rounding of the
         root that decides. That may even look like a jump; at one the piece beyond would meet the
         border elsewhere.
         """
-        orbit = stretch.end
-        if stretch.stop is not Stop.BORDER:
-            return stretch
-        margin = stretch.margins[0]
+        orbit = arc.end
+        if arc.stop is not Stop.BORDER:
+            return arc
+        margin = arc.margins[0]
         i, image = margin.index, orbit.images[margin.index]
         rooted = self.settings.numerics.rooted
-        steep = max(abs(s.orbit.images[i].slope) for s in stretch.samples[-2:])
+        steep = max(abs(s.orbit.images[i].slope) for s in arc.samples[-2:])
         if steep <= rooted:
-            return stretch
+            return arc
         border = border_at(self.map, orbit, margin, self.settings)
         kind = border.kind(self.settings)
         if kind is BorderKind.LOST or border.outer_code < 0:
-            return stretch
+            return arc
         jumps = kind is BorderKind.JUMP
         if steep <= rooted * max(1.0, abs(border.outer.slope)) and not jumps:
-            return stretch
+            return arc
         beyond_it = Orbit(orbit.x, orbit.p, replaced(orbit.images, i, border.outer))
         root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
         away = np.abs((root.orbit.point - orbit.point) / scales(len(orbit), self.settings)).max()
         if not (root.converged and away <= (self.settings.same if jumps else self.settings.beside)):
-            return stretch
+            return arc
         inner = image._replace(value=root.orbit.images[i].value)
         end = Orbit(root.orbit.x, root.orbit.p, replaced(root.orbit.images, i, inner))
-        last = replace(stretch.samples[-1], orbit=end)
-        return replace(stretch, samples=(*stretch.samples[:-1], last))
+        last = replace(arc.samples[-1], orbit=end)
+        return replace(arc, samples=(*arc.samples[:-1], last))
 
-    def _passed_over(self, stretch: Stretch) -> Restart | None:
+    def _passed_over(self, arc: Arc) -> Restart | None:
         """The branch beyond a place where borders accumulate, the nearest there is.
 
         It is looked for along the tangent, with the pieces that the map takes there.
         """
-        end = stretch.samples[-1]
+        end = arc.samples[-1]
         x_scale, p_scale = self.settings.x_scale, self.settings.p_scale
         sign, (low, high) = (1.0 if end.tangent[-1] > 0.0 else -1.0), self.settings.span
         away, limit = self.settings.same, high if sign > 0.0 else low
@@ -236,20 +236,20 @@ class Cycles:
                 return Restart(self.corrector.sample(found, sign * np.eye(len(found) + 1)[-1]))
         return None
 
-    def _lost(self, stretch: Stretch, cause: str) -> End | None:
+    def _lost(self, arc: Arc, cause: str) -> End | None:
         """Where the map has no value right ahead; None if it has one.
 
         A motion that passes by the section ever more closely returns once rounding leads it there:
         at the border itself it seems to have a value.
         """
-        end = stretch.samples[-1]
+        end = arc.samples[-1]
         if end.tangent[-1] == 0.0:
             return None
         ahead = self.settings.same / abs(float(end.tangent[-1]))
         moved_to = end.orbit.point + ahead * end.tangent * scales(len(end.orbit), self.settings)
         images = [self.map.at(float(x), float(moved_to[-1])) for x in moved_to[:-1]]
         reason = next((image.reason for image in images if image.reason), "")
-        return end_at(PointKind.FALL, stretch.end, reason, cause) if reason else None
+        return end_at(PointKind.FALL, arc.end, reason, cause) if reason else None
 
     def _jumps_unseen(self, end: Sample) -> bool:
         """Whether the map jumps beyond a sample, though the margins of its pieces are positive."""
@@ -265,40 +265,40 @@ class Cycles:
                 return True
         return False
 
-    def _halves(self, stretch: Stretch) -> bool:
+    def _halves(self, arc: Arc) -> bool:
         """Whether the cycle at the end, and none before it, goes round one of smaller period."""
-        ends = stretch.stop in (Stop.BRANCHING, Stop.BORDER)
-        return ends and self._period(stretch.end) < self._period(stretch.samples[0].orbit)
+        ends = arc.stop in (Stop.BRANCHING, Stop.BORDER)
+        return ends and self._period(arc.end) < self._period(arc.samples[0].orbit)
 
     def _period(self, orbit: Orbit) -> int:
         """The minimal period, of points that are one to rounding."""
         return minimal_period(orbit, self.settings, self.settings.same)
 
-    def _end(self, stretch: Stretch) -> End:
+    def _end(self, arc: Arc) -> End:
         kinds = {
             Stop.FOLD: PointKind.LP, Stop.FLIP: PointKind.PD, Stop.BRANCHING: PointKind.BP,
         }  # fmt: skip
-        kind = kinds.get(stretch.stop, PointKind.EP)
+        kind = kinds.get(arc.stop, PointKind.EP)
         if kind is PointKind.EP:
-            return given_up_or_left(stretch, self.settings)
-        cause = stretch.stop.value
-        if self._halves(stretch):  # a branch of doubled period folds where it began
+            return given_up_or_left(arc, self.settings)
+        cause = arc.stop.value
+        if self._halves(arc):  # a branch of doubled period folds where it began
             kind, cause = PointKind.PD, Stop.FLIP.value
-        end = end_at(kind, stretch.end, cause=cause)
+        end = end_at(kind, arc.end, cause=cause)
         if kind is PointKind.LP:
-            return folded(end, stretch.end, Closed(), self.settings)
-        if stretch.stop is Stop.BRANCHING and directions(stretch.end, self.settings):
-            at = located_to(stretch.end, conditions(self.settings), self.settings)
+            return folded(end, arc.end, Closed(), self.settings)
+        if arc.stop is Stop.BRANCHING and directions(arc.end, self.settings):
+            at = located_to(arc.end, conditions(self.settings), self.settings)
             return replace(end, precision=at)
         return end
 
 
-def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:
-    """A stretch whose steps have become too short beside a border, as one that ends there."""
-    if stretch.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
-        return stretch
+def _at_nearest(arc: Arc, settings: Settings) -> Arc:
+    """An arc whose steps have become too short beside a border, as one that ends there."""
+    if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
+        return arc
     found = list[tuple[float, Margin]]()
-    for i, image in enumerate(stretch.end.images):
+    for i, image in enumerate(arc.end.images):
         with np.errstate(divide="ignore", invalid="ignore"):
             away = image.margins / np.abs(image.gradients[:, 0])
         found += [
@@ -307,17 +307,17 @@ def _at_nearest(stretch: Stretch, settings: Settings) -> Stretch:
         ]
     least, margin = min(found, key=lambda each: each[0], default=(math.inf, None))
     if margin is None or not least <= settings.same * settings.x_scale:
-        return stretch
-    return replace(stretch, stop=Stop.BORDER, margins=(margin,))
+        return arc
+    return replace(arc, stop=Stop.BORDER, margins=(margin,))
 
 
-def _inside(stretch: Stretch, settings: Settings) -> float:
-    """The multiplier on the way to the end of a stretch: at a square root it may be rounding.
+def _inside(arc: Arc, settings: Settings) -> float:
+    """The multiplier on the way to the end of an arc: at a square root it may be rounding.
 
     No fold or flip lies between the last two samples, so both are stable or neither is.
     """
-    before = stretch.samples[-2:][0].orbit.multiplier
-    return stretch.end.multiplier if abs(abs(before) - 1.0) <= settings.numerics.torn else before
+    before = arc.samples[-2:][0].orbit.multiplier
+    return arc.end.multiplier if abs(abs(before) - 1.0) <= settings.numerics.torn else before
 
 
 def _changes_stability(before: float, kind: BorderKind, after: float, settings: Settings) -> bool:

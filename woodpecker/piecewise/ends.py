@@ -10,7 +10,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.orbits import Closed, Condition, Coordinate, Margin, Orbit, blurred
-from woodpecker.piecewise.samples import Stop, Stretch
+from woodpecker.piecewise.samples import Arc, Stop
 from woodpecker.piecewise.settings import Settings
 
 GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
@@ -119,12 +119,12 @@ def folded(end: End, orbit: Orbit, closing: Condition, settings: Settings) -> En
     return replace(end, precision=located_to(orbit, (closing, held), settings))
 
 
-def given_up_or_left(stretch: Stretch, settings: Settings) -> End:
+def given_up_or_left(arc: Arc, settings: Settings) -> End:
     """Where a branch leaves the span or the window, closes, or was given up."""
-    status = PointStatus.OPEN if stretch.stop in GIVEN_UP else PointStatus.LOCATED
-    stop, orbit, jump = stretch.stop.value, stretch.end, stretch.samples[-1].jump
+    status = PointStatus.OPEN if arc.stop in GIVEN_UP else PointStatus.LOCATED
+    stop, orbit, jump = arc.stop.value, arc.end, arc.samples[-1].jump
     end = end_at(PointKind.EP, orbit, stop, stop, status)
-    if stretch.stop is not Stop.WINDOW:
+    if arc.stop is not Stop.WINDOW:
         return end
     closing = Closed() if jump is None else jump.closing
     i = int(np.argmin(np.min([np.abs(orbit.x - limit) for limit in settings.window], axis=0)))

@@ -40,7 +40,7 @@ from woodpecker.piecewise.limit_stops import continued
 from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Closed, Margin, Orbit, minimal_period, scales, tangent
 from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.samples import Sample, Stop, StopRule, Stretch
+from woodpecker.piecewise.samples import Arc, Sample, Stop, StopRule
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stepping import Stepper
 
@@ -127,29 +127,29 @@ class Jumps:
         while True:
             last = samples[-1]
             assert last.jump is not None
-            stretch = self._stepper(last.jump.closing).follow(last, ignored, origin, step)
+            arc = self._stepper(last.jump.closing).follow(last, ignored, origin, step)
             ignored, step = None, math.inf
-            samples += stretch.samples[1:]
-            if stretch.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+            samples += arc.samples[1:]
+            if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
                 there = self._passed_over(samples[-1], narrow=True)
                 if there is not None:
                     marks.append(Mark(len(samples) - 1, MEET, BorderKind.SMOOTH))
                     samples.append(there)
                     continue
-            if stretch.stop not in (Stop.BORDER, Stop.TAIL):
-                following = (samples[-1],) if stretch.stop is Stop.FOLD else ()
-                end = self._end(stretch)
-                return Leg(tuple(samples), tuple(marks), end, following, stretch.stop, stretch.step)
-            early = self._closed_early(stretch)
-            if early is not None and self._passes(early, stretch.end):
+            if arc.stop not in (Stop.BORDER, Stop.TAIL):
+                following = (samples[-1],) if arc.stop is Stop.FOLD else ()
+                end = self._end(arc)
+                return Leg(tuple(samples), tuple(marks), end, following, arc.stop, arc.step)
+            early = self._closed_early(arc)
+            if early is not None and self._passes(early, arc.end):
                 met = self._collision(early)
-                return Leg(tuple(samples), tuple(marks), end_of(met, stretch.end), (), stretch.stop)
-            mark, there = self._beyond(stretch, early)
+                return Leg(tuple(samples), tuple(marks), end_of(met, arc.end), (), arc.stop)
+            mark, there = self._beyond(arc, early)
             if there is None:
-                end = self._lost(stretch) or end_at(
-                    PointKind.EP, stretch.end, "the jump ends", mark.cause, PointStatus.OPEN
+                end = self._lost(arc) or end_at(
+                    PointKind.EP, arc.end, "the jump ends", mark.cause, PointStatus.OPEN
                 )
-                return Leg(tuple(samples), tuple(marks), end, (), stretch.stop)
+                return Leg(tuple(samples), tuple(marks), end, (), arc.stop)
             marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there)
 
@@ -232,48 +232,48 @@ class Jumps:
         jump = sample.jump
         return jump is not None and jump.crosses and is_inside(sample.orbit, jump.closing)
 
-    def _end(self, stretch: Stretch) -> End:
-        if stretch.stop is not Stop.LIMIT:
-            if stretch.stop is Stop.FOLD:
-                end = end_at(PointKind.LP, stretch.end, cause=stretch.stop.value)
-                closing = self._closing_of(stretch)
-                return folded(end, stretch.end, closing, self.settings)
-            lost = self._lost(stretch) if stretch.stop in GIVEN_UP else None
-            return lost or given_up_or_left(stretch, self.settings)
-        assert stretch.meeting is not None
-        margin = stretch.margins[0]
-        border = border_at(self.map, stretch.meeting, margin, self.settings)
-        met = collision(self.map, stretch.meeting, margin, border, self.settings)
-        return end_of(met, stretch.end)
+    def _end(self, arc: Arc) -> End:
+        if arc.stop is not Stop.LIMIT:
+            if arc.stop is Stop.FOLD:
+                end = end_at(PointKind.LP, arc.end, cause=arc.stop.value)
+                closing = self._closing_of(arc)
+                return folded(end, arc.end, closing, self.settings)
+            lost = self._lost(arc) if arc.stop in GIVEN_UP else None
+            return lost or given_up_or_left(arc, self.settings)
+        assert arc.meeting is not None
+        margin = arc.margins[0]
+        border = border_at(self.map, arc.meeting, margin, self.settings)
+        met = collision(self.map, arc.meeting, margin, border, self.settings)
+        return end_of(met, arc.end)
 
-    def _lost(self, stretch: Stretch) -> End | None:
+    def _lost(self, arc: Arc) -> End | None:
         """Where a limit of a jump has no value any more; None if it has one.
 
         Its orbit goes through more and more pieces before, so that no border is the last: the place
         is known as well as the nearest orbit beyond that is lost.
         """
-        end, away = stretch.samples[-1], self.settings.same
+        end, away = arc.samples[-1], self.settings.same
         while away <= self.settings.beside:
             found = self._at(end, away)
             reason = "" if found is None or found.jump is None else found.jump.lost
             if found is not None and reason:
-                lost = end_at(PointKind.FALL, stretch.end, reason, LIMIT_LOST)
+                lost = end_at(PointKind.FALL, arc.end, reason, LIMIT_LOST)
                 return replace(lost, precision=abs(found.orbit.p - lost.p))
             away *= self.settings.numerics.farther
         return None
 
     @staticmethod
-    def _closing_of(stretch: Stretch) -> Margin:
-        jump = stretch.samples[-1].jump
+    def _closing_of(arc: Arc) -> Margin:
+        jump = arc.samples[-1].jump
         assert jump is not None
         return jump.closing
 
-    def _closed_early(self, stretch: Stretch) -> _Return | None:
+    def _closed_early(self, arc: Arc) -> _Return | None:
         """Where the orbit of a jump comes back to its own border; None if it does not."""
-        last = stretch.samples[-1].jump
+        last = arc.samples[-1].jump
         assert last is not None
-        meeting, margin = stretch.meeting or stretch.end, stretch.margins[0]
-        own = Margin(last.closing.index, last.code(stretch.inner))
+        meeting, margin = arc.meeting or arc.end, arc.margins[0]
+        own = Margin(last.closing.index, last.code(arc.inner))
         first, second = sorted((own, margin), key=lambda each: each.index)
         i, k = first.index, second.index
         if i == k or abs(meeting.x[k] - meeting.x[i]) > self.settings.same * self.settings.x_scale:
@@ -293,10 +293,10 @@ class Jumps:
         border = border_at(self.map, early.cycle, margin, self.settings)
         return collision(self.map, early.cycle, margin, border, self.settings)
 
-    def _beyond(self, stretch: Stretch, early: _Return | None) -> tuple[Mark, Sample | None]:
+    def _beyond(self, arc: Arc, early: _Return | None) -> tuple[Mark, Sample | None]:
         """Where a jump branch goes on when one of its orbits meets another border."""
-        end, margin = stretch.samples[-1], stretch.margins[0]
-        meeting = stretch.meeting or stretch.end
+        end, margin = arc.samples[-1], arc.margins[0]
+        meeting = arc.meeting or arc.end
         assert end.jump is not None
         border = border_at(self.map, meeting, margin, self.settings)
         kind = border.kind(self.settings)
@@ -304,7 +304,7 @@ class Jumps:
         there = None
         if early is not None:
             return mark, self._round_cycle(end, early)
-        if stretch.stop is Stop.TAIL:
+        if arc.stop is Stop.TAIL:
             there = self._next(end)
         elif margin.index < end.jump.closing.index and kind is not BorderKind.JUMP:
             there = self._restarted(end, border, margin.index)

@@ -12,7 +12,7 @@ import numpy as np
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.piecewise.bracketing import bracketed
 from woodpecker.piecewise.margins import is_within
-from woodpecker.piecewise.partition import Partition, Stretch
+from woodpecker.piecewise.partition import Cylinder, Partition
 from woodpecker.piecewise.pieces import Image
 from woodpecker.piecewise.reaches import Knot
 from woodpecker.piecewise.settings import Numerics, Settings
@@ -139,7 +139,7 @@ def _root(s: Floats, y0: Floats, y1: Floats, rate1: Floats) -> Floats:
 def branches_of(partition: Partition, settings: Settings) -> Branches:
     """The branches of a partition, from turning point to turning point."""
     refined = _Refined(partition.p, settings)
-    parts = [part for each in partition.stretches for part in refined.parts(each)]
+    parts = [part for each in partition.cylinders for part in refined.parts(each)]
     return _joined(parts, settings.numerics)
 
 
@@ -149,11 +149,11 @@ class _Refined:
     def __init__(self, p: float, settings: Settings) -> None:
         self.p, self._turned = p, settings.same * settings.x_scale
 
-    def parts(self, stretch: Stretch) -> Iterator[list[Knot]]:
+    def parts(self, cylinder: Cylinder) -> Iterator[list[Knot]]:
         """Samples of the parts of a piece between its turning points, values ascending."""
-        if len(stretch.x) < 2:
+        if len(cylinder.x) < 2:
             return
-        ends = [Knot(*each) for each in zip(stretch.x, stretch.images, strict=True)]
+        ends = [Knot(*each) for each in zip(cylinder.x, cylinder.images, strict=True)]
         samples = [ends[0]]
         for a, b in pairwise(ends):
             samples += [*self._between(a, b), b]

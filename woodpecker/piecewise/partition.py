@@ -19,7 +19,7 @@ from woodpecker.piecewise.settings import Settings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretch:
+class Cylinder:
     """A piece of the map between two points.
 
     Attributes
@@ -53,7 +53,7 @@ class Partition:
     ----------
     p, window
         The parameter, and the interval of x.
-    stretches
+    cylinders
         In ascending order. Where one begins before the one before it ends, two words differ by
         rounding only.
     gaps
@@ -62,7 +62,7 @@ class Partition:
 
     p: float
     window: tuple[float, float]
-    stretches: tuple[Stretch, ...]
+    cylinders: tuple[Cylinder, ...]
     gaps: tuple[tuple[float, float], ...]
 
     @property
@@ -71,8 +71,8 @@ class Partition:
         return sum(high - low for low, high in self.gaps)
 
     def borders(self) -> Iterator[Border]:
-        """Borders between stretches that touch each other."""
-        for left, right in zip(self.stretches[:-1], self.stretches[1:], strict=True):
+        """Borders between cylinders that touch each other."""
+        for left, right in zip(self.cylinders[:-1], self.cylinders[1:], strict=True):
             if right.low <= left.high and left.codes[1] >= 0:
                 yield Border(
                     left.high, self.p, left.images[-1], left.codes[1], 1, right.images[0],
@@ -117,8 +117,8 @@ def partition(
     todo = [_Gap(*window, 0)]
     while todo:
         todo += reversed(walk.cross(todo.pop()))
-    stretches = sorted(walk.stretches, key=lambda stretch: stretch.low)
-    return Partition(p, window, tuple(stretches), _merged(sorted(walk.gaps)))
+    cylinders = sorted(walk.cylinders, key=lambda cylinder: cylinder.low)
+    return Partition(p, window, tuple(cylinders), _merged(sorted(walk.gaps)))
 
 
 def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
@@ -167,11 +167,11 @@ NOWHERE = 2  # the side where the map has no value
 
 
 class _Walk:
-    """Stretches and gaps as they are found."""
+    """Cylinders and gaps as they are found."""
 
     def __init__(self, map_: PiecewiseMap, p: float, settings: Settings, side: Side) -> None:
         self.map, self.p, self.settings, self._side_of = map_, p, settings, side
-        self.stretches: list[Stretch] = []
+        self.cylinders: list[Cylinder] = []
         self.gaps: list[tuple[float, float]] = []
         self._even = settings.even * settings.x_scale
         self._thin = settings.thinnest
@@ -186,7 +186,7 @@ class _Walk:
             if not self._holds(found):
                 return self._passed(_Gap(at, high, side))
             way = self._reach(found, at, 1, high)
-            self.stretches.append(Stretch(way.x, way.images, (code, way.code)))
+            self.cylinders.append(Cylinder(way.x, way.images, (code, way.code)))
             if way.end >= high:
                 return []
             side = self._common([*self._sides(way), *([side] if side else [])])
@@ -260,7 +260,7 @@ class _Walk:
         ahead = self._reach(found, middle, 1, gap.high)
         x = (*back.x[::-1], *ahead.x[1:])
         images = (*back.images[::-1], *ahead.images[1:])
-        self.stretches.append(Stretch(x, images, (back.code, ahead.code)))
+        self.cylinders.append(Cylinder(x, images, (back.code, ahead.code)))
         below, above = self._common(self._sides(back)), self._common(self._sides(ahead))
         inner = _Gap(gap.low, back.end, gap.side, gap.after, below)
         rest = _Gap(ahead.end, gap.high, above, ahead.code >= 0, gap.above)

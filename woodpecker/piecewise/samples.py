@@ -1,6 +1,6 @@
-"""Samples of branches, and the stretches that they make up.
+"""Samples of branches, and the arcs that they make up.
 
-A *stretch* is a part of a branch along which no piece changes. It ends where a condition holds: a
+An *arc* is a part of a branch along which no piece changes. It ends where a condition holds: a
 margin vanishes, an orbit leaves the window, the branch turns round.
 """
 
@@ -19,7 +19,7 @@ from woodpecker.piecewise.orbits import Margin, Orbit
 
 
 class Stop(Enum):
-    """Why a stretch ends."""
+    """Why an arc ends."""
 
     BORDER = "a margin vanishes"
     FOLD = "the branch turns round"
@@ -94,7 +94,7 @@ class Sample:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretch:
+class Arc:
     """Orbits of a branch whose pieces do not change.
 
     Attributes
@@ -109,7 +109,7 @@ class Stretch:
         Of a jump: which of its limits meets the diagonal or a border there, and the orbit up to
         that place.
     step
-        The last step: the next stretch may begin with it.
+        The last step: the next arc may begin with it.
     beyond
         Where the branch goes on if it turns round too sharply for steps.
     """

@@ -25,8 +25,8 @@ from woodpecker.piecewise.orbits import (
     solve,
 )
 from woodpecker.piecewise.partition import (
+    Cylinder,
     Partition,
-    Stretch,
     beside_diagonal,
     beside_window,
     partition,
@@ -161,8 +161,8 @@ def _within(orbit: Orbit, settings: Settings) -> bool:
 
 
 def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
-    for stretch in pieces.stretches:
-        for (a, one), (b, other) in _parts(stretch, pieces.p, settings.numerics):
+    for cylinder in pieces.cylinders:
+        for (a, one), (b, other) in _parts(cylinder, pieces.p, settings.numerics):
             if (one.value - a) * (other.value - b) > 0.0:
                 continue
             root = bracketed({a: one, b: other}, a, b, pieces.p, _gap, settings.numerics)
@@ -179,9 +179,9 @@ class _Point(NamedTuple):
     image: Image
 
 
-def _parts(stretch: Stretch, p: float, numerics: Numerics) -> Iterator[tuple[_Point, _Point]]:
+def _parts(cylinder: Cylinder, p: float, numerics: Numerics) -> Iterator[tuple[_Point, _Point]]:
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
-    points = [_Point(x, image) for x, image in zip(stretch.x, stretch.images, strict=True)]
+    points = [_Point(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
     for pair in pairwise(points):
         todo = [pair]
         while todo:

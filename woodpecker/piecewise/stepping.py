@@ -1,6 +1,6 @@
 """Branches of orbits with fixed pieces: predictor, corrector, step control, and one locator.
 
-A *stretch* is a part of a branch along which no piece changes. It ends where a condition holds: a
+An *arc* is a part of a branch along which no piece changes. It ends where a condition holds: a
 margin vanishes, an orbit leaves the window, the branch turns round. Each such end is an orbit that
 obeys that condition, found by Newton's method, not the last of some halvings.
 """
@@ -17,7 +17,7 @@ from woodpecker.piecewise.hairpins import round_hairpin
 from woodpecker.piecewise.limit_stops import at_diagonal, at_tails, still_crosses
 from woodpecker.piecewise.orbits import Condition
 from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.samples import Sample, Stop, StopRule, Stretch, angle
+from woodpecker.piecewise.samples import Arc, Sample, Stop, StopRule, angle
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stops import (
     FOLD,
@@ -49,7 +49,7 @@ class Stepper:
     settings
         Steps and tolerances.
     tests
-        Functions whose changes of sign end a stretch.
+        Functions whose changes of sign end an arc.
     order
         Of the jumps; 0 for cycles.
     stop
@@ -66,13 +66,13 @@ class Stepper:
     def follow(
         self, start: Sample, ignored: Stop | None = None, origin: Sample | None = None,
         first: float = math.inf,
-    ) -> Stretch:  # fmt: skip
+    ) -> Arc:  # fmt: skip
         """Follow a branch from a sample to its end.
 
         Parameters
         ----------
         start
-            A sample; it may lie on the end of another stretch.
+            A sample; it may lie on the end of another arc.
         ignored
             What ended that one: it is not looked for in the first step.
         origin
@@ -83,12 +83,12 @@ class Stepper:
         corrector = self.corrector
         stop = leaves(corrector, start) or (Stop.ASKED if is_asked(self.stop, start) else None)
         if stop is not None:
-            return Stretch((start,), stop)
+            return Arc((start,), stop)
         samples, step, grows = [start], min(first, self.settings.step), True
         retry = self.settings.numerics.retry
         while len(samples) < self.settings.max_samples:
             if step < self.settings.min_step:
-                short = Stretch(tuple(samples), Stop.SHORT)
+                short = Arc(tuple(samples), Stop.SHORT)
                 return self._round_hairpin(samples, step) or short
             last = samples[-1]
             before = samples[-2] if len(samples) > 1 else None
@@ -106,13 +106,13 @@ class Stepper:
                 turn = self._round_hairpin(samples, step) if ending.stop in TURNS else None
                 if turn is not None:
                     return turn
-                return Stretch(
+                return Arc(
                     (*samples, ending.sample), ending.stop, ending.margins, ending.inner,
                     ending.meeting, step,
                 )  # fmt: skip
             if not corrector.agrees(found.orbit):
                 if retry * step < self.settings.min_step:
-                    return Stretch(tuple(samples), Stop.OTHER_PIECE)
+                    return Arc(tuple(samples), Stop.OTHER_PIECE)
                 step, grows = retry * step, False
                 continue
             samples.append(found)
@@ -120,10 +120,10 @@ class Stepper:
             growth, wanted = 2.0 if grows else 1.0, self.settings.numerics.kept_turn
             growth = wanted / turned if growth * turned > wanted else growth
             step, grows = min(self.settings.max_step, step * growth), True
-        return Stretch(tuple(samples), Stop.MANY)
+        return Arc(tuple(samples), Stop.MANY)
 
-    def _round_hairpin(self, samples: list[Sample], step: float) -> Stretch | None:
-        """A stretch that ends in a fold too sharp to be followed round; None if there is none.
+    def _round_hairpin(self, samples: list[Sample], step: float) -> Arc | None:
+        """An arc that ends in a fold too sharp to be followed round; None if there is none.
 
         Steps are as short there as the shortest, and flip and fold are one point.
         """
@@ -133,7 +133,7 @@ class Stepper:
         if turn is None:
             return None
         fold, beyond = turn
-        return Stretch((*samples, fold), Stop.FOLD, step=self.settings.min_step, beyond=beyond)
+        return Arc((*samples, fold), Stop.FOLD, step=self.settings.min_step, beyond=beyond)
 
     def _ending(
         self, a: Sample, b: Sample, step: float, skipped: Stop | None, start: Sample | None

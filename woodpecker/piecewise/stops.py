@@ -1,4 +1,4 @@
-"""Where a stretch may end between two samples: ends of span and window, and test functions."""
+"""Where an arc may end between two samples: ends of span and window, and test functions."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Ending:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Test:
-    """A function of samples whose change of sign ends a stretch."""
+    """A function of samples whose change of sign ends an arc."""
 
     stop: Stop
     value: Callable[[Sample], float]
@@ -53,7 +53,7 @@ def ending_at(
     corrector: Corrector, a: Sample, step: float, stop: Stop, orbit: Orbit,
     margins: tuple[Margin, ...] = (),
 ) -> Ending | None:  # fmt: skip
-    """An orbit as the end of a stretch; None if it does not lie within a step."""
+    """An orbit as the end of an arc; None if it does not lie within a step."""
     scale, slack = scales(len(orbit), corrector.settings), corrector.settings.numerics.slack
     distance = float(a.tangent @ ((orbit.point - a.orbit.point) / scale))
     if not -corrector.settings.same <= distance <= step * (1.0 + slack) + corrector.settings.same:

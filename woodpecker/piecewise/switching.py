@@ -88,8 +88,8 @@ def _begin(map_: PiecewiseMap, start: Sample, ignored: Stop, settings: Settings)
     step = settings.step
     stepper = Stepper(map_, Closed(), replace(settings, max_samples=2), [FLIP])
     while step >= settings.beside:
-        stretch = stepper.follow(start, ignored, first=step)
-        if len(stretch.samples) == 2 and stretch.stop is Stop.MANY:
-            return start, stretch.samples[1]
+        arc = stepper.follow(start, ignored, first=step)
+        if len(arc.samples) == 2 and arc.stop is Stop.MANY:
+            return start, arc.samples[1]
         step *= settings.numerics.retry
     return None

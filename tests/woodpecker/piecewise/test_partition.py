@@ -239,7 +239,7 @@ def test_infinitely_many_pieces_are_reported(finest: float) -> None:
     """All above the cut-off are found; what is left is about as long as it."""
     settings = Settings(window=(-0.5, 0.9), finest=finest)
     found = partition(Sevenths(), 0.0, settings.window, settings)
-    words = {stretch.images[0].piece.word for stretch in found.stretches}
+    words = {cylinder.images[0].piece.word for cylinder in found.cylinders}
     length, n = finest * settings.x_scale, 0
     while 7.0**-n - 7.0 ** -(n + 1) > length:
         assert str(n) in words
@@ -252,11 +252,11 @@ def test_infinitely_many_pieces_are_reported(finest: float) -> None:
     assert not shown.cycles
 
 
-def test_stretches_cover_the_window() -> None:
+def test_cylinders_cover_the_window() -> None:
     found = partition(steps(), 0.25, (-1.5, 2.5), WIDE)
-    assert [s.images[0].piece.word for s in found.stretches] == ["-2", "-1", "0", "1", "2"]
-    assert (found.stretches[0].low, found.stretches[-1].high) == (-1.5, 2.5)
-    for left, right in itertools.pairwise(found.stretches):
+    assert [s.images[0].piece.word for s in found.cylinders] == ["-2", "-1", "0", "1", "2"]
+    assert (found.cylinders[0].low, found.cylinders[-1].high) == (-1.5, 2.5)
+    for left, right in itertools.pairwise(found.cylinders):
         assert left.high == right.low
     assert found.gaps == ()
 

@@ -122,7 +122,7 @@ def test_what_leads_elsewhere_is_skimmed() -> None:
     found = partition(near, 0.15, WINDOW, SETTINGS, beside_diagonal(SETTINGS))
     every = partition(all_, 0.15, WINDOW, SETTINGS)
     assert near.calls < all_.calls < 1200  # 767 and 917 where this was measured; once 2000
-    assert len(found.stretches) < len(every.stretches)
+    assert len(found.cylinders) < len(every.cylinders)
     assert 0.0 < every.unresolved < found.unresolved < 0.06
     for low, high in itertools.pairwise(found.gaps):
         assert low[1] < high[0]  # those that touch are one

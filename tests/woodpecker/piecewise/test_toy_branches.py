@@ -107,7 +107,7 @@ def test_pieces_beside_the_jump() -> None:
     """Two pieces at eps_N1 = 0.02 next to phi_S = -0.8848, and one jump at the published place."""
     x = -0.8847733440
     found = partition(ToyPieces(Toy()), 0.02, (x - 2e-4, x + 2e-4), SETTINGS)
-    assert len(found.stretches) == 2
+    assert len(found.cylinders) == 2
     assert found.unresolved == 0.0
     (border,) = found.borders()
     assert border.x == pytest.approx(x, abs=1e-10)
