@@ -10,7 +10,6 @@ from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
 from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.formulas import FormulaMap
 from woodpecker.piecewise.network import Network
@@ -41,7 +40,9 @@ def branch_near(
     map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings
 ) -> list[Curve]:
     """The branch through that cycle, with those that continue it."""
-    return Cycles(map_, settings).through(cycle_near(map_, x, p, settings))
+    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (len(x),))
+    explorer.branch(cycle_near(map_, x, p, settings))
+    return explorer.network.curves
 
 
 def ends_of(curves: Iterable[Curve], kind: PointKind, note: str = "") -> list[End]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -14,9 +13,8 @@ from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.jumps import Jump
-from woodpecker.piecewise.orbits import Orbit, scales
+from woodpecker.piecewise.orbits import Condition, Orbit
 from woodpecker.piecewise.samples import Sample, Stop
-from woodpecker.piecewise.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +86,35 @@ class Curve:
     ends: tuple[End, End]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Beginning:
+    """Where a branch begins, or goes on: at a special point.
+
+    Attributes
+    ----------
+    kind, order
+        Cycles of P_order, or jumps of it.
+    samples
+        Its first samples: that at the special point, and as a rule one beyond it.
+    closing
+        The condition that its orbits obey.
+    end
+        The special point.
+    passed
+        What ended the branch that led there: it is not looked for in the first step.
+    step
+        The first step at most.
+    """
+
+    kind: BranchKind
+    order: int
+    samples: tuple[Sample, ...]
+    closing: Condition
+    end: End
+    passed: Stop | None = None
+    step: float = math.inf
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
     """A branch from a sample on, one way, to a special point.
@@ -98,77 +125,44 @@ class Leg:
         Samples, the special point included, and changes of word.
     end
         The special point.
-    following
-        The first samples of the branch that continues it; empty if none does.
     stop
         What ended it.
-    step
-        The last step: the next leg begins with it.
+    onward
+        Where it goes on; None if it does not.
     """
 
     samples: tuple[Sample, ...]
     marks: tuple[Mark, ...]
     end: End
-    following: tuple[Sample, ...]
     stop: Stop
-    step: float = math.inf
+    onward: Beginning | None = None
 
 
-def follow_legs(
-    follow: Callable[[tuple[Sample, ...], Sample, Stop | None, float], Leg],
-    first: tuple[Sample, ...], origin: Sample, ignored: Stop | None, settings: Settings,
-) -> list[Leg]:  # fmt: skip
-    """Legs one after the other, each from the end of the one before, until none continues it.
+@dataclass(frozen=True, slots=True, eq=False)
+class Followed:
+    """A branch, and where it goes on beyond its ends."""
 
-    A branch can come to run round without passing its origin: it is followed once round.
-    """
-    found = [follow(first, origin, ignored, math.inf)]
-    while found[-1].following:
-        last = found[-1]
-        if any(_repeats(last, other, settings) for other in found[:-1]):
-            found[-1] = replace(last, following=())
-            break
-        found.append(follow(last.following, origin, last.stop, last.step))
-    return found
+    curve: Curve
+    onward: tuple[Beginning, ...]
 
 
-def _repeats(leg: Leg, other: Leg, settings: Settings) -> bool:
-    """Whether a leg ends where another one did, and goes on like it."""
-    one, two = leg.following[-1], other.following[-1]
-    scale = scales(len(one.orbit), settings)
-    return (
-        leg.stop is other.stop
-        and one.orbit.keys == two.orbit.keys
-        and float(np.abs((one.orbit.point - two.orbit.point) / scale).max()) <= settings.same
-        and float(one.tangent @ two.tangent) > 0.0
-    )
+def both_ways(
+    start: Sample, follow: Callable[[Sample], Leg], kind: BranchKind, order: int
+) -> Followed:
+    """The branch through a sample, from one special point to the other, or all round."""
+    ahead = follow(start)
+    if ahead.stop is Stop.CLOSED:
+        return Followed(_curve(ahead.samples, ahead.marks, (ahead.end,) * 2, kind, order), ())
+    behind = follow(turned(start))
+    curve = _joined(_reversed(behind), ahead, (behind.end, ahead.end), kind, order)
+    return Followed(curve, tuple(leg.onward for leg in (ahead, behind) if leg.onward is not None))
 
 
-def curves_of(ahead: list[Leg], behind: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
-    """Curves from the legs both ways from one sample, or all round."""
-    if not behind and len(ahead) == 1:
-        end = ahead[0].end
-        return [_curve(ahead[0].samples, ahead[0].marks, (end, end), kind, order)]
-    if not behind:
-        last, ahead = ahead[-1], ahead[:-1]
-        first = [_joined(last, ahead[0], (ahead[-1].end, ahead[0].end), kind, order)]
-        return first + _rest(ahead, kind, order)
-    back = _reversed(behind[0])
-    middle = _joined(back, ahead[0], (behind[0].end, ahead[0].end), kind, order)
-    return [middle, *_rest(ahead, kind, order), *_rest(behind, kind, order)]
-
-
-def curves_from(end: End, legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
-    """Curves from the legs that start at a special point."""
-    first = _curve(legs[0].samples, legs[0].marks, (end, legs[0].end), kind, order)
-    return [first, *_rest(legs, kind, order)]
-
-
-def _rest(legs: list[Leg], kind: BranchKind, order: int) -> list[Curve]:
-    return [
-        _curve(leg.samples, leg.marks, (before.end, leg.end), kind, order)
-        for before, leg in pairwise(legs)
-    ]
+def one_way(begin: Beginning, leg: Leg) -> Followed:
+    """The branch from one special point to the next."""
+    ends = begin.end, leg.end
+    curve = _curve(leg.samples, leg.marks, ends, begin.kind, begin.order)
+    return Followed(curve, () if leg.onward is None else (leg.onward,))
 
 
 def _reversed(leg: Leg) -> Leg:

@@ -16,13 +16,12 @@ from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import conditions, directions
 from woodpecker.piecewise.crossings import Restart, border_at, is_inside, replaced, restart
 from woodpecker.piecewise.curves import (
-    Curve,
+    Beginning,
+    Followed,
     Leg,
     Mark,
-    curves_from,
-    curves_of,
-    follow_legs,
-    turned,
+    both_ways,
+    one_way,
 )
 from woodpecker.piecewise.ends import End, end_at, end_of, folded, given_up_or_left, located_to
 from woodpecker.piecewise.jump_branches import collision
@@ -65,28 +64,21 @@ class Cycles:
         self.stepper = Stepper(map_, Closed(), settings, [FLIP], stop=stop)
         self.corrector = self.stepper.corrector
 
-    def through(self, orbit: Orbit) -> list[Curve]:
-        """The branch through a cycle, both ways, with those that continue it."""
+    def through(self, orbit: Orbit) -> Followed:
+        """The branch through a cycle, both ways to the next special points."""
         start = self.corrector.sample(orbit, np.eye(len(orbit) + 1)[-1])
-        ahead = self.legs((start,), start)
-        closes = ahead[-1].stop is Stop.CLOSED
-        behind = [] if closes else self.legs((turned(start),), start)
-        return curves_of(ahead, behind, BranchKind.FIXED_POINT, len(orbit))
+        kind = BranchKind.FIXED_POINT
+        return both_ways(start, lambda sample: self._leg((sample,), start), kind, len(orbit))
 
-    def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
-        """The branch from a special point on, with those that continue it."""
-        legs = self.legs(start, start[-1], Stop.BORDER)
-        return curves_from(end, legs, BranchKind.FIXED_POINT, len(start[0].orbit))
-
-    def legs(
-        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None = None
-    ) -> list[Leg]:
-        """Follow a branch one way, across special points that it passes."""
-        return follow_legs(self._leg, first, origin, ignored, self.settings)
+    def ahead(self, begin: Beginning) -> Followed:
+        """The branch from a special point on, to the next."""
+        samples = begin.samples
+        return one_way(begin, self._leg(samples, samples[-1], begin.passed, begin.step))
 
     def _leg(
-        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None, step: float
-    ) -> Leg:
+        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None = None,
+        step: float = math.inf,
+    ) -> Leg:  # fmt: skip
         samples, marks = list(first), list[Mark]()
         while True:
             arc = self.stepper.follow(samples[-1], ignored, origin, step)
@@ -105,7 +97,7 @@ class Cycles:
                 here, on = self._end(arc), (samples[-1],) if passes else ()
                 if passes and arc.beyond is not None:
                     on = (*on, arc.beyond)
-                return Leg(tuple(samples), tuple(marks), here, on, arc.stop, arc.step)
+                return _ended(samples, marks, here, arc.stop, on, arc.step)
             mark, end, there = self._meet(arc)
             if end is not None and end.status is PointStatus.OPEN:
                 there = self._passed_over(arc)
@@ -121,7 +113,7 @@ class Cycles:
                 begin = self._across(arc) if end.kind is PointKind.BC else samples[-1]
                 following = () if there is None else (begin, there.sample)
                 step = step if there is None else min(step, there.step)
-                return Leg(tuple(samples), tuple(marks), end, following, arc.stop, step)
+                return _ended(samples, marks, end, arc.stop, following, step)
             assert there is not None
             marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there.sample)
@@ -291,6 +283,20 @@ class Cycles:
             at = located_to(arc.end, conditions(self.settings), self.settings)
             return replace(end, precision=at)
         return end
+
+
+def _ended(
+    samples: list[Sample], marks: list[Mark], end: End, stop: Stop, following: tuple[Sample, ...],
+    step: float,
+) -> Leg:  # fmt: skip
+    """A leg that goes on with some samples beyond its end, if there are any."""
+    onward = None
+    if following:
+        onward = Beginning(
+            kind=BranchKind.FIXED_POINT, order=len(following[0].orbit), samples=following,
+            closing=Closed(), end=end, passed=stop, step=step,
+        )  # fmt: skip
+    return Leg(tuple(samples), tuple(marks), end, stop, onward)
 
 
 def _at_nearest(arc: Arc, settings: Settings) -> Arc:

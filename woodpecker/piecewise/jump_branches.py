@@ -19,12 +19,12 @@ from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.crossings import border_at, is_inside, restart
 from woodpecker.piecewise.curves import (
-    Curve,
+    Beginning,
+    Followed,
     Leg,
     Mark,
-    curves_from,
-    curves_of,
-    follow_legs,
+    both_ways,
+    one_way,
     turned,
 )
 from woodpecker.piecewise.ends import (
@@ -81,12 +81,11 @@ class Jumps:
     ) -> None:
         self.map, self.order, self.settings, self.stop = map_, order, settings, stop
 
-    def through(self, head: Orbit, closing: Margin) -> list[Curve]:
-        """The branch of jumps through a border orbit, both ways, with those that continue it."""
+    def through(self, head: Orbit, closing: Margin) -> Followed:
+        """The branch of jumps through a border orbit, both ways to the next special points."""
         start = self._sample(head, closing)
-        ahead = self.legs((start,), start)
-        behind = [] if ahead[-1].stop is Stop.CLOSED else self.legs((turned(start),), start)
-        return curves_of(ahead, behind, BranchKind.JUMP, self.order)
+        kind = BranchKind.JUMP
+        return both_ways(start, lambda sample: self._leg((sample,), start), kind, self.order)
 
     def starts(self, met: Collision, shift: int) -> list[tuple[Sample, Sample]]:
         """Branches that start where a cycle meets a jump, seen from one of its points.
@@ -112,17 +111,15 @@ class Jumps:
                 found.append((start if sign > 0.0 else turned(start), there))
         return found
 
-    def ahead(self, start: tuple[Sample, ...], end: End) -> list[Curve]:
-        """The branch from a special point on, with those that continue it."""
-        return curves_from(end, self.legs(start, start[-1]), BranchKind.JUMP, self.order)
-
-    def legs(self, first: tuple[Sample, ...], origin: Sample) -> list[Leg]:
-        """Follow a branch one way, across folds."""
-        return follow_legs(self._leg, first, origin, None, self.settings)
+    def ahead(self, begin: Beginning) -> Followed:
+        """The branch from a special point on, to the next."""
+        samples = begin.samples
+        return one_way(begin, self._leg(samples, samples[-1], begin.passed, begin.step))
 
     def _leg(
-        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None, step: float
-    ) -> Leg:
+        self, first: tuple[Sample, ...], origin: Sample, ignored: Stop | None = None,
+        step: float = math.inf,
+    ) -> Leg:  # fmt: skip
         samples, marks = list(first), list[Mark]()
         while True:
             last = samples[-1]
@@ -137,19 +134,23 @@ class Jumps:
                     samples.append(there)
                     continue
             if arc.stop not in (Stop.BORDER, Stop.TAIL):
-                following = (samples[-1],) if arc.stop is Stop.FOLD else ()
-                end = self._end(arc)
-                return Leg(tuple(samples), tuple(marks), end, following, arc.stop, arc.step)
+                end, onward = self._end(arc), None
+                if arc.stop is Stop.FOLD:
+                    onward = Beginning(
+                        kind=BranchKind.JUMP, order=self.order, samples=(samples[-1],),
+                        closing=self._closing_of(arc), end=end, passed=arc.stop, step=arc.step,
+                    )  # fmt: skip
+                return Leg(tuple(samples), tuple(marks), end, arc.stop, onward)
             early = self._closed_early(arc)
             if early is not None and self._passes(early, arc.end):
                 met = self._collision(early)
-                return Leg(tuple(samples), tuple(marks), end_of(met, arc.end), (), arc.stop)
+                return Leg(tuple(samples), tuple(marks), end_of(met, arc.end), arc.stop)
             mark, there = self._beyond(arc, early)
             if there is None:
                 end = self._lost(arc) or end_at(
                     PointKind.EP, arc.end, "the jump ends", mark.cause, PointStatus.OPEN
                 )
-                return Leg(tuple(samples), tuple(marks), end, (), arc.stop)
+                return Leg(tuple(samples), tuple(marks), end, arc.stop)
             marks.append(replace(mark, sample=len(samples) - 1))
             samples.append(there)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -82,15 +83,33 @@ class Network:
             names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
         return names
 
-    def add(self, curve: Curve) -> None:
-        """Keep a branch, as many as its cycle has points, unless it was kept or is a point.
+    def has(self, curve: Curve, points: Sequence[Curve] = ()) -> bool:
+        """Whether a branch was kept before, or is one of some that are points.
 
         One whose cycles go round others of smaller period is that of those.
         """
-        if self._is_a_point(curve) or self._goes_round(curve):
-            return
-        if any(self._draws(known, curve) for known in self.curves):
-            return
+        return (
+            self._goes_round(curve)
+            or any(self._draws(known, curve) for known in self.curves)
+            or any(self._joins_the_same(known, curve) for known in points)
+        )
+
+    def is_a_point(self, curve: Curve) -> bool:
+        """Whether a branch is so short that its ends are one special point."""
+        if any(end.collision is not None for end in curve.ends):
+            return False
+        if curve.kind is BranchKind.JUMP:  # the orbits up to the border may differ in length
+            points = np.array([points[:1] for points in curve.points])
+        else:
+            points = np.array(curve.points)
+        same = self.settings.same
+        return bool(
+            np.ptp(curve.parameter) <= same * self.settings.p_scale
+            and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
+        )
+
+    def add(self, curve: Curve) -> None:
+        """Keep a branch, as many as its cycle has points."""
         self.curves.append(curve)
         for end in curve.ends:
             if end.collision is not None and not self._is_known(end.collision):
@@ -129,18 +148,15 @@ class Network:
             for node in ends:
                 node.branches.append(name)
 
-    def _is_a_point(self, curve: Curve) -> bool:
-        """Whether a branch is so short that its ends are one special point."""
-        if any(end.collision is not None for end in curve.ends):
-            return False
-        if curve.kind is BranchKind.JUMP:  # the orbits up to the border may differ in length
-            points = np.array([points[:1] for points in curve.points])
-        else:
-            points = np.array(curve.points)
-        same = self.settings.same
-        return bool(
-            np.ptp(curve.parameter) <= same * self.settings.p_scale
-            and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
+    def _joins_the_same(self, known: Curve, curve: Curve) -> bool:
+        """Whether two branches that are points lead from the same special point to the same."""
+        near = self.settings.nearest * self.settings.x_scale, self.settings.nearest
+        return all(
+            one.kind is other.kind
+            and len(one.x) == len(other.x)
+            and abs(one.p - other.p) <= near[1] * self.settings.p_scale
+            and float(np.abs(one.x - other.x).max()) <= near[0]
+            for one, other in zip(known.ends, curve.ends, strict=True)
         )
 
     def _goes_round(self, curve: Curve) -> bool:
@@ -155,19 +171,28 @@ class Network:
         )
 
     def _draws(self, known: Curve, curve: Curve) -> bool:
-        """Whether a branch has the ends of another one, and the middle of that lies on it too."""
+        """Whether a branch has the ends of another one, and the middle of that lies on it too.
+
+        A cycle may be followed from another of its points.
+        """
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False
-        units = np.array([self.settings.p_scale, self.settings.x_scale])
-        ends = [_place(curve, k) / units for k in (0, -1)]
-        there = [_place(known, k) / units for k in (0, -1)]
         drawn = self.settings.numerics.drawn
-        if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > drawn:
-            there.reverse()
-            if max(np.abs(a - b).max() for a, b in zip(ends, there, strict=True)) > drawn:
-                return False
+        p, q = (sorted(each.parameter[[0, -1]].tolist()) for each in (known, curve))
+        if max(abs(a - b) for a, b in zip(p, q, strict=True)) > drawn * self.settings.p_scale:
+            return False
+        shifts = known.order if known.kind is BranchKind.FIXED_POINT else 1
+        return any(self._draws_from(known, shift, curve) for shift in range(shifts))
+
+    def _draws_from(self, known: Curve, shift: int, curve: Curve) -> bool:
+        """The same if a cycle of the known branch is seen from one of its points."""
+        units = np.array([self.settings.p_scale, self.settings.x_scale])
+        samples = np.column_stack([known.parameter, [x[shift] for x in known.points]]) / units
+        ends, there = np.array([_place(curve, k) / units for k in (0, -1)]), samples[[0, -1]]
+        drawn = self.settings.numerics.drawn
+        if min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max()) > drawn:
+            return False
         k = len(curve.parameter) // 2
-        samples = np.array([_place(known, j) for j in range(len(known.parameter))]) / units
         middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
         run = np.diff(samples, axis=0)
         length = np.linalg.norm(run, axis=1)

@@ -290,8 +290,7 @@ def solve(
         if not trial.defined:
             return Solution(orbit, False, k)
         orbit = trial
-        ahead = (length / before) ** 2 if contracts and before > 0.0 else 1.0
-        if length <= settings.converged or length**2 * ahead <= settings.converged * before:
+        if length <= settings.converged or length**2 <= settings.converged * before:
             return Solution(orbit, True, k + 1)
         before = length
     return Solution(orbit, before <= numerics.noise * settings.converged, settings.newton)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, Protocol
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Pending, Scheduler
-from woodpecker.piecewise.curves import Curve, keys_of
+from woodpecker.piecewise.curves import Beginning, Curve, keys_of
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.known import Known
@@ -29,7 +29,7 @@ from woodpecker.piecewise.orbits import Closed, Condition, Orbit
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import Slice
-from woodpecker.piecewise.tasks import Start, Tasks
+from woodpecker.piecewise.tasks import Tasks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,11 +156,11 @@ def _of_jump(jump: Jump) -> _Place:
     return _Place(BranchKind.JUMP, jump.order, jump.head, jump.closing, keys, Tasks.jump, jump)
 
 
-def _of_start(start: Start) -> _Place:
-    last = start.samples[-1]
+def _of_beginning(begin: Beginning) -> _Place:
+    last = begin.samples[-1]
     return _Place(
-        start.kind, start.order, last.orbit, start.closing, keys_of(last.orbit, last.jump),
-        Tasks.ahead, start,
+        begin.kind, begin.order, last.orbit, begin.closing, keys_of(last.orbit, last.jump),
+        Tasks.ahead, begin,
     )  # fmt: skip
 
 
@@ -198,8 +198,12 @@ class Explorer:
 
     def follow(self, orbit: Orbit) -> None:
         """Follow the branch through a cycle, and all that hangs on its ends."""
-        self._keep(self._done(self.scheduler.submit(Tasks.cycle, orbit)))
+        self.branch(orbit)
         self.finish()
+
+    def branch(self, orbit: Orbit) -> None:
+        """Follow the branch through a cycle, and those that continue it beyond its ends."""
+        self._keep(self.scheduler.submit(Tasks.cycle, orbit))
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
@@ -236,9 +240,9 @@ class Explorer:
         """Where branches start at a special point, as far as they lie in the span."""
         low, high = self.network.settings.span
         return [
-            _of_start(start)
-            for start in self._done(asked)
-            if low <= start.samples[-1].orbit.p <= high
+            _of_beginning(begin)
+            for begin in self._done(asked)
+            if low <= begin.samples[-1].orbit.p <= high
         ]
 
     def see(self, found: Sequence[Slice], evaluations: int, before: Sequence[int] = ()) -> Seen:
@@ -284,7 +288,7 @@ class Explorer:
                 pending.cancel()
                 pending = None
             if pending is not None:
-                self._keep(self._done(pending))
+                self._keep(pending)
             yield place, pending is not None
 
     def _is_explained(self, place: _Place) -> bool:
@@ -296,14 +300,28 @@ class Explorer:
         self.evaluations += done.evaluations
         return done.value
 
-    def _keep(self, found: Sequence[Curve]) -> None:
-        curves = [curve for curve in found if curve.order in self.orders]
+    def _keep(self, pending: Pending) -> None:
+        """Keep a branch and those that continue it beyond its ends, until one is known already.
+
+        One that is known is followed to its end before that is seen: right beyond a sharp fold it
+        cannot be told from the branch that led there.
+        """
+        kept, points, todo = list[Curve](), list[Curve](), deque([pending])
+        while todo:
+            found = self._done(todo.popleft())
+            curve = found.curve
+            if curve.order not in self.orders or self.network.has(curve, points):
+                continue
+            if self.network.is_a_point(curve):
+                points.append(curve)
+            else:
+                self.network.add(curve)
+                kept.append(curve)
+                end, count = curve.ends[1], len(self.network.branches)
+                self.progress(Stage(end.p, curve.order, self.slices, count))
+            todo += [self.scheduler.submit(Tasks.ahead, begin) for begin in found.onward]
         if self.recorder is not None:
-            self.recorder.followed(curves)
-        for curve in curves:
-            self.network.add(curve)
-            stage = Stage(curve.ends[1].p, curve.order, self.slices, len(self.network.branches))
-            self.progress(stage)
+            self.recorder.followed(kept)
 
 
 def complete(

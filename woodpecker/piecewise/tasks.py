@@ -9,40 +9,17 @@ from typing import Any, Protocol, runtime_checkable
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Done
 from woodpecker.piecewise.crossings import cycle_at_border
-from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.curves import Beginning, Followed
 from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.ends import Collision, End, end_of
 from woodpecker.piecewise.jump_branches import Jumps, at_corner, cycle_from
 from woodpecker.piecewise.jumps import Jump
-from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit
+from woodpecker.piecewise.orbits import Closed, Margin, Orbit
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.samples import Sample, StopRule
+from woodpecker.piecewise.samples import Sample, Stop, StopRule
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import Slice, slices_at
 from woodpecker.piecewise.switching import switched
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Start:
-    """Where a branch can be picked up.
-
-    Attributes
-    ----------
-    kind, order
-        Cycles of P_order, or jumps of it.
-    samples
-        Its first samples.
-    closing
-        The condition that its orbits obey.
-    end
-        The special point in which it starts.
-    """
-
-    kind: BranchKind
-    order: int
-    samples: tuple[Sample, ...]
-    closing: Condition
-    end: End
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,17 +67,17 @@ class Tasks:
     ) -> None:
         self.map, self.settings, self.stop = map_, settings, stop
 
-    def cycle(self, orbit: Orbit) -> list[Curve]:
+    def cycle(self, orbit: Orbit) -> Followed:
         """The branch through a cycle."""
         return Cycles(self.map, self.settings, self.stop).through(orbit)
 
-    def jump(self, jump: Jump) -> list[Curve]:
+    def jump(self, jump: Jump) -> Followed:
         """The branch of a jump."""
         return Jumps(self.map, jump.order, self.settings, self.stop).through(
             jump.head, jump.closing
         )
 
-    def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
+    def starts(self, met: Collision, orders: Sequence[int]) -> list[Beginning]:
         """Branches that start where a cycle meets a jump.
 
         Its pieces are met afresh, so that nothing depends on how a branch came there, and a run
@@ -111,8 +88,7 @@ class Tasks:
         met = met if fresh is None else replace(met, orbit=fresh)
         n, first = len(met.orbit), cycle_from(met, self.settings)
         if n in orders and first:
-            end = end_of(met, met.orbit)
-            found.append(Start(BranchKind.FIXED_POINT, n, first, Closed(), end))
+            found.append(_of_cycles(first, end_of(met, met.orbit)))
         for order in orders:
             for shift in range(n) if order >= n else ():
                 end = end_of(met, met.orbit.rotated(shift))
@@ -120,23 +96,32 @@ class Tasks:
                 for own in at_corner(met, self.settings):
                     for samples in jumps.starts(own, shift):
                         closing = Margin(len(samples[0].orbit) - 1, own.margin.code)
-                        found.append(Start(BranchKind.JUMP, order, samples, closing, end))
+                        begin = Beginning(
+                            kind=BranchKind.JUMP, order=order, samples=samples, closing=closing,
+                            end=end,
+                        )  # fmt: skip
+                        found.append(begin)
         return found
 
-    def switches(self, end: End, orders: Sequence[int]) -> list[Start]:
+    def switches(self, end: End, orders: Sequence[int]) -> list[Beginning]:
         """Branches that start at a flip or a branch point."""
-        return [
-            Start(BranchKind.FIXED_POINT, len(begin[0].orbit), begin, Closed(), end)
-            for begin in switched(self.map, end, orders, self.settings)
-        ]
+        found = switched(self.map, end, orders, self.settings)
+        return [_of_cycles(samples, end) for samples in found]
 
-    def ahead(self, start: Start) -> list[Curve]:
-        """The branch that starts at a special point."""
-        if start.kind is BranchKind.JUMP:
-            jumps = Jumps(self.map, start.order, self.settings, self.stop)
-            return jumps.ahead(start.samples, start.end)
-        return Cycles(self.map, self.settings, self.stop).ahead(start.samples, start.end)
+    def ahead(self, begin: Beginning) -> Followed:
+        """The branch that begins, or goes on, at a special point."""
+        if begin.kind is BranchKind.JUMP:
+            return Jumps(self.map, begin.order, self.settings, self.stop).ahead(begin)
+        return Cycles(self.map, self.settings, self.stop).ahead(begin)
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
         """All cycles and jumps at one parameter."""
         return slices_at(self.map, p, orders, self.settings)
+
+
+def _of_cycles(samples: tuple[Sample, ...], end: End) -> Beginning:
+    """Where a branch of cycles begins."""
+    return Beginning(
+        kind=BranchKind.FIXED_POINT, order=len(samples[0].orbit), samples=samples, closing=Closed(),
+        end=end, passed=Stop.BORDER,
+    )  # fmt: skip

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.settings import Settings
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
@@ -144,3 +147,13 @@ def assert_alike(one: Diagram, other: Diagram, within: float) -> None:
         assert (p.id, p.kind, p.branches, p.order) == (q.id, q.kind, q.branches, q.order)
         assert (p.note, p.cause, p.status) == (q.note, q.cause, q.status)
         assert (p.parameter, p.x) == pytest.approx((q.parameter, q.x), abs=within)
+
+
+def chained(cycles: Cycles, orbit: Orbit) -> list[Curve]:
+    """The branch through a cycle, and those that continue it, of a chain that is not closed."""
+    found, todo = list[Curve](), [cycles.through(orbit)]
+    while todo:
+        followed = todo.pop(0)
+        found.append(followed.curve)
+        todo += [cycles.ahead(begin) for begin in followed.onward]
+    return found

@@ -28,7 +28,7 @@ def jump_at(
     settings = settings or Settings(span=SPAN, window=(-20.0, 20.0))
     (found,) = [each for each in slices_at(map_, p, [order], settings) if each.order == order]
     jump = max((j for j in found.jumps if abs(j.x - x) < 0.05), key=lambda j: len(j.head))
-    (curve,) = Jumps(map_, order, settings).through(jump.head, jump.closing)
+    curve = Jumps(map_, order, settings).through(jump.head, jump.closing).curve
     assert curve.kind is BranchKind.JUMP
     turns = np.sign(np.diff(curve.parameter))
     assert abs(turns.sum()) == len(turns)

@@ -41,8 +41,7 @@ def network_of(map_: PiecewiseMap, *starts: Orbit) -> Network:
     """The branches through some fixed points."""
     network = Network(SETTINGS)
     for start in starts:
-        for curve in Tasks(map_, SETTINGS).cycle(start):
-            network.add(curve)
+        network.add(Tasks(map_, SETTINGS).cycle(start).curve)
     return network
 
 
@@ -81,6 +80,5 @@ def test_a_branch_that_is_added_later_counts() -> None:
     known = Known(network, BranchKind.FIXED_POINT, 1, map_)
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
     assert not known.explains(other, Closed(), other.keys)
-    for curve in Tasks(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)):
-        network.add(curve)
+    network.add(Tasks(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)
     assert known.explains(other, Closed(), other.keys)

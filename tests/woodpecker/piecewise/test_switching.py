@@ -16,6 +16,7 @@ from diagrams import (
     assert_places,
     assert_sound,
     chain,
+    chained,
     points_of,
     to_the_last_bit,
 )
@@ -214,7 +215,7 @@ def test_a_cycle_passed_twice_is_followed_once() -> None:
 def test_the_flip_of_a_cycle_passed_twice_is_a_branch_point(low: float) -> None:
     settings = Settings(span=(low, 3.5))
     start = cycle_near(logistic(), [0.6, 0.6], 2.5, settings)
-    curves = Cycles(logistic(), settings).through(start)
+    curves = chained(Cycles(logistic(), settings), start)
     points = {end.p: end for curve in curves for end in curve.ends if end.kind is PointKind.BP}
     (p,) = points
     assert p == pytest.approx(3.0, abs=LOCATED)
@@ -225,9 +226,7 @@ def test_a_branch_of_a_cycle_passed_twice_is_not_kept_as_one_of_period_two() -> 
     map_, settings, x = logistic(), Settings(span=(2.2, 2.9)), 0.6
     twice = orbit_of(map_.pieces * 2, np.array([x, x]), 2.5)
     network = Network(settings)
-    for curve in Cycles(map_, settings).through(twice):
-        network.add(curve)
-    assert network.branches == []
+    assert all(network.has(curve) for curve in chained(Cycles(map_, settings), twice))
 
 
 def test_a_doubled_cycle_knows_its_birth() -> None:
