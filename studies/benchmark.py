@@ -1,10 +1,10 @@
 """How fast and how exact is one return of the toy? The kernel against a general ODE solver.
 
-    python studies/benchmark.py [--fast] [--out DIR]
+    python -m studies.benchmark [--fast] [--out DIR]
 
 What is compared runs in turn, round after round, so that a busy machine hits all alike; wall and
 CPU time of every round are kept. The kernel carries the derivatives of the return along, with
-respect to phi_S and eps_N1; the peer (:mod:`peer_ode`) does not.
+respect to phi_S and eps_N1; the peer (:mod:`studies.peers.ode`) does not.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
-from clocks import Job, Seconds, Timing, clocked, race, ratio, summary
-from peer_kernel import PlainPython
-from peer_ode import IMAGE, PERIOD, PHI_S, first_return_ode
-from record import Results, command, environ
 
 from pwmap.diagrams.diagram import Diagram
+from studies.common.clocks import Job, Seconds, Timing, clocked, race, ratio, summary
+from studies.common.record import Results, command, environ
+from studies.peers.kernel import PlainPython
+from studies.peers.ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from woodpecker import Toy, continuation, first_return, return_map, shoot
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import COMPILED
@@ -147,7 +147,7 @@ def plain_job(plain: PlainPython) -> Job:
     """Job of one return in plain Python, the mean of ten."""
 
     def job() -> Seconds:
-        _, seconds = plain.ask("benchmark:listed_starts", 10)
+        _, seconds = plain.ask("studies.benchmark:listed_starts", 10)
         return Seconds(seconds.wall / 10, seconds.cpu / 10)
 
     return job

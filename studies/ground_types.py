@@ -1,6 +1,6 @@
 """What python-flint gains: the same exact jobs with sympy's own rationals and with those of flint.
 
-    python studies/ground_types.py [--fast] [--out DIR]
+    python -m studies.ground_types [--fast] [--out DIR]
 
 sympy chooses its rationals (its ground types) when it is imported, so that each round takes two
 processes, one for each, in turn. Every process starts with empty caches, and says what it found,
@@ -18,11 +18,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-from clocks import Seconds, Timing, ratio, summary
-from record import Results, command, environ
-from style import GREY, STABLE, canvas
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
+from studies.common.clocks import Seconds, Timing, ratio, summary
+from studies.common.record import Results, command, environ
+from studies.common.style import GREY, STABLE, canvas
 
 FLINT, PYTHON = "flint", "python"
 NAMES = {PYTHON: "rationals of sympy", FLINT: "rationals of python-flint"}
@@ -65,7 +65,8 @@ def child(fast: bool) -> Found:
 
 def asked(ground_types: str, fast: bool) -> Found:
     """All jobs in a process of their own."""
-    code = f"import json, ground_types; print(json.dumps(ground_types.child({fast})))"
+    work = f"ground_types.child({fast})"
+    code = f"import json; from studies import ground_types; print(json.dumps({work}))"
     environment = environ(SYMPY_GROUND_TYPES=ground_types, MPLBACKEND="Agg")
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True

@@ -1,6 +1,6 @@
 """The main job: what hangs together with the toy's stable motion, over the beak's restitution.
 
-    python studies/main_job.py [--fast] [--out DIR]
+    python -m studies.main_job [--fast] [--out DIR]
 
 The graph of its branches and special points, each with what happens there. A, B and C are those of
 the paper, by the places that its Figure 10 shows.
@@ -12,11 +12,11 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
-from record import Results, command
-from style import WIDTH
 
 from pwmap import Diagram
 from pwmap.plot import plot_diagram
+from studies.common.record import Results, command
+from studies.common.style import WIDTH
 from woodpecker import Toy, continuation, shoot
 
 GUESS = -0.53  # rad, the paper's value of the stable cycle at eps_N1 = 0.5

@@ -1,6 +1,6 @@
 """Beyond the paper: every fixed point and jump crossing of P_1, P_2 and P_3 in the whole window.
 
-    python studies/order_three.py [--fast] [--out DIR]
+    python -m studies.order_three [--fast] [--out DIR]
 
 The paper stopped at P_2. Fixed points of P_3 are counted in slices, between the parameters at which
 branches end, and every sample is simulated once more. The picture has one colour for each period.
@@ -12,16 +12,16 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from fig10_order_two import FULL
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from record import Results, command
-from style import GREY, RED, canvas
-from whole import Part, examined, searched
 
 from pwmap import BranchKind, Diagram
 from pwmap.plot import STABLE
+from studies.common.record import Results, command
+from studies.common.style import GREY, RED, canvas
+from studies.common.whole import Part, examined, searched
+from studies.figures.fig10_order_two import FULL
 from woodpecker import Search
 
 ORDERS = (1, 2, 3)
@@ -42,7 +42,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Returns
     -------
     dict
-        See :func:`whole.examined`.
+        See :func:`studies.common.whole.examined`.
     """
     part = FAST if fast else FULL
     found, taken = searched(part, ORDERS)

@@ -1,6 +1,6 @@
 """Every number the paper prints, beside what the model gives under both laws.
 
-    python studies/paper_numbers.py [--fast] [--out DIR]
+    python -m studies.paper_numbers [--fast] [--out DIR]
 
 All of ``ours`` is computed here, by the packages, with friction in the expansion of an impact at
 two contacts bounded by the sum of both normal impulses. That this is the paper's law is inferred
@@ -19,14 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 import sympy
-from fig07_frames import SEQUENCE, cycle, frames
-from fig08_return_map import DIPS, WINDOW, dip, ends
-from fig10_order_two import POINT_A, POINT_C, nearest, way
-from laws import LAWS, SEPARATE, SUMMED, TOYS
-from record import Results, command
-from sensitivities import unit
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
+from studies.common.laws import LAWS, SEPARATE, SUMMED, TOYS
+from studies.common.record import Results, command
+from studies.figures.fig07_frames import SEQUENCE, cycle, frames
+from studies.figures.fig08_return_map import DIPS, WINDOW, dip, ends
+from studies.figures.fig10_order_two import POINT_A, POINT_C, nearest, way
+from studies.sensitivities import unit
 from woodpecker import (
     Border,
     BorderKind,
@@ -120,7 +120,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     dict
         ``rows``: see :class:`Row`; ``agree``, ``differ``: how many of what the paper claims of the
         toy; ``skipped``: how many were left out; ``differing``: the quantities that do not agree;
-        ``way``: from A to C along branches of P_2, see :class:`fig10_order_two.Course`.
+        ``way``: from A to C along branches of P_2, see
+        :class:`studies.figures.fig10_order_two.Course`.
     """
     toy = Toy()
     diagrams = {} if fast else {law: between_a_and_b(law) for law in LAWS}

@@ -1,6 +1,6 @@
 """The numbers of the README, written from the results of the studies.
 
-    python studies/readme.py
+    python -m studies.readme
 
 Blocks between ``<!-- results: NAME -->`` and ``<!-- end -->`` are made from
 ``studies/results/*.json``; a test fails if the README says anything else.
@@ -15,9 +15,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from record import ROOT, Results
-from run_all import RESULTS, STUDIES
-from sensitivities import PAPER_PERIOD
+from studies.common.record import ROOT, Results
+from studies.run_all import RESULTS, STUDIES
+from studies.sensitivities import PAPER_PERIOD
 
 README = ROOT / "README.md"
 BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)

@@ -1,9 +1,10 @@
 """No more than a scene needs: what each reduction of the problem buys, on the same work.
 
-    python studies/reductions.py [--fast] [--out DIR]
+    python -m studies.reductions [--fast] [--out DIR]
 
 (a) Closed form: a smooth phase is one oscillator, known for all times; against numerical
-    integration of all six states, in Python with its events (:mod:`peer_ode`), and compiled.
+    integration of all six states, in Python with its events (:mod:`studies.peers.ode`), and
+    compiled.
 (b) Small contact problems: try the few index combinations of one or two contacts; against Lemke's
     path on the general linear complementarity problem, at the impacts of the map.
 (c) One coordinate: Newton's method for the fixed point of the map; against Newton's method for all
@@ -30,15 +31,15 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-from cases import CYCLE, FIXED_POINT, GUESS, WINDOW, distance, numbers
-from clocks import Job, Seconds, Timing, clocked, race
 from matplotlib.axes import Axes
-from peer_kernel import PlainPython, Work
-from peer_ode import first_return_ode
-from record import Results, command
 from scipy.integrate import DOP853
-from style import STABLE, VIOLET, WIDTH, grid
 
+from studies.common.clocks import Job, Seconds, Timing, clocked, race
+from studies.common.record import Results, command
+from studies.common.style import STABLE, VIOLET, WIDTH, grid
+from studies.peers.cases import CYCLE, FIXED_POINT, GUESS, WINDOW, distance, numbers
+from studies.peers.kernel import PlainPython, Work
+from studies.peers.ode import first_return_ode
 from woodpecker import Toy, free_frequency, return_map
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import COMPILED, jit
@@ -267,7 +268,7 @@ def closed_form(other: PlainPython, plan: Plan) -> Results:
     exact, steps = smooth.closed(), 1
     while smooth.distance(exact, smooth.integrated(steps)) > SMOOTH_TARGET:
         steps += 1
-    ask = partial(other.ask, "peer_kernel:laps", numbers(toy), [CYCLE.phi_s])
+    ask = partial(other.ask, "studies.peers.kernel:laps", numbers(toy), [CYCLE.phi_s])
     jobs: dict[str, Job] = {
         "python_closed": lambda: ask(count=5)[1],
         "python_integrated": clocked(
@@ -361,7 +362,7 @@ def _runge_kutta(
 def contacts(impacts: Impacts, other: PlainPython, plan: Plan) -> Results:
     """Both solvers at the same impacts, in Python; the direct one compiled as well."""
     lists = [column.tolist() for column in impacts]
-    ask = partial(other.ask, "reductions:direct_work", *lists)
+    ask = partial(other.ask, "studies.reductions:direct_work", *lists)
     jobs: dict[str, Job] = {
         "direct": clocked(partial(direct, impacts), count=20, units=len(impacts.size)),
         "python_direct": lambda: shared(ask()[1], len(impacts.size)),

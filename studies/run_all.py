@@ -1,6 +1,6 @@
 """Every study, one after the other.
 
-    python studies/run_all.py [--fast] [--out DIR] [--only NAME ...]
+    python -m studies.run_all [--fast] [--out DIR] [--only NAME ...]
 
 The full run writes numbers (JSON, with machine, versions and commit) and pictures to
 ``studies/results/``, from which the README takes its own; the fast one takes some minutes and
@@ -11,47 +11,52 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-from record import ROOT, Results, save
 from rich.console import Console
 
-STUDIES = (
-    "benchmark",
-    "symbolic",
-    "ground_types",
-    "peer_moreau",
-    "peer_siconos",
-    "work_precision",
-    "failures",
-    "reductions",
-    "sensitivities",
-    "fig04_time_history",
-    "fig05_phase_woodpecker",
-    "fig06_phase_others",
-    "fig07_frames",
-    "main_job",
-    "fig08_return_map",
-    "fig08_vertices",
-    "fig09_order_one",
-    "fig10_order_two",
-    "fig11_maps_near_a",
-    "fig12_local_model",
-    "order_three",
-    "paper_numbers",
-    "map_grazing",
-    "map_bouncing",
-    "map_boost",
-)
+if not __package__:  # run by its path: then Python looks for `studies` inside of `studies`
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from studies.common.record import ROOT, Results, save
+
+STUDIES = {  # the name of each study and of its results, and its module
+    "benchmark": "studies.benchmark",
+    "symbolic": "studies.symbolic",
+    "ground_types": "studies.ground_types",
+    "peer_moreau": "studies.peers.moreau",
+    "peer_siconos": "studies.peers.siconos_peer",
+    "work_precision": "studies.work_precision",
+    "failures": "studies.failures.failures",
+    "reductions": "studies.reductions",
+    "sensitivities": "studies.sensitivities",
+    "fig04_time_history": "studies.figures.fig04_time_history",
+    "fig05_phase_woodpecker": "studies.figures.fig05_phase_woodpecker",
+    "fig06_phase_others": "studies.figures.fig06_phase_others",
+    "fig07_frames": "studies.figures.fig07_frames",
+    "main_job": "studies.main_job",
+    "fig08_return_map": "studies.figures.fig08_return_map",
+    "fig08_vertices": "studies.figures.fig08_vertices",
+    "fig09_order_one": "studies.figures.fig09_order_one",
+    "fig10_order_two": "studies.figures.fig10_order_two",
+    "fig11_maps_near_a": "studies.figures.fig11_maps_near_a",
+    "fig12_local_model": "studies.figures.fig12_local_model",
+    "order_three": "studies.order_three",
+    "paper_numbers": "studies.paper_numbers",
+    "map_grazing": "studies.maps.grazing",
+    "map_bouncing": "studies.maps.bouncing",
+    "map_boost": "studies.maps.boost",
+}
 RESULTS = ROOT / "studies" / "results"
 console = Console(stderr=True)
 
 
 def run_all(
-    fast: bool, out: Path | None = None, only: Sequence[str] = STUDIES
+    fast: bool, out: Path | None = None, only: Sequence[str] = tuple(STUDIES)
 ) -> dict[str, Results]:
     """Run studies and give the numbers of each.
 
@@ -77,7 +82,7 @@ def run_all(
     found: dict[str, Results] = {}
     for name in only:
         began = time.perf_counter()
-        found[name] = importlib.import_module(name).main(fast, out)
+        found[name] = importlib.import_module(STUDIES[name]).main(fast, out)
         plt.close("all")
         if out is not None:
             save(found[name], name, out)
@@ -89,6 +94,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Run every study.")
     parser.add_argument("--fast", action="store_true", help="small versions, some minutes")
     parser.add_argument("--out", type=Path, help="folder; studies/results for the full run")
-    parser.add_argument("--only", nargs="+", default=STUDIES, help="some studies by name")
+    parser.add_argument("--only", nargs="+", default=tuple(STUDIES), help="some studies by name")
     options = parser.parse_args()
     run_all(options.fast, options.out or (None if options.fast else RESULTS), options.only)

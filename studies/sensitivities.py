@@ -1,6 +1,6 @@
 """Why the paper's period is half a percent shorter: its motion, or what a parameter might be.
 
-    python studies/sensitivities.py [--fast] [--out DIR]
+    python -m studies.sensitivities [--fast] [--out DIR]
 
 The paper prints T = 0.1452 s and phi_S = -0.53 rad for the stable periodic motion; the model gives
 0.145976 s and -0.529472 rad, under both laws of friction, for no two contacts strike in it. The
@@ -26,10 +26,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from record import Results, command
 from scipy.optimize import root_scalar
-from style import STABLE, UNSTABLE, canvas
 
+from studies.common.record import Results, command
+from studies.common.style import STABLE, UNSTABLE, canvas
 from woodpecker import (
     PeriodicOrbit,
     Toy,

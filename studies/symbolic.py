@@ -1,6 +1,6 @@
 """Composing P1^L symbolically: pwmap against sympy's own Piecewise, and P1^L beyond the paper.
 
-    python studies/symbolic.py [--fast] [--out DIR]
+    python -m studies.symbolic [--fast] [--out DIR]
 
 Both compose the same map, symbolic in a and r, and run in turn, round after round. The naive way
 substitutes one ``Piecewise`` into the other and folds the result; it keeps dead pieces. That both
@@ -8,7 +8,7 @@ mean the same map is checked at rational points.
 
 The paper stops at r = 2. Beyond it orbits of P1^L settle on longer cycles; the second picture shows
 one on its way, the exact diagram of orders 1 to 5, and the cells of the plane of a and r by the
-periods that attract. Figure 12 itself is drawn by ``fig12_local_model.py``.
+periods that attract. Figure 12 itself is drawn by :mod:`studies.figures.fig12_local_model`.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import sympy
-from clocks import Seconds, Timing, clocked, ratio, summary
-from record import Results, command
-from style import STABLE, UNSTABLE, canvas
 from sympy import Rational
 
 from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram, parameter_plane
 from pwmap.plot import plot_cobweb, plot_diagram, plot_plane
+from studies.common.clocks import Seconds, Timing, clocked, ratio, summary
+from studies.common.record import Results, command
+from studies.common.style import STABLE, UNSTABLE, canvas
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))

@@ -1,13 +1,14 @@
 """What does a digit cost? Error against CPU time for the kernel and for every other method.
 
-    python studies/work_precision.py [--fast] [--out DIR]
+    python -m studies.work_precision [--fast] [--out DIR]
 
-Five tasks: three scenes of :mod:`cases`, the map at 1000 points, and the fixed point with its
-multiplier. Each method runs over its own knob: rtol of ``solve_ivp``, the step of a time-stepping
-scheme, the digits of mpmath. The kernel has none. Errors are distances from 30-digit references.
-Friction is Coulomb's contact by contact (``expansion_friction="separate"``): Moreau's scheme and
-Siconos know no other, and ``solve_ivp``, which has the project's contact problems, is held to it.
-Methods run in turn, round after round, and every time is that of a call as a user makes it.
+Five tasks: three scenes of :mod:`studies.peers.cases`, the map at 1000 points, and the fixed point
+with its multiplier. Each method runs over its own knob: rtol of ``solve_ivp``, the step of a
+time-stepping scheme, the digits of mpmath. The kernel has none. Errors are distances from 30-digit
+references. Friction is Coulomb's contact by contact (``expansion_friction="separate"``): Moreau's
+scheme and Siconos know no other, and ``solve_ivp``, which has the project's contact problems, is
+held to it. Methods run in turn, round after round, and every time is that of a call as a user makes
+it.
 
 - A method that would take minutes over the map runs on twelve of its points; its time is scaled to
   the thousand, and marked ``scaled``.
@@ -29,7 +30,15 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-from cases import (
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullLocator
+
+from studies.common.clocks import Job, Seconds, clocked, race, summary
+from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.record import Results, command
+from studies.common.style import GREY, METHODS, WIDTH, grid
+from studies.peers.cases import (
     CYCLE,
     DIGITS,
     FIXED_POINT,
@@ -46,19 +55,11 @@ from cases import (
     sample,
     starts,
 )
-from clocks import Job, Seconds, clocked, race, summary
-from laws import CONTACT_BY_CONTACT
-from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullLocator
-from peer_kernel import PlainPython, Precise, first_return_kernel, first_return_mpmath
-from peer_moreau import SCHEMES, SOLVERS, first_return_moreau
-from peer_ode import first_return_ode
-from peer_siconos import available, first_return_siconos, simulate_siconos
-from peers import LostError, PeerReturn
-from record import Results, command
-from style import GREY, METHODS, WIDTH, grid
-
+from studies.peers.kernel import PlainPython, Precise, first_return_kernel, first_return_mpmath
+from studies.peers.moreau import SCHEMES, SOLVERS, first_return_moreau
+from studies.peers.ode import first_return_ode
+from studies.peers.peer import LostError, PeerReturn
+from studies.peers.siconos_peer import available, first_return_siconos, simulate_siconos
 from woodpecker import ReturnMap, Toy, return_map, shoot
 from woodpecker.base.compiled import COMPILED
 
@@ -232,7 +233,7 @@ def scene_entries(scene: Scene, settings: Iterable[Setting], other: PlainPython)
 
     kernel = partial(first_return_kernel, scene.toy, scene.phi_s)
     yield Entry(KERNEL, "", "", None, kernel, lambda lap: judge(lap)._replace(evaluations=None))
-    ask = partial(other.ask, "peer_kernel:laps", numbers(scene.toy), [scene.phi_s])
+    ask = partial(other.ask, "studies.peers.kernel:laps", numbers(scene.toy), [scene.phi_s])
     yield Entry(PLAIN, "", "", None, lambda: ask()[0], judge_plain, elsewhere(ask))
     for setting in settings:
         yield Entry(*setting[:4], partial(setting.peer, scene.toy, scene.phi_s), judge)
@@ -280,7 +281,7 @@ def map_entries(
 
     chosen = SAMPLED if whole else everywhere
     begin = starts() if whole else few
-    ask = partial(other.ask, "peer_kernel:laps", numbers(toy), begin.tolist())
+    ask = partial(other.ask, "studies.peers.kernel:laps", numbers(toy), begin.tolist())
 
     def judge_plain(result: Sequence[Any]) -> Answer:
         return judge(result[0][chosen], result[1][chosen], None)
@@ -311,7 +312,7 @@ def fixed_entries(settings: Iterable[Setting], other: PlainPython) -> Iterator[E
     toy = CONTACT_BY_CONTACT
     yield Entry(KERNEL, "", "", None, partial(shoot, toy, GUESS),
                 lambda orbit: judge(orbit.phi_s, orbit.multiplier))  # fmt: skip
-    ask = partial(other.ask, "peer_kernel:fixed_point", numbers(toy), GUESS)
+    ask = partial(other.ask, "studies.peers.kernel:fixed_point", numbers(toy), GUESS)
     yield Entry(PLAIN, "", "", None, lambda: ask()[0], lambda r: judge(*r[:2]), elsewhere(ask))
     for setting in settings:
         if setting.method != TWIN:

@@ -1,14 +1,20 @@
-"""Its place puts this folder on the path, so that the tests find their helper modules.
+"""The path, rounding, and how property tests draw.
+
+Helper modules of the tests lie in this folder (``pythonpath`` of pytest), the studies in one beside
+it. They are found last: the packages under test are those that are installed.
 
 Property tests draw the same examples each time, on every machine. The profile ``explore`` draws
 others, and many more: ``--hypothesis-profile=explore``, or that name in HYPOTHESIS_PROFILE.
 """
 
 import os
+import sys
+from pathlib import Path
 
 import rounding
 from hypothesis import HealthCheck, settings
 
+sys.path.append(str(Path(__file__).parents[1]))
 rounding.apply()
 
 settings.register_profile("same", derandomize=True, database=None, deadline=None)

@@ -13,6 +13,7 @@ import pytest
 from woodpecker import Numerics
 
 ROOT = Path(__file__).parents[1]
+PACKAGES = ("pwmap", "woodpecker", "studies")
 DRAWING = ("pwmap.plot", "pwmap.cli", "woodpecker.plot", "woodpecker.cli")
 
 
@@ -46,16 +47,16 @@ def is_file(module: str) -> bool:
 def folder_of(module: str) -> str:
     """The folder of a file; files that lie in none stand for themselves."""
     parts = module.split(".")
-    return ".".join(parts[:2]) if parts[0] in ("pwmap", "woodpecker") else module
+    return ".".join(parts[:2]) if parts[0] in PACKAGES else module
 
 
-@pytest.mark.parametrize("package", ["pwmap", "woodpecker"])
+@pytest.mark.parametrize("package", PACKAGES)
 def test_imports_have_no_cycle(package: str) -> None:
     graph = imports(package)
     assert nx.is_directed_acyclic_graph(graph), nx.find_cycle(graph)
 
 
-@pytest.mark.parametrize("package", ["pwmap", "woodpecker"])
+@pytest.mark.parametrize("package", PACKAGES)
 def test_folders_have_no_cycle(package: str) -> None:
     arrows = {(folder_of(a), folder_of(b)) for a, b in imports(package).edges}
     graph = nx.DiGraph([(a, b) for a, b in arrows if a != b and b.startswith(package)])

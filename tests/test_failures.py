@@ -6,15 +6,32 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-import fail_newton
-import failures
 import numpy as np
 import pytest
-import reference_mpmath
-from fail_judge import Kind, Outcome, Truth, Verdict, digits, power, reach, reason, verdict, worst
-from fail_methods import kernel, ode
-from fail_scenes import STEP, exact, image_from_end, slips_at_once, with_lengths, with_masses
 
+from studies.failures import failures, newton
+from studies.failures.judge import (
+    Kind,
+    Outcome,
+    Truth,
+    Verdict,
+    digits,
+    power,
+    reach,
+    reason,
+    verdict,
+    worst,
+)
+from studies.failures.methods import kernel, ode
+from studies.failures.scenes import (
+    STEP,
+    exact,
+    image_from_end,
+    slips_at_once,
+    with_lengths,
+    with_masses,
+)
+from studies.peers import reference_mpmath
 from woodpecker import Toy, equilibrium, first_return, jam_limit
 from woodpecker.base.compiled import COMPILED
 
@@ -91,16 +108,16 @@ def test_numbers_as_text() -> None:
 
 def test_the_textbook_finds_a_root() -> None:
     """cos x = x at x = 0.7390851332151607 (Dottie's number)."""
-    shot = fail_newton.newton(lambda x, _p: math.cos(x), 0.5, 0.0)
+    shot = newton.newton(lambda x, _p: math.cos(x), 0.5, 0.0)
     assert shot.converged
-    assert shot.x == pytest.approx(0.7390851332151607, abs=fail_newton.CONVERGED)
-    lost = fail_newton.newton(lambda _x, _p: math.nan, 0.5, 0.0)
+    assert shot.x == pytest.approx(0.7390851332151607, abs=newton.CONVERGED)
+    lost = newton.newton(lambda _x, _p: math.nan, 0.5, 0.0)
     assert (lost.converged, lost.steps) == (False, 0)
 
 
 def test_the_textbook_passes_a_fold() -> None:
     """Fixed points of x + p - x^2 lie on the parabola p = x^2: the fold at 0 is no obstacle."""
-    path = fail_newton.follow(lambda x, p: x + p - x * x, 1.0, 1.0, -1, (-1.0, 1.1), (-1.2, 1.2))
+    path = newton.follow(lambda x, p: x + p - x * x, 1.0, 1.0, -1, (-1.0, 1.1), (-1.2, 1.2))
     assert path.x.min() < -0.9
     assert np.abs(path.p - path.x**2).max() < 1e-9  # ten times the accepted residual
     assert path.end == "end of the span or the window"
@@ -112,7 +129,7 @@ def test_the_textbook_stops_where_a_branch_ends_in_a_jump() -> None:
     def f(x: float, p: float) -> float:
         return 2.0 * p - x if x >= 0.0 else 5.0
 
-    path = fail_newton.follow(f, 0.1, 0.1, -1, (-1.0, 1.0), (-1.0, 1.0))
+    path = newton.follow(f, 0.1, 0.1, -1, (-1.0, 1.0), (-1.0, 1.0))
     assert path.end == "no convergence with the shortest step"
     assert 0.0 <= path.p[-1] < 1e-6  # Newton's difference reaches 1e-7 over the jump
 

@@ -15,10 +15,11 @@ from woodpecker.base.compiled import COMPILED
 from woodpecker.plot.figures import plot_phase_portrait
 
 fig04, fig05, fig06, fig07, fig08, vertices, sensitivities, paper_numbers = (
-    importlib.import_module(name)
+    importlib.import_module(f"studies.{name}")
     for name in (
-        "fig04_time_history", "fig05_phase_woodpecker", "fig06_phase_others", "fig07_frames",
-        "fig08_return_map", "fig08_vertices", "sensitivities", "paper_numbers",
+        "figures.fig04_time_history", "figures.fig05_phase_woodpecker",
+        "figures.fig06_phase_others", "figures.fig07_frames", "figures.fig08_return_map",
+        "figures.fig08_vertices", "sensitivities", "paper_numbers",
     )
 )  # fmt: skip
 

@@ -24,10 +24,10 @@ from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import slices_at
 
 fig09, fig10, fig11, fig12, order_three, whole = (
-    importlib.import_module(name)
+    importlib.import_module(f"studies.{name}")
     for name in (
-        "fig09_order_one", "fig10_order_two", "fig11_maps_near_a", "fig12_local_model",
-        "order_three", "whole",
+        "figures.fig09_order_one", "figures.fig10_order_two", "figures.fig11_maps_near_a",
+        "figures.fig12_local_model", "order_three", "common.whole",
     )
 )  # fmt: skip
 pytestmark = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-import map_boost
-import map_bouncing
-import map_grazing
 import numpy as np
 import pytest
 
+from studies.maps import boost as map_boost
+from studies.maps import bouncing as map_bouncing
+from studies.maps import grazing as map_grazing
 from woodpecker.piecewise.derivatives import check_derivatives
 from woodpecker.piecewise.settings import Settings
 

@@ -1,9 +1,11 @@
 """Moreau's time stepping: order, energy, its contact solvers, and where it meets the kernel."""
 
 import numpy as np
-import peer_moreau
 import pytest
-from peer_moreau import (
+from scenes import plain
+
+from studies.peers import moreau
+from studies.peers.moreau import (
     ASYMPTOTIC,
     DELASSUS,
     DIRECTION,
@@ -26,10 +28,8 @@ from peer_moreau import (
     simulate_moreau,
     word_of_states,
 )
-from peer_ode import IMAGE, PERIOD, PHI_S
-from peers import LostError
-from scenes import plain
-
+from studies.peers.ode import IMAGE, PERIOD, PHI_S
+from studies.peers.peer import LostError
 from woodpecker import Toy, first_return
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import COMPILED
@@ -244,14 +244,14 @@ def test_what_cannot_be_followed_is_said(monkeypatch: pytest.MonkeyPatch) -> Non
         first_return_moreau(TOY, PHI_S, 1e-3, "euler")
     with pytest.raises(ValueError, match="theta must lie"):
         simulate_moreau(TOY, PHI_S, 0.1, 1e-3, "midpoint", "lcp", 0.6)
-    monkeypatch.setattr(peer_moreau, "LONGEST", 0.1)  # s; the period is 0.146 s
+    monkeypatch.setattr(moreau, "LONGEST", 0.1)  # s; the period is 0.146 s
     with pytest.raises(LostError, match="does not return within"):
         first_return_moreau(TOY, PHI_S, 1e-3)
 
 
 def test_a_word_can_be_read_from_states() -> None:
     """A contact with restitution leaves without a D; one without leaves with one."""
-    stuck, forward = STICK, peer_moreau.FORWARD
+    stuck, forward = STICK, moreau.FORWARD
     rows = [[0, stuck, 0], [0, forward, 0], [0, 0, 0], [0, 0, forward], [0, 0, 0], [stuck, 0, 0],
             [0, 0, 0], [0, forward, 0], [0, stuck, 0]]  # fmt: skip
     assert word_of_states(TOY, np.array(rows)) == "S2 D2 I3 D3 I1 I2 J2"
@@ -260,7 +260,7 @@ def test_a_word_can_be_read_from_states() -> None:
 
 @pytest.mark.slow
 def test_the_study_runs() -> None:
-    results = peer_moreau.main(fast=True)
+    results = moreau.main(fast=True)
     for scheme, solver in EVERY_WAY:
         table = results[f"{scheme}, {solver}"]
         assert all(np.diff(table["error"]) < 0.0)

@@ -1,13 +1,13 @@
 """Siconos follows the toy as the project's own Moreau scheme does, step by step."""
 
 import numpy as np
-import peer_siconos
 import pytest
-from peer_moreau import first_return_moreau, simulate_moreau
-from peer_ode import PHI_S
-from peer_siconos import available, first_return_siconos, main, simulate_siconos
-from peers import LostError
 
+from studies.peers import siconos_peer
+from studies.peers.moreau import first_return_moreau, simulate_moreau
+from studies.peers.ode import PHI_S
+from studies.peers.peer import LostError
+from studies.peers.siconos_peer import available, first_return_siconos, main, simulate_siconos
 from woodpecker import Toy
 from woodpecker.base.compiled import COMPILED
 
@@ -81,7 +81,7 @@ def test_the_study_measures_the_period() -> None:
 
 
 def test_a_missing_siconos_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peer_siconos, "PYTHON", "/nowhere/python3")
+    monkeypatch.setattr(siconos_peer, "PYTHON", "/nowhere/python3")
     available.cache_clear()
     try:
         assert "/nowhere/python3" in available()

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-import cases
 import numpy as np
 import pytest
-import reductions as study
-from laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
 
+from studies import reductions as study
+from studies.common.laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
+from studies.peers import cases
 from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics.modes import SECTION

@@ -1,20 +1,17 @@
 """The studies run, and the general ODE solver confirms the kernel."""
 
 import importlib
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from studies import benchmark
+from studies.peers import ode
+from studies.peers.ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from woodpecker import Toy, first_return
 from woodpecker.base.compiled import COMPILED
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
-benchmark, peer_ode = map(importlib.import_module, ("benchmark", "peer_ode"))
-PHI_S, IMAGE, PERIOD = peer_ode.PHI_S, peer_ode.IMAGE, peer_ode.PERIOD
-first_return_ode = peer_ode.first_return_ode
 
 NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
 RTOL = 1e-10
@@ -112,14 +109,14 @@ def test_distance_does_not_round_the_reference() -> None:
 
 @pytest.mark.slow
 def test_work_and_precision_of_the_peer() -> None:
-    rows = peer_ode.main(fast=True)
+    rows = ode.main(fast=True)
     assert rows["DOP853 1e-10"]["error"] < rows["DOP853 1e-06"]["error"]
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
-    whole = importlib.import_module("fig09_order_one")
+    whole = importlib.import_module("studies.figures.fig09_order_one")
     results = whole.main(fast=True, out=tmp_path)
     gentle = [found for found in results["collisions"] if found[3] > -1.2]  # rad: steep ones below
     kinds = sorted(kind for kind, *_ in gentle)

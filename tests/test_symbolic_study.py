@@ -7,7 +7,7 @@ import pytest
 from short_runs import ShortRun, short_run
 
 mpl.use("Agg")
-symbolic = importlib.import_module("symbolic")
+symbolic = importlib.import_module("studies.symbolic")
 
 
 @pytest.fixture(scope="module")

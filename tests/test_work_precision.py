@@ -4,14 +4,13 @@ from decimal import Decimal
 from functools import partial
 from typing import Any
 
-import cases
 import numpy as np
-import peer_kernel
 import pytest
-import work_precision as study
-from laws import CONTACT_BY_CONTACT
-from peer_ode import first_return_ode
 
+from studies import work_precision as study
+from studies.common.laws import CONTACT_BY_CONTACT
+from studies.peers import cases, kernel
+from studies.peers.ode import first_return_ode
 from woodpecker import Toy, first_return
 from woodpecker.base.compiled import COMPILED
 
@@ -49,7 +48,7 @@ def test_the_fixed_point_is_right_to_thirty_digits() -> None:
 
 @pytest.mark.parametrize("scene", cases.SCENES, ids=lambda scene: scene.name)
 def test_the_kernel_meets_the_references(scene: cases.Scene) -> None:
-    lap = peer_kernel.first_return_kernel(scene.toy, scene.phi_s)
+    lap = kernel.first_return_kernel(scene.toy, scene.phi_s)
     assert cases.distance(lap.phi_s, scene.image) < ROUNDING
     assert cases.distance(lap.period, scene.period) < ROUNDING
     assert cases.plain(lap.word) == scene.word
@@ -67,7 +66,7 @@ def test_words_are_compared_by_their_events() -> None:
 
 
 def test_the_twin_keeps_more_digits_than_a_double() -> None:
-    lap = peer_kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
+    lap = kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
     error = abs(lap.phi_s - Decimal(cases.DOUBLE.image))
     assert 0 < error < Decimal("1e-19")  # printed to twenty digits
 
@@ -78,7 +77,7 @@ def setting(peer: Any, noise: float) -> study.Setting:
 
 def test_newton_finds_the_cycle_with_difference_quotients() -> None:
     """h = 1e-5 rad: the quotient errs by h^2 P'''/6, where P''' / 6 is some hundreds."""
-    x, multiplier, spent = study.newton(setting(peer_kernel.first_return_kernel, 1e-12))
+    x, multiplier, spent = study.newton(setting(kernel.first_return_kernel, 1e-12))
     assert cases.distance(x, cases.FIXED_POINT.phi_s) < 1e-11  # Newton stops at 1e-12
     assert cases.distance(multiplier, cases.FIXED_POINT.multiplier) < 1e-6
     assert spent == len(cases.CYCLE.word.split()) * (spent // 11)
@@ -124,11 +123,11 @@ def test_verdicts_follow_from_the_rows() -> None:
 
 @pytest.mark.slow
 def test_another_process_runs_the_plain_kernel() -> None:
-    with peer_kernel.PlainPython() as other:
+    with kernel.PlainPython() as other:
         start = cases.DOUBLE.phi_s
         for toy in (Toy(), CONTACT_BY_CONTACT):  # the law goes with the numbers
             arguments = cases.numbers(toy), [start]
-            (images, words), seconds = other.ask("peer_kernel:laps", *arguments, count=2)
+            (images, words), seconds = other.ask("studies.peers.kernel:laps", *arguments, count=2)
             # the same numbers up to rounding: complex quotients are formed in other ways
             assert images == pytest.approx([first_return(toy, start).phi_s], abs=1e-14)
             assert words == [first_return(toy, start).word]

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-import reference_mpmath
 
 from pwmap.diagrams.diagram import PointKind
+from studies.peers import reference_mpmath
 from woodpecker import Status, Toy, continuation, first_return, shoot
 from woodpecker.mechanics.toy import ExpansionFriction
 from woodpecker.toypieces import ToyPieces

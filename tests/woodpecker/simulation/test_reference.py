@@ -1,11 +1,11 @@
-"""The kernel against an independent implementation with 30 digits (studies/reference_mpmath.py)."""
+"""The kernel against an independent program with 30 digits, studies/peers/reference_mpmath.py."""
 
 import re
 from typing import Any
 
 import pytest
-import reference_mpmath
 
+from studies.peers import reference_mpmath
 from woodpecker import Return, Status, Toy, first_return
 
 LAWS = ("summed", "separate")

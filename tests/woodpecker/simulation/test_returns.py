@@ -136,7 +136,7 @@ def test_an_independent_time_stepping_program_agrees() -> None:
     [("summed", -0.92324783180462289052), ("separate", -0.52033948200275740931)],
 )
 def test_thirty_digits_agree(law: str, expected: float) -> None:
-    """The same return by studies/reference_mpmath.py."""
+    """The same return by studies/peers/reference_mpmath.py."""
     assert image(-0.8, 0.125, law=law) == pytest.approx(expected, abs=ROUNDING)
 
 

@@ -1,0 +1,23 @@
+"""One script per question: the paper's figures, and how exact, how fast and how sound all this is.
+
+Each is a module of this folder, which is not installed, and runs from the folder that holds it::
+
+    python -m studies.figures.fig08_return_map [--fast] [--out DIR]
+
+Its ``main(fast, out)`` returns the numbers that it prints. :mod:`studies.run_all` runs all of them
+and keeps numbers and pictures in ``results/``, from which :mod:`studies.readme` fills the README.
+Folders import what stands above them, and scripts beside the folders import any:
+
+``common/``
+    what studies share: command line, clocks, look of pictures, both laws, checks of diagrams
+``peers/``
+    other ways to follow the toy, and the scenes with thirty digits that all are measured by
+``failures/``
+    where methods fail, the project's own among them
+``figures/``
+    the paper's Figures 4 to 12
+``maps/``
+    three maps of the literature
+``data/``
+    what was read off the paper's figures
+"""

@@ -1,0 +1,69 @@
+"""Figure 6 of the paper: phase portraits of the sleeve and of the fall.
+
+    python -m studies.figures.fig06_phase_others [--fast] [--out DIR]
+
+On the left the sleeve, between its two contacts; on the right the speed of the fall over the angle
+of the bird. The numbers are those of Figure 7. Which portraits the paper shows is not said in its
+text (see :mod:`studies.figures.fig05_phase_woodpecker`).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
+
+from studies.common.record import Results, command
+from studies.common.style import GREY, canvas
+from studies.figures.fig05_phase_woodpecker import extremes, number
+from studies.figures.fig07_frames import Frame, cycle, frames
+from woodpecker import Trajectory
+from woodpecker.plot.figures import plot_phase_portrait
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Shoot the cycle and draw the velocities of sleeve and fall.
+
+    Parameters
+    ----------
+    fast
+        Makes no difference: the study takes milliseconds.
+    out
+        Folder for ``fig06.png``.
+
+    Returns
+    -------
+    dict
+        ``period`` [s]; ``phi_m``, ``dphi_m``, ``dy``: least and largest value [rad], [rad/s],
+        [m/s].
+    """
+    orbit, motion = cycle()
+    if out is not None:
+        draw(motion, frames(motion)).savefig(out / "fig06.png", dpi=200)
+        plt.close("all")
+    return {
+        "period": orbit.period,
+        "phi_m": extremes(motion.q[:, 1]),
+        "dphi_m": extremes(motion.u[:, 1]),
+        "dy": extremes(motion.u[:, 0]),
+    }
+
+
+def draw(trajectory: Trajectory, shown: tuple[Frame, ...]) -> Figure:
+    """Sleeve and fall."""
+    figure, (sleeve, fall) = canvas(3.7, 1, 2)
+    plot_phase_portrait(trajectory, "phi_m", "dphi_m", sleeve)
+    for limit in (-trajectory.toy.phi_m_max, trajectory.toy.phi_m_max):
+        sleeve.axvline(limit, color=GREY, linewidth=0.8, linestyle=(0, (5, 3)))
+    sides = ((20, 6), None, (8, 0), (-7, -5), (8, 0), (8, -5), (0, -9), None)
+    sleeve.margins(x=0.1)
+    number(sleeve, trajectory, shown, ("phi_m", "dphi_m"), sides)
+    plot_phase_portrait(trajectory, "phi_s", "dy", fall)
+    sides = ((0, 8), (2, 9), (-8, -4), (4, -8), (-8, -5), (9, -4), (-8, 0), (0, 8))
+    number(fall, trajectory, shown, ("phi_s", "dy"), sides)
+    return figure
+
+
+if __name__ == "__main__":
+    command(main, "fig06_phase_others")

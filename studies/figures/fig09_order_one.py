@@ -1,0 +1,236 @@
+"""Figure 9 of the paper, complete: every branch of P_1, with brute force underneath, and both laws.
+
+    python -m studies.figures.fig09_order_one [--fast] [--out DIR]
+
+The branches come from slices and continuation; the grey points are orbits from many starts, which
+know nothing of them. What the orbits show must be a stable branch, or chaotic.
+
+A second picture sets the two laws of friction in the expansion of an impact at two contacts side by
+side. With the sum, A and B lie where the paper has them, and the branch that starts at B is stable;
+with Coulomb's law contact by contact they do not. That the paper's program took the sum is
+inferred.
+
+The work is compared with the paper's way, a table of P_1. A table that resolves what the branches
+resolve cannot be made: their edges and fixed points are good to 1e-10 rad, and it would need
+parameters as close as the two ends of the shortest branch (``shortest_branch``). So the table here
+is a modest one. It has as many parameters as the diagram has different ones among its samples, N_p,
+and at each of them starts that are evenly spaced by h over the window of width w:
+
+    evaluations = N_p (floor(w / h) + 1)
+
+with h = 1e-6 rad, the width to which slices look for pieces, or with h = 2e-3 rad, the spacing of
+their first samples. The first finds what the slices find. The second misses every island and every
+pair of edges thinner than 2e-3 rad; it is there to show what the branches cost beyond a picture.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pwmap import Diagram, PointKind
+from pwmap.plot import plot_diagram
+from studies.common.clocks import clocked
+from studies.common.laws import LAWS, SEPARATE, SUMMED, TITLES, TOYS
+from studies.common.record import Results, command
+from studies.common.style import GREY, PALE, WIDTH
+from studies.figures.fig08_return_map import ends
+from woodpecker import (
+    ExpansionFriction,
+    Found,
+    OrbitDiagram,
+    Search,
+    ToyPieces,
+    find_all,
+    first_return,
+    orbit_diagram,
+    unexplained,
+)
+
+WINDOW = (-2.5, -0.24)  # rad
+MARKED = tuple(kind for kind in PointKind if kind is not PointKind.EP)
+SPACINGS = (1e-6, 2e-3)  # rad: of tables that show the thinnest pieces, and most of them
+NAMED = {  # what the paper names in Figures 9 and 10, near (eps_N1, phi_S)
+    SUMMED: {
+        "A": (0.1120, -0.8848),
+        "B": (0.2915, -0.8848),
+        "C": (0.1851, -0.7578),
+        "$I_1$": (0.3883, -0.8848),
+        "$I_2$": (0.7952, -1.1218),
+    },
+    SEPARATE: {
+        "A": (0.0422, -0.8848),
+        "B": (0.3210, -0.8848),
+        "C": (0.1851, -0.7578),
+        "$I_1$": (0.3884, -0.8848),
+        "$I_2$": (0.7959, -1.1220),
+    },
+}
+CLOSE = 1e-3  # in either coordinate: half a unit of the last digit above is much less
+
+
+class Table(NamedTuple):
+    """A tabulation of P_1 in the paper's way."""
+
+    spacing: float  # of the starts [rad]
+    parameters: int
+    evaluations: int
+    ratio: float  # to the evaluations that the diagram took
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Find everything, simulate beside it, draw.
+
+    Parameters
+    ----------
+    fast
+        Only eps_N1 in (0.28, 0.4), with few slices and few orbits.
+    out
+        Folder for ``fig09.png`` and ``fig09_laws.png``.
+
+    Returns
+    -------
+    dict
+        ``collisions``: kind, note, eps_N1 and phi_S of every BC and FF; ``branches``, ``points``,
+        ``samples`` of the diagram; ``slices``: how many; ``evaluations`` of P_1 in
+        all; ``not_followed``: eps_N1, order and phi_S that a slice shows and no branch explains;
+        ``shortest_branch``: in eps_N1; ``tables``: see :class:`Table`; ``seconds`` of wall and CPU;
+        ``orbits``, ``chaotic``, ``lost``, ``unexplained``: what the orbits do. All of this under
+        the toy's own law; ``separate``: the first of them under the other one, see
+        :func:`described`.
+    """
+    span, search = ((0.28, 0.4), Search(slices=8)) if fast else ((0.012, 1.0), Search())
+    first_return(TOYS[SUMMED], -0.53)  # compiled
+    results, both = {}, {}
+    for law in LAWS:
+        results[law], both[law] = described(law, span, search)
+    found, diagram = both[SUMMED], both[SUMMED].diagram
+    parameters = np.linspace(*span, 12 if fast else 800)[1:-1]
+    starts = np.linspace(-2.4, -0.3, 12 if fast else 9)
+    orbits = orbit_diagram(ToyPieces(TOYS[SUMMED]), parameters, starts, WINDOW)
+    left = unexplained(orbits, diagram, ToyPieces(TOYS[SUMMED]))
+    if out is not None:
+        draw(diagram, orbits).savefig(out / "fig09.png", dpi=200)
+        compare({law: each.diagram for law, each in both.items()}).savefig(
+            out / "fig09_laws.png", dpi=200
+        )
+        plt.close("all")
+    return {
+        **results[SUMMED],
+        "samples": sum(map(len, diagram.branches)),
+        "shortest_branch": min(lengths(diagram)),
+        "tables": [table(found, spacing)._asdict() for spacing in SPACINGS],
+        "orbits": len(orbits.orbits),
+        "chaotic": sum(orbit.period == 0 and orbit.exponent > 0.0 for orbit in orbits.orbits),
+        "lost": orbits.lost,
+        "unexplained": [(o.p, o.start, float(o.x[-1])) for o in left],
+        "separate": results[SEPARATE],
+    }
+
+
+def described(
+    law: ExpansionFriction, span: tuple[float, float], search: Search
+) -> tuple[dict[str, Any], Found]:
+    """The search under one law, in numbers, and what it found.
+
+    Returns
+    -------
+    dict
+        ``law``, ``first_slices``, ``seconds``, ``collisions``, ``branches``, ``points``,
+        ``slices``, ``evaluations``, ``not_followed``: see :func:`main`.
+    Found
+        The diagram, and what the slices came to.
+    """
+    kept: list[Found] = []
+    taken = clocked(
+        lambda: kept.append(find_all(TOYS[law], "eps_n1", span, (1,), WINDOW, search=search))
+    )()
+    found, diagram = kept[0], kept[0].diagram
+    return {
+        "law": str(law),
+        "first_slices": search.slices,
+        "seconds": taken._asdict(),
+        "collisions": [
+            (str(p.kind), p.note, float(p.parameter), float(p.x))
+            for p in diagram.points
+            if p.kind in (PointKind.BC, PointKind.FF)
+        ],
+        "branches": len(diagram.branches),
+        "points": len(diagram.points),
+        "slices": len(found.slices),
+        "evaluations": found.evaluations,
+        "not_followed": [(seen.p, *place) for seen in found.slices for place in seen.left],
+    }, found
+
+
+def table(found: Found, spacing: float) -> Table:
+    """What a table of P_1 costs that has a column at every parameter of the diagram."""
+    parameters = len(np.unique(np.concatenate([b.parameter for b in found.diagram.branches])))
+    evaluations = parameters * (math.floor((WINDOW[1] - WINDOW[0]) / spacing) + 1)
+    return Table(spacing, parameters, evaluations, evaluations / found.evaluations)
+
+
+def lengths(diagram: Diagram) -> list[float]:
+    """Extent of every branch over eps_N1, of those that have one."""
+    extents = [float(np.ptp(branch.parameter)) for branch in diagram.branches]
+    return [extent for extent in extents if extent > 0.0]
+
+
+def draw(diagram: Diagram, orbits: OrbitDiagram) -> Figure:
+    """Branches over the points that orbits settle on, and the band of centres above them."""
+    figure = plt.figure(figsize=(WIDTH, 5.2), layout="constrained")
+    ax = figure.gca()
+    p, x = orbits.points()
+    ax.plot(p, x, ".", color=GREY, markersize=0.8, markeredgewidth=0.0, zorder=0, rasterized=True)
+    panel(diagram, SUMMED, ax)
+    return figure
+
+
+def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
+    """The diagrams of both laws side by side."""
+    figure = plt.figure(figsize=(WIDTH, 4.4), layout="constrained")
+    axes = figure.subplots(1, 2, sharex=True, sharey=True)
+    for ax, (law, diagram) in zip(axes, diagrams.items(), strict=True):
+        panel(diagram, law, ax)
+        ax.set_title(TITLES[law], fontsize=8)
+        ax.tick_params(labelsize=7)
+    axes[0].get_legend().remove()
+    axes[1].set_ylabel("")
+    return figure
+
+
+def panel(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
+    """All branches, the band of centres above them, and the paper's names."""
+    plot_diagram(diagram, ax, kinds=MARKED)
+    band, top = ends(TOYS[law]).band, -0.15
+    ax.axhspan(*band, color=PALE, linewidth=0.0)
+    ax.text(
+        0.99, band[1] + 0.01, "centres", fontsize=7, ha="right", va="bottom",
+        transform=ax.get_yaxis_transform(),
+    )  # fmt: skip
+    name_points(diagram, law, ax)
+    ax.set_ylim(WINDOW[0] - 0.04, top)
+
+
+def name_points(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
+    """Write the paper's names at the special points, where the diagram has them."""
+    for name, place in NAMED[law].items():
+        for point in diagram.points:
+            near = np.abs(np.subtract((point.parameter, point.x), place)).max() < CLOSE
+            if near and point.kind in (PointKind.BC, PointKind.FF):
+                right = name == "C"  # the way from A comes from the left
+                ax.annotate(
+                    name, (point.parameter, point.x), (7, -5) if right else (-2, 6),
+                    textcoords="offset points", fontsize=9, ha="left" if right else "right",
+                    annotation_clip=True,
+                )  # fmt: skip
+
+
+if __name__ == "__main__":
+    command(main, "fig09_order_one")

@@ -1,0 +1,252 @@
+"""Figure 12 of the paper, what it predicts of the toy next to A, and how well the toy agrees.
+
+    python -m studies.figures.fig12_local_model [--fast] [--out DIR]
+
+Above, the paper's picture: P_1^L and P_2^L for a = 5/4 and r = 1, and the diagram over r, exact.
+The paper chose that map by eye. Below, the same analysis with the numbers of the toy: the two lines
+and the jump that P_1 has at A, solved exactly by ``pwmap``, say which branches start there and with
+which slope d phi_S / d eps_N1. The paper expected jump branches of P_3 and P_4, and could not
+compute them.
+
+The slope of P_1 right of A is -1.30491 with friction bounded by the sum (inferred, see
+:mod:`studies.common.laws`), and -1.26515, elsewhere in eps_N1, with Coulomb's law contact by
+contact. Of the latter only the predictions are given.
+
+The toy is asked at distances q from A, without any branch: fixed points by shooting, jumps as
+borders of its iterates. What it shows differs from the straight line by c q**2 if the slope is
+right, and by c q if it is wrong, so the power that is measured is the test. (For P_4 the term in
+q**2 all but vanishes, and the power is larger.) The measured slope is the difference quotient of
+the two smallest distances, extrapolated to q = 0.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+import sympy
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from sympy import Rational
+
+from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind
+from pwmap import bifurcation_diagram as exact_diagram
+from pwmap.plot import plot_diagram, plot_map
+from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.record import Results, command
+from studies.common.style import JUMP, UNSTABLE, WIDTH, grid
+from woodpecker import (
+    Iterate,
+    LocalModel,
+    Search,
+    Start,
+    Toy,
+    ToyPieces,
+    bifurcation_diagram,
+    borders_in,
+    crosses,
+    local_model,
+    shoot,
+)
+from woodpecker.piecewise.settings import Settings
+from woodpecker.plot.figures import plot_local
+
+X, A, R = sympy.symbols("x a r")
+P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))  # [Leine2001, Eq. 14]
+SPAN, WINDOW = (0.1099, 0.1141), (-0.91, -0.86)  # eps_N1, phi_S [rad]
+NEAR_A = (-0.8847733440, 0.1119709145)  # phi_S, eps_N1, to ten digits
+OTHER_A = (-0.8847733440138, 0.0421643309)  # the same with Coulomb's law contact by contact
+REACH = 2e-3  # in eps_N1: how far the picture goes from A
+SCALES = Settings(window=(-2.5, -0.24), finest=1e-9)  # jumps are looked for in 1e-5 rad
+DISTANCES = (2e-4, 1e-4, 5e-5, 2.5e-5)  # in eps_N1; the next change of word is 5e-4 away
+
+
+ROUNDING = 1e-14  # errors [rad] that are zero: some spacings of doubles at a phi_S of 1
+
+
+class Agreement(NamedTuple):
+    """A branch that the local model predicts, and what the toy shows."""
+
+    kind: BranchKind
+    order: int
+    predicted: float  # d phi_S / d eps_N1 [rad]
+    measured: float
+    errors: tuple[float, ...]  # distance from the straight line at DISTANCES [rad]
+    power: float | None  # of q that the errors follow; None if they are rounding
+
+    @property
+    def name(self) -> str:
+        """For tables and legends."""
+        return f"{self.kind} of P_{self.order}"
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Predict, measure, draw.
+
+    Parameters
+    ----------
+    fast
+        The diagram of the toy has orders 1 and 2 only, not 1 to 4.
+    out
+        Folder for ``fig12.png``.
+
+    Returns
+    -------
+    dict
+        ``a``: place of A, the slope there, its kind, and the predicted slopes by branch;
+        ``separate``: the same with Coulomb's law contact by contact; ``agreements``: see
+        :class:`Agreement`, by branch; ``expected_power``, or more; ``largest_relative_error`` of
+        the slopes that are not zero; ``branches``, ``points`` of the exact diagram of the paper.
+    """
+    diagram = toy_diagram(fast)
+    model = model_at(diagram)
+    found = [agreement(model, start) for start in model.starts]
+    paper = papers_diagram()
+    if out is not None:
+        draw(paper, model, diagram, found).savefig(out / "fig12.png", dpi=200)
+        plt.close("all")
+    return {
+        "a": described(model),
+        "separate": described(local_model(ToyPieces(CONTACT_BY_CONTACT), *OTHER_A)),
+        "agreements": {each.name: each._asdict() for each in found},
+        "expected_power": 2,
+        "largest_relative_error": max(
+            abs(each.measured / each.predicted - 1.0) for each in found if each.predicted
+        ),
+        "branches": len(paper.branches),
+        "points": len(paper.points),
+    }
+
+
+def described(model: LocalModel) -> Results:
+    """A border collision in numbers."""
+    return {
+        "eps_n1": model.p,
+        "phi_s": model.x,
+        "slope": model.right.slope,
+        "kind": str(model.point.kind),
+        "predicted": {f"{start.kind} of P_{start.order}": start.slope for start in model.starts},
+    }
+
+
+def toy_diagram(fast: bool) -> Diagram:
+    """Everything that the toy has next to A."""
+    orders, search = ((1, 2), Search(slices=6)) if fast else ((1, 2, 3, 4), Search())
+    return bifurcation_diagram(Toy(), "eps_n1", SPAN, orders, WINDOW, search=search)
+
+
+def model_at(diagram: Diagram) -> LocalModel:
+    """The local model at A, as sharp as the diagram knows A."""
+    point = min(diagram.points, key=lambda p: abs(p.x - NEAR_A[0]) + abs(p.parameter - NEAR_A[1]))
+    return local_model(ToyPieces(Toy()), point.x, point.parameter)
+
+
+# --- Predicted and measured -----------------------------------------------------------------------
+
+
+def agreement(model: LocalModel, start: Start) -> Agreement:
+    """One branch of the model beside the toy's own, at some distances from A."""
+    places = np.array([place(model, start, q) for q in DISTANCES]) - model.x
+    q = np.array(DISTANCES)
+    quotients = start.side * places / q
+    errors = np.abs(places - start.side * start.slope * q)
+    power = np.polyfit(np.log(q), np.log(errors), 1)[0] if errors.max() > ROUNDING else None
+    return Agreement(
+        start.kind, start.order, start.slope, float(2.0 * quotients[-1] - quotients[-2]),
+        tuple(errors.tolist()), None if power is None else float(power),
+    )  # fmt: skip
+
+
+def place(model: LocalModel, start: Start, q: float) -> float:
+    """Where the toy has the branch at the distance q from A [rad].
+
+    A jump is looked for within a fifth of what the prediction moves by, so that no other is met:
+    the nearest two branches, of P_2 and P_4, differ by a sixth of it, but in their order.
+    """
+    p = model.p + start.side * q
+    expected = model.x + start.side * start.slope * q
+    if start.kind is BranchKind.FIXED_POINT:
+        return shoot(Toy(eps_n1=p), expected, order=start.order).phi_s
+    reach = 0.2 * (abs(start.slope) or 1.0) * q
+    map_ = Iterate(ToyPieces(Toy()), start.order)
+    borders = borders_in(map_, p, (expected - reach, expected + reach), SCALES)
+    (jump,) = filter(crosses, borders)
+    return jump.x
+
+
+# --- Picture --------------------------------------------------------------------------------------
+
+
+def papers_map() -> PiecewiseLinearMap:
+    """P_1^L with a = 5/4."""
+    return PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1]).at({A: Rational(5, 4)})
+
+
+def papers_diagram() -> Diagram:
+    """Orders 1 and 2 over r, a little further than the paper draws them."""
+    return exact_diagram(papers_map(), R, (Rational(-1, 2), Rational(5, 2)))
+
+
+def draw(paper: Diagram, model: LocalModel, diagram: Diagram, found: list[Agreement]) -> Figure:
+    """The paper's three pictures, and the toy's three."""
+    figure = plt.figure(figsize=(WIDTH, 6.4), layout="constrained")
+    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))
+    draw_paper(paper, above.subplots(1, 3))
+    toy, order = below.subfigures(1, 2, width_ratios=(2.0, 1.0))
+    plot_local(model, diagram, toy, reach=REACH)
+    for ax in toy.axes:
+        ax.tick_params(labelsize=7)
+        ax.set_title(ax.get_title(), fontsize=8)
+    toy.axes[0].set_title("the toy at A, prediction in grey", fontsize=8)
+    toy.axes[1].set_title(f"exact, with the toy's slope {model.right.slope:.5f}", fontsize=8)
+    draw_errors(found, order.subplots())
+    return figure
+
+
+def draw_paper(paper: Diagram, axes: list[Axes]) -> None:
+    """P_1^L, P_2^L and their diagram over r [Leine2001, Fig. 12]."""
+    map_, window = papers_map().at({R: 1}), (-1.5, 1.5)
+    for j, ax in zip((1, 2), axes[:2], strict=True):
+        plot_map(map_.iterate(j), ax, window=window, legend=j == 2)
+        ax.set_title(rf"$P_{j}^L$, $a = 5/4$, $r = 1$", fontsize=8)
+        ax.set_ylabel(rf"$P_{j}^L(x)$")
+        ax.set_ylim(-1.7, 1.7)
+    plot_diagram(paper, axes[2], kinds=(PointKind.BC, PointKind.FF))
+    axes[2].set(xlabel="$r$", ylabel="$x$", ylim=(-2.9, 2.1))
+    axes[2].set_title("orders 1 and 2, $a = 5/4$", fontsize=8)
+    for ax in axes:
+        ax.tick_params(labelsize=7)
+        legend = ax.get_legend()
+        if legend is not None:
+            plt.setp(legend.get_texts(), fontsize=5.5)
+
+
+def draw_errors(found: list[Agreement], ax: Axes) -> None:
+    """Distance of the toy from the straight lines, over the distance from A."""
+    markers = iter("so^vD")
+    for each in found:
+        if each.power is None:
+            continue
+        jump = each.kind is BranchKind.JUMP
+        ax.loglog(
+            DISTANCES, each.errors, next(markers), markersize=4.5, mfc="white",
+            color=JUMP if jump else UNSTABLE,
+            label=f"{'jump' if jump else 'fixed point'} of $P_{each.order}$",
+        )  # fmt: skip
+    q = np.array(DISTANCES)
+    top = max(each.errors[0] for each in found)
+    ax.loglog(q, 2.0 * top * (q / q[0]) ** 2, color="#252525", linewidth=0.9, label="slope 2")
+    grid(ax)
+    ax.set_title("toy less prediction", fontsize=8)
+    ax.set_xticks(DISTANCES, [f"{1e5 * each:g}" for each in DISTANCES])
+    ax.minorticks_off()
+    ax.set_xlabel(r"$10^5\,(\varepsilon_{N1} - \varepsilon_{N1,A})$")
+    ax.set_ylabel("error [rad]")
+    ax.tick_params(labelsize=7)
+    ax.legend(fontsize=6)
+
+
+if __name__ == "__main__":
+    command(main, "fig12_local_model")

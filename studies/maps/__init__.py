@@ -1,0 +1,1 @@
+"""Three maps of the literature, with what is published of each."""
