@@ -104,8 +104,8 @@ ALLOWED = {
     "checkpoint.VERSION", "iterates.RETURN", "margins.DEPTH", "margins.DIP", "margins.FIRST",
     "margins.NEAREST", "margins.REACH", "partition.NOWHERE", "reaches.INSIDE", "reaches.NO_VALUE",
     # mathematics, and what doubles can hold
-    "corners.ALMOST", "margins.FAR", "margins.FLAT", "margins.IN_X", "margins.ROUNDED", "network.TINY",
-    "orbits.SPACING", "search.GOLDEN",
+    "corners.ALMOST", "margins.FAR", "margins.FLAT", "margins.IN_X", "margins.ROUNDED",
+    "network.TINY", "orbits.SPACING", "search.GOLDEN",
     # bounds of loops that end before, or that another method finishes: work, and no result
     "bracketing.NEWTON", "margins.CUBIC_STEPS", "monotone.DEEPEST", "reaches.ROOT_STEPS",
     # differences in place of derivatives that a map lacks, and their check: known before any run
