@@ -13,6 +13,7 @@ from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, Speci
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import Collision, End
+from woodpecker.piecewise.nearby import Nearby
 from woodpecker.piecewise.records import precision, stretches
 from woodpecker.piecewise.settings import Settings
 
@@ -58,8 +59,13 @@ class Network:
         self.nodes: list[Node] = []
         self.waiting: deque[Collision] = deque()
         self.switches: deque[End] = deque()
-        self._collisions: list[Collision] = []
-        self._switches: list[End] = []
+        numerics = settings.numerics
+        widest = 2.0 * max(settings.same, numerics.drawn, numerics.at_flip**2) * settings.p_scale
+        self._by_low_end = Nearby[Curve](widest)
+        self._ends = Nearby[tuple[End, int]](widest)
+        self._places = Nearby[Node](widest)
+        self._collisions = Nearby[Collision](widest)
+        self._switches = Nearby[End](widest)
         self._counts: dict[str, int] = {}
 
     def diagram(self, parameter_name: str, x_name: str) -> Diagram:
@@ -90,7 +96,7 @@ class Network:
         """
         return (
             self._goes_round(curve)
-            or any(self._draws(known, curve) for known in self.curves)
+            or any(self._draws(known, curve) for known in self._by_low_end.near(_low_end(curve)))
             or any(self._joins_the_same(known, curve) for known in points)
         )
 
@@ -111,12 +117,16 @@ class Network:
     def add(self, curve: Curve) -> None:
         """Keep a branch, as many as its cycle has points."""
         self.curves.append(curve)
+        self._by_low_end.add(_low_end(curve), curve)
+        for end in curve.ends:
+            self._ends.add(end.p, (end, curve.order))
         for end in curve.ends:
             if end.collision is not None and not self._is_known(end.collision):
-                self._collisions.append(end.collision)
+                self._collisions.add(end.collision.p, end.collision)
                 self.waiting.append(end.collision)
-            if end.kind in SWITCHES and not any(self._is_at(k, end) for k in self._switches):
-                self._switches.append(end)
+            known = self._switches.near(end.p) if end.kind in SWITCHES else []
+            if end.kind in SWITCHES and not any(self._is_at(k, end) for k in known):
+                self._switches.add(end.p, end)
                 self.switches.append(end)
         last = len(curve.parameter) - 1
         located = [
@@ -217,12 +227,12 @@ class Network:
             and len(known.orbit) == len(met.orbit)
             and known.margin.index == met.margin.index
             and float(np.abs(known.orbit.x - met.orbit.x).max()) <= same * self.settings.x_scale
-            for known in self._collisions
+            for known in self._collisions.near(met.p)
         )
 
     def is_switched(self, end: End) -> bool:
         """Whether both branches that meet in a flip are known: there are no more."""
-        at_flip = (c.order for c in self.curves if any(self._is_at(end, e) for e in c.ends))
+        at_flip = (order for e, order in self._ends.near(end.p) if self._is_at(end, e))
         return end.kind is PointKind.PD and len(set(at_flip)) > 1
 
     def _is_at(self, one: End, other: End) -> bool:
@@ -238,13 +248,14 @@ class Network:
     def _node(self, end: End, x: float, order: int) -> Node:
         """The special point at a place; one that was met before is found again."""
         best: Node | None = None
-        for node in self.nodes:
+        for node in self._places.near(end.p):
             if self._meets(node, end, x, order):
                 best = node
                 break
         if best is None:
             best = Node(f"node {len(self.nodes)}", end, x, order)
             self.nodes.append(best)
+            self._places.add(end.p, best)
         elif order < best.order or (end.kind in COLLISIONS and best.end.kind not in COLLISIONS):
             best.end, best.order = end, min(order, best.order)
         return best
@@ -265,6 +276,11 @@ class Network:
     def _name(self, prefix: str) -> str:
         self._counts[prefix] = self._counts.get(prefix, 0) + 1
         return f"{prefix}{self._counts[prefix]}"
+
+
+def _low_end(curve: Curve) -> float:
+    """The parameter of that end where it is smaller."""
+    return float(min(curve.parameter[0], curve.parameter[-1]))
 
 
 def _place(curve: Curve, k: int) -> Floats:
