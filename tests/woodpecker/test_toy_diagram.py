@@ -161,7 +161,10 @@ def test_fixed_points_are_fixed(law: ExpansionFriction) -> None:
     for diagram in (near_a(law), island(law)):
         for branch in diagram.branches:
             if branch.kind is BranchKind.FIXED_POINT and len(branch) > 2:
-                for p, x in zip(branch.parameter[1:-1:7], branch.x[1:-1:7], strict=True):
+                # on a border rounding says which of two pieces is taken, with which slope
+                borders = {word.first - 1 for word in branch.words}
+                inside = [k for k in range(1, len(branch) - 1) if k not in borders]
+                for p, x in zip(branch.parameter[inside[::7]], branch.x[inside[::7]], strict=True):
                     toy = Toy(eps_n1=float(p), expansion_friction=law)
                     again = first_return(toy, float(x))
                     # 16 spacings, what a Newton step leaves: a branch here is steeper than 1e8

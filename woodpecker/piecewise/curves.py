@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +17,9 @@ from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.orbits import Condition, Orbit
 from woodpecker.piecewise.samples import Sample, Stop
+
+Keys = tuple[object, ...]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,3 +224,31 @@ def word_of(orbit: Orbit) -> str:
 def turned(sample: Sample) -> Sample:
     """The same sample on the way back."""
     return replace(sample, tangent=-sample.tangent, forward=not sample.forward)
+
+
+def word_at(curve: Curve, k: int) -> Word:
+    """Which pieces a branch takes at a sample."""
+    return curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1]
+
+
+def words_between(curve: Curve, k: int) -> list[Word]:
+    """Which pieces a branch takes at a sample and at the next."""
+    one, other = word_at(curve, k), word_at(curve, k + 1)
+    return [one] if one is other else [one, other]
+
+
+def from_point(values: tuple[T, ...], shift: int) -> tuple[T, ...]:
+    """The same from another point of a cycle."""
+    return (*values[shift:], *values[:shift])
+
+
+def agree(one: Keys, other: Keys) -> bool:
+    """Whether two orbits take the same pieces; at a border one side is enough.
+
+    What is on the other side of a jump may be a piece so thin that rounding decides whether it is
+    seen.
+    """
+    return len(one) == len(other) and all(
+        not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
+        for a, b in zip(one, other, strict=True)
+    )

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -13,7 +12,14 @@ from scipy.optimize import brentq
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.piecewise.crossings import is_inside
-from woodpecker.piecewise.curves import Curve, Word
+from woodpecker.piecewise.curves import (
+    Curve,
+    Keys,
+    agree,
+    from_point,
+    word_at,
+    words_between,
+)
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import (
     Closed,
@@ -27,9 +33,6 @@ from woodpecker.piecewise.orbits import (
     tangent,
 )
 from woodpecker.piecewise.pieces import Piece, PiecewiseMap
-
-Keys = tuple[object, ...]
-T = TypeVar("T")
 
 
 class Known:
@@ -129,7 +132,7 @@ class Known:
         holds = self._at.holds
         if place.chord not in holds:
             curve, k, shift = self.network.curves[place.chord[0]], *place.chord[1:]
-            one_word = _word(curve, k) is _word(curve, k + 1)
+            one_word = word_at(curve, k) is word_at(curve, k + 1)
             holds[place.chord] = any(
                 self._is_cycle(curve, samples, shift, place.x)
                 for samples in ([(k, k + 1)] if one_word else [(k, k - 1), (k + 1, k + 2)])
@@ -144,15 +147,15 @@ class Known:
         p, pieces = self._at.p, self._pieces(curve, samples)
         if not pieces:
             return True
-        start = orbit_of(_turned(pieces, shift), x, p)
+        start = orbit_of(from_point(pieces, shift), x, p)
         found = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
         return found.converged and is_inside(found.orbit, Closed())
 
     def _pieces(self, curve: Curve, samples: Sequence[int]) -> tuple[Piece, ...]:
         """The pieces of a branch at the first of two samples; none if the map takes others."""
-        word = _word(curve, samples[0])
+        word = word_at(curve, samples[0])
         for k in samples:
-            if 0 <= k < len(curve.points) and _word(curve, k) is word:
+            if 0 <= k < len(curve.points) and word_at(curve, k) is word:
                 p = float(curve.parameter[k])
                 pieces = tuple(self.map.at(x, p).piece for x in curve.points[k].tolist())
                 if tuple(piece.key for piece in pieces) == word.keys:
@@ -170,7 +173,7 @@ class Known:
                 continue
             p0, p1 = curve.parameter[k], curve.parameter[k + 1]
             part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
-            keys = tuple(_turned(word.keys, shift) for word in _words(curve, k))
+            keys = tuple(from_point(word.keys, shift) for word in words_between(curve, k))
             found.append(_Place((number, k, shift), one + part * (other - one), keys))
         return found
 
@@ -259,31 +262,3 @@ class _Place(NamedTuple):
     chord: tuple[int, int, int]
     x: Floats
     keys: tuple[Keys, ...]
-
-
-def _word(curve: Curve, k: int) -> Word:
-    """Which pieces a branch takes at a sample."""
-    return curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1]
-
-
-def _words(curve: Curve, k: int) -> list[Word]:
-    """Which pieces a branch takes at a sample and at the next."""
-    one, other = _word(curve, k), _word(curve, k + 1)
-    return [one] if one is other else [one, other]
-
-
-def _turned(values: tuple[T, ...], shift: int) -> tuple[T, ...]:
-    """The same from another point of a cycle."""
-    return (*values[shift:], *values[:shift])
-
-
-def agree(one: Keys, other: Keys) -> bool:
-    """Whether two orbits take the same pieces; at a border one side is enough.
-
-    What is on the other side of a jump may be a piece so thin that rounding decides whether it is
-    seen.
-    """
-    return len(one) == len(other) and all(
-        not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
-        for a, b in zip(one, other, strict=True)
-    )

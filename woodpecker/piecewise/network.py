@@ -11,7 +11,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.curves import Curve, agree, from_point, words_between
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.nearby import Nearby
 from woodpecker.piecewise.records import precision, stretches
@@ -181,7 +181,7 @@ class Network:
         )
 
     def _draws(self, known: Curve, curve: Curve) -> bool:
-        """Whether a branch has the ends of another one, and the middle of that lies on it too.
+        """Whether a branch has the ends of another, and its middle lies on that in the same pieces.
 
         A cycle may be followed from another of its points.
         """
@@ -217,7 +217,13 @@ class Network:
         here = sorted(curve.multiplier[k - 1 : k + 1])
         if curve.kind is BranchKind.FIXED_POINT:
             near &= (slopes[0] <= here[1]) & (here[0] <= slopes[1])
-        return bool(near.any())
+        own_keys = [word.keys for word in words_between(curve, k - 1)]
+        return any(
+            agree(from_point(word.keys, shift), keys)
+            for j in np.flatnonzero(near).tolist()
+            for word in words_between(known, j)
+            for keys in own_keys
+        )
 
     def _is_known(self, met: Collision) -> bool:
         """Whether a collision was met before, of the same cycle by the same piece."""
