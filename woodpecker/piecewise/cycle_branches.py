@@ -14,6 +14,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import conditions, directions
+from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.crossings import Restart, border_at, is_inside, replaced, restart
 from woodpecker.piecewise.curves import (
     Beginning,
@@ -61,8 +62,8 @@ class Cycles:
         self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
     ) -> None:
         self.map, self.settings = map_, settings
-        self.stepper = Stepper(map_, Closed(), settings, [FLIP], stop=stop)
-        self.corrector = self.stepper.corrector
+        self.corrector = Corrector(map_, Closed(), settings)
+        self.stepper = Stepper(self.corrector, [FLIP], stop)
 
     def through(self, orbit: Orbit) -> Followed:
         """The branch through a cycle, both ways to the next special points."""

@@ -158,7 +158,7 @@ class Jumps:
         return Corrector(self.map, closing, self.settings, self.order)
 
     def _stepper(self, closing: Margin) -> Stepper:
-        return Stepper(self.map, closing, self.settings, order=self.order, stop=self.stop)
+        return Stepper(self._corrector(closing), stop=self.stop)
 
     def _sample(self, head: Orbit, closing: Margin, along: Floats | None = None) -> Sample:
         forward = np.eye(len(head) + 1)[-1] if along is None else along

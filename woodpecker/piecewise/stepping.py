@@ -15,10 +15,7 @@ from woodpecker.piecewise.border_stops import at_border, is_first
 from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.hairpins import round_hairpin
 from woodpecker.piecewise.limit_stops import at_diagonal, at_tails, still_crosses
-from woodpecker.piecewise.orbits import Condition
-from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.samples import Arc, Sample, Stop, StopRule, angle
-from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.stops import (
     FOLD,
     Ending,
@@ -42,26 +39,19 @@ class Stepper:
 
     Parameters
     ----------
-    map_
-        The map; it has the last word on which piece is taken.
-    closing
-        The condition that makes orbits a branch: a cycle closes, a border orbit ends at a border.
-    settings
-        Steps and tolerances.
+    corrector
+        Finds neighbouring orbits of that kind.
     tests
         Functions whose changes of sign end an arc.
-    order
-        Of the jumps; 0 for cycles.
     stop
         Whether to end somewhere, if anybody asks for it.
     """
 
     def __init__(
-        self, map_: PiecewiseMap, closing: Condition, settings: Settings,
-        tests: Sequence[Test] = (), order: int = 0, stop: StopRule | None = None,
-    ) -> None:  # fmt: skip
-        self.corrector = Corrector(map_, closing, settings, order)
-        self.settings, self.tests, self.order, self.stop = settings, tuple(tests), order, stop
+        self, corrector: Corrector, tests: Sequence[Test] = (), stop: StopRule | None = None
+    ) -> None:
+        self.corrector, self.tests, self.stop = corrector, tuple(tests), stop
+        self.settings, self.order = corrector.settings, corrector.order
 
     def follow(
         self, start: Sample, ignored: Stop | None = None, origin: Sample | None = None,

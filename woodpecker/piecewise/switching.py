@@ -10,6 +10,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.branch_points import directions, ways
+from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.curves import turned
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.orbits import Closed, Orbit, minimal_period, scales, tangent
@@ -86,7 +87,8 @@ def doubling(twice: Orbit, settings: Settings) -> Floats:
 def _begin(map_: PiecewiseMap, start: Sample, ignored: Stop, settings: Settings) -> Begin | None:
     """The first samples of a branch; None if a border or an end lies closer than can be told."""
     step = settings.step
-    stepper = Stepper(map_, Closed(), replace(settings, max_samples=2), [FLIP])
+    short = replace(settings, max_samples=2)
+    stepper = Stepper(Corrector(map_, Closed(), short), [FLIP])
     while step >= settings.beside:
         arc = stepper.follow(start, ignored, first=step)
         if len(arc.samples) == 2 and arc.stop is Stop.MANY:
