@@ -13,12 +13,13 @@ from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.derivatives import check_derivatives
 from woodpecker.piecewise.diagrams import Found, connected, cycle_near, whole_diagram
+from woodpecker.piecewise.explorer import Seen, Stage
 from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
 from woodpecker.piecewise.iterates import Iterate
 from woodpecker.piecewise.local import LocalModel, Start, local_model
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.samples import BranchState
-from woodpecker.piecewise.search import Search, Seen, Stage
+from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, unexplained
 from woodpecker.piecewise.slices import Slice, slices_at

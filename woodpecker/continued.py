@@ -13,9 +13,9 @@ from woodpecker.base.checks import interval
 from woodpecker.base.executors import Serial
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.diagrams import cycle_near, orders_with, restored
+from woodpecker.piecewise.explorer import Explorer, Progress
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.samples import StopRule
-from woodpecker.piecewise.search import Explorer, Progress
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import AT, about, finished, nothing, possible, recorded, settings_for

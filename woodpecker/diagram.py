@@ -12,7 +12,8 @@ from woodpecker.base.checks import interval
 from woodpecker.base.executors import worker_count
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.diagrams import Found, finite_window, iterates, whole_diagram
-from woodpecker.piecewise.search import Progress, Search
+from woodpecker.piecewise.explorer import Progress
+from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
 from woodpecker.runs import WINDOW, about, finished, possible, recorded, settings_for
 from woodpecker.toypieces import ToyPieces

@@ -11,11 +11,12 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
+from woodpecker.piecewise.explorer import Explorer
 from woodpecker.piecewise.formulas import FormulaMap
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, orbit_of, solve
 from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.search import Explorer, Search, complete
+from woodpecker.piecewise.search import Search, complete
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
 

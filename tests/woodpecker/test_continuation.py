@@ -19,7 +19,8 @@ from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.checkpoint import Record, check_entry
 from woodpecker.piecewise.diagrams import cycle_near
-from woodpecker.piecewise.search import Explorer, Search, Stage
+from woodpecker.piecewise.explorer import Explorer, Stage
+from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import DEFAULT, WINDOW, about, saved_diagram, settings_of

@@ -19,9 +19,9 @@ from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.explorer import Explorer
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.pieces import Image, Piece
-from woodpecker.piecewise.search import Explorer
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import OUT_OF_DOMAIN, WINDOW

@@ -22,6 +22,7 @@ import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterator
+from concurrent import futures
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
@@ -33,7 +34,7 @@ from woodpecker.base.checks import whole
 
 WATCH = 1.0  # s: how often a worker looks whether its owner is still there
 PATIENCE = 2.0  # s: what takes less is done before processes that are started anew could help
-READY = 16  # tasks for each worker that would have nothing to do while one takes long
+READY = 64  # tasks for each worker that would have nothing to do while one takes long
 KEPT = 4  # descriptions of tasks that a process remembers: one for each search it works for
 
 
@@ -49,6 +50,9 @@ class Pending(Protocol):
 
     def result(self) -> Done:
         """Wait for it."""
+
+    def done(self) -> bool:
+        """Whether it is finished."""
 
     def cancel(self) -> bool:
         """Give it up."""
@@ -68,11 +72,18 @@ class Scheduler(Protocol):
     def spare(self) -> int:
         """How many tasks are worth having ready for whoever would have nothing to do."""
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether somebody may soon have nothing to do."""
+
     def submit(self, *arguments: Any) -> Pending:
         """Submit a task."""
 
     def later(self, *arguments: Any) -> Pending:
         """Submit a task that gives way to others until its result is asked for."""
+
+    def waited(self, pending: Pending) -> bool:
+        """Wait until a task is finished, or another one; whether its result is there for asking."""
 
 
 class _Later:
@@ -84,6 +95,9 @@ class _Later:
     def result(self) -> Done:
         return self._work(*self._arguments)
 
+    def done(self) -> bool:
+        return False
+
     def cancel(self) -> bool:
         return True
 
@@ -92,6 +106,7 @@ class Serial:
     """The calling thread: what is not asked for is not done."""
 
     ahead = spare = 1
+    is_idle = False
 
     def __init__(self, work: Work) -> None:
         self._work = work
@@ -102,6 +117,10 @@ class Serial:
 
     later = submit
 
+    def waited(self, _: Pending) -> bool:
+        """Whether the result is there: it will be when it is asked for."""
+        return True
+
 
 class Parallel:
     """An executor: tasks are carried out while others are waited for."""
@@ -109,8 +128,14 @@ class Parallel:
     def __init__(self, executor: Executor, work: Work, workers: int) -> None:
         self._executor, self._work, self._workers = executor, work, workers
         self.ahead, self.spare = 2 * workers, READY * workers
-        self._open, self._ready = set[Future[Done]](), deque[_Spare]()
+        self._open, self._fillers = set[Future[Done]](), set[Future[Done]]()
+        self._ready, self._most = deque[_Spare](), max(1, workers - 1)
         self._lock = threading.RLock()  # futures are done in another thread
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether somebody may soon have nothing to do."""
+        return len(self._open) < self._workers
 
     def submit(self, *arguments: Any) -> Future[Done]:
         """A task for the next worker that is free."""
@@ -128,12 +153,34 @@ class Parallel:
             self._fill()
         return task
 
+    def waited(self, pending: Pending) -> bool:
+        """Wait until a task is finished, or another one; whether its result is there for asking."""
+        with self._lock:
+            others = {each for each in self._open if not each.done()}
+        if others and not pending.done():
+            futures.wait(others, return_when=futures.FIRST_COMPLETED)
+        return pending.done() or not others
+
     def take(self, task: _Spare) -> None:
         """Submit a task that is ready now; or give it up, if it is cancelled."""
         with self._lock:
             if task in self._ready:
                 self._ready.remove(task)
-                task.future = None if task.cancelled else self.submit(*task.arguments)
+                if not task.cancelled:
+                    task.future = self.submit(*task.arguments)
+                    self._fillers.add(task.future)
+
+    def wait_for(self, task: _Spare) -> Done:
+        """The result of a task that was ready; nothing is more urgent now, so all fill up."""
+        with self._lock:
+            self.take(task)
+            self._most = self._workers
+            self._fill()
+        assert task.future is not None
+        try:
+            return task.future.result()
+        finally:
+            self._most = max(1, self._workers - 1)
 
     def cancel(self) -> None:
         """Give up what is not begun."""
@@ -146,11 +193,12 @@ class Parallel:
     def _is_done(self, future: Future[Done]) -> None:
         with self._lock, suppress(RuntimeError):  # who asks for a result learns of a broken pool
             self._open.discard(future)
+            self._fillers.discard(future)
             self._fill()
 
     def _fill(self) -> None:
-        """Keep every worker busy."""
-        while self._ready and len(self._open) < self._workers:
+        """Keep workers busy, but for one: the next of what is submitted step by step is urgent."""
+        while self._ready and len(self._open) < self._workers and len(self._fillers) < self._most:
             self.take(self._ready[0])
 
 
@@ -162,9 +210,10 @@ class _Spare:
         self.future: Future[Done] | None = None
 
     def result(self) -> Done:
-        self._parallel.take(self)
-        assert self.future is not None
-        return self.future.result()
+        return self._parallel.wait_for(self)
+
+    def done(self) -> bool:
+        return self.future is not None and self.future.done()
 
     def cancel(self) -> bool:
         self.cancelled = True
@@ -201,6 +250,11 @@ class Joined:
         return self._now.spare
 
     @property
+    def is_idle(self) -> bool:
+        """Whether somebody may soon have nothing to do."""
+        return self._now.is_idle
+
+    @property
     def _now(self) -> Scheduler:
         if self._elsewhere is not None and self._ready.is_set():
             return self._elsewhere
@@ -215,6 +269,12 @@ class Joined:
         """The same, for a process that would have nothing to do."""
         self._grow()
         return self._now.later(*arguments)
+
+    def waited(self, pending: Pending) -> bool:
+        """Wait until a task is finished, or another one; whether its result is there for asking."""
+        if self._elsewhere is None or isinstance(pending, _Later):
+            return True
+        return self._elsewhere.waited(pending)
 
     def _grow(self) -> None:
         """Start processes when it takes long."""

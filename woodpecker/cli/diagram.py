@@ -31,8 +31,8 @@ from woodpecker.continued import continuation
 from woodpecker.diagram import find_all
 from woodpecker.mechanics.toy import Toy, known_parameter
 from woodpecker.piecewise.diagrams import Found
+from woodpecker.piecewise.explorer import Progress, Stage
 from woodpecker.piecewise.local import local_model
-from woodpecker.piecewise.search import Progress, Stage
 from woodpecker.piecewise.settings import Settings
 from woodpecker.runs import WINDOW, saved_diagram
 from woodpecker.solutions import known_observables

@@ -23,10 +23,11 @@ from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.crossings import cycle_at_border
 from woodpecker.piecewise.curves import Curve, Mark, Word
 from woodpecker.piecewise.ends import Collision, End
+from woodpecker.piecewise.explorer import Seen
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Margin
 from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.search import Past, Seen
+from woodpecker.piecewise.search import Past
 from woodpecker.piecewise.settings import Settings
 
 CURVES, DONE, SWITCHED, SLICE = "curves", "done", "switched", "slice"  # kinds of entries

@@ -14,9 +14,10 @@ from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler
 from woodpecker.piecewise.checkpoint import Record, restore
+from woodpecker.piecewise.explorer import Explorer, Progress, Seen
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
-from woodpecker.piecewise.search import Explorer, Past, Progress, Search, Seen, complete
+from woodpecker.piecewise.search import Past, Search, complete
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
 

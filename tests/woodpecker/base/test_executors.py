@@ -94,6 +94,45 @@ def test_spare_tasks_give_way_to_others() -> None:
     assert sorted(done[2:]) == [1, 3]
 
 
+def test_spare_tasks_leave_a_worker_free() -> None:
+    """Of two workers one is kept for what is submitted step by step, until a spare one is asked."""
+    release, begun = threading.Event(), list[int]()
+
+    def task(x: int) -> Done:
+        begun.append(x)
+        assert x == 9 or release.wait(60.0)
+        return squared(x)
+
+    with ThreadPoolExecutor(2) as pool, scheduler(task, 2, pool) as tasks:
+        spare = [tasks.later(x) for x in (1, 2, 3)]
+        step = tasks.submit(9)
+        while not tasks.waited(step):
+            pass
+        assert step.result().value == 81
+        assert not spare[0].done()
+        assert tasks.is_idle
+        assert begun == [1, 9]
+        release.set()
+        assert [each.result().value for each in spare] == [1, 4, 9]
+
+
+def test_waiting_ends_when_anything_is_done() -> None:
+    release = threading.Event()
+
+    def task(x: int) -> Done:
+        assert x == 1 or release.wait(60.0)
+        return squared(x)
+
+    with ThreadPoolExecutor(2) as pool, scheduler(task, 2, pool) as tasks:
+        slow, quick = tasks.submit(2), tasks.submit(1)
+        assert not tasks.waited(slow)
+        assert quick.done()
+        release.set()
+        while not tasks.waited(slow):
+            pass
+        assert slow.result().value == 4
+
+
 @pytest.mark.parametrize("workers", [1, 2])
 def test_spare_tasks_are_done_without_being_asked_for(workers: int) -> None:
     with scheduler(squared, workers) as tasks:

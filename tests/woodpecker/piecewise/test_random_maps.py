@@ -10,8 +10,9 @@ from exact import FARTHEST, SPAN, random_case, same_graph
 
 from pwmap import Diagram
 from woodpecker.base.executors import Serial
+from woodpecker.piecewise.explorer import Explorer
 from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.search import Explorer, Search, complete
+from woodpecker.piecewise.search import Search, complete
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.symbolic import from_pwmap
 from woodpecker.piecewise.tasks import Worker

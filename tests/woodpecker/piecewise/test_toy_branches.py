@@ -13,11 +13,11 @@ from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.crossings import border_at, restart
 from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.diagrams import cycle_near
+from woodpecker.piecewise.explorer import Explorer
 from woodpecker.piecewise.margins import nearest_code
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Closed, Coordinate, Margin, orbit_of, solve
 from woodpecker.piecewise.partition import partition
-from woodpecker.piecewise.search import Explorer
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
 from woodpecker.simulation.returns import first_return

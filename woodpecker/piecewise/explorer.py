@@ -1,0 +1,393 @@
+"""Everything that is connected: branches are followed with all that hangs on their ends.
+
+Tasks are submitted some time before they are needed, and what was found meanwhile decides whether
+they still are: so the result does not depend on who carries them out, or on how many do.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from itertools import islice
+from typing import Any, NamedTuple, Protocol
+
+from pwmap.diagrams.diagram import BranchKind
+from woodpecker.base.executors import Pending, Scheduler
+from woodpecker.piecewise.curves import Beginning, Curve, Followed, keys_of
+from woodpecker.piecewise.ends import Collision, End
+from woodpecker.piecewise.jumps import Jump
+from woodpecker.piecewise.known import Known
+from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.orbits import Closed, Condition, Orbit
+from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.slices import Slice
+from woodpecker.piecewise.tasks import Tasks
+
+
+class Stage(NamedTuple):
+    """How far a search has come.
+
+    Attributes
+    ----------
+    parameter, order
+        Where a branch of P_order was followed to.
+    slices
+        How many were taken; 0 if none are.
+    branches
+        How many are known.
+    """
+
+    parameter: float
+    order: int
+    slices: int
+    branches: int
+
+
+Progress = Callable[[Stage], None]
+
+
+class Seen(NamedTuple):
+    """What a slice came to.
+
+    Attributes
+    ----------
+    p
+        Where it was taken.
+    new
+        Orders of the branches that were found from it.
+    unresolved
+        Total length of intervals in which there are more pieces than were looked for.
+    left
+        (order, x) of what it shows and no branch goes through, though one was followed from there.
+    evaluations
+        How often the map was evaluated for it.
+    """
+
+    p: float
+    new: tuple[int, ...]
+    unresolved: float
+    left: tuple[tuple[int, float], ...]
+    evaluations: int
+
+
+class Recorder(Protocol):
+    """Keeps what is finished."""
+
+    def followed(self, curves: Sequence[Curve]) -> None:
+        """Keep the curves that a task has come to."""
+
+    def done(self, met: Collision | End) -> None:
+        """Keep that all that starts at the next special point was followed."""
+
+    def seen(self, found: Seen) -> None:
+        """Keep that all that a slice shows was followed."""
+
+
+class _Place(NamedTuple):
+    """An orbit that a branch may go through, and the task that follows it."""
+
+    kind: BranchKind
+    order: int
+    orbit: Orbit
+    closing: Condition
+    keys: tuple[object, ...]
+    task: Callable[..., Any]
+    argument: object
+
+
+def _of_cycle(orbit: Orbit) -> _Place:
+    return _Place(
+        BranchKind.FIXED_POINT, len(orbit), orbit, Closed(), orbit.keys, Tasks.cycle, orbit
+    )
+
+
+def _of_jump(jump: Jump) -> _Place:
+    keys = keys_of(jump.head, jump)
+    return _Place(BranchKind.JUMP, jump.order, jump.head, jump.closing, keys, Tasks.jump, jump)
+
+
+def _of_beginning(begin: Beginning) -> _Place:
+    last = begin.samples[-1]
+    return _Place(
+        begin.kind, begin.order, last.orbit, begin.closing, keys_of(last.orbit, last.jump),
+        Tasks.ahead, begin,
+    )  # fmt: skip
+
+
+def _shown(by: Slice) -> Iterator[_Place]:
+    """What a slice shows."""
+    yield from map(_of_cycle, by.cycles)
+    yield from map(_of_jump, by.jumps)
+
+
+class _Leg:
+    """A part of a branch that is being followed, and those that continue it, once submitted."""
+
+    def __init__(self, pending: Pending) -> None:
+        self.pending = pending
+        self.onward: list[_Leg] | None = None
+
+    def cancel(self) -> None:
+        """Give up the leg and all that continues it."""
+        self.pending.cancel()
+        self.give_up()
+
+    def give_up(self) -> None:
+        """Give up what continues the leg."""
+        for each in self.onward or ():
+            each.cancel()
+
+
+class _Candidate:
+    """A place, its first leg if that was submitted, and how many branches did not explain it."""
+
+    def __init__(self, place: _Place) -> None:
+        self.place = place
+        self.leg: _Leg | None = None
+        self.unexplained_by = -1
+
+
+class _Start:
+    """What starts at a special point: asked for, and then known."""
+
+    def __init__(self, pending: Pending) -> None:
+        self.pending = pending
+        self.candidates: list[_Candidate] | None = None
+
+
+class Explorer:
+    """Follows branches, and what starts at their ends.
+
+    Each is followed when its turn comes, one after the other. While a result is waited for, those
+    whose turn comes later are submitted too, as long as somebody would have nothing to do.
+
+    Parameters
+    ----------
+    map_
+        The map.
+    scheduler
+        Where tasks are carried out.
+    settings
+        Scales.
+    orders
+        Iterates whose branches are kept.
+    progress
+        Called with every branch.
+    recorder
+        Keeps what is finished, if anybody does.
+    """
+
+    def __init__(
+        self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
+        progress: Progress = lambda _: None, recorder: Recorder | None = None,
+    ) -> None:  # fmt: skip
+        self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
+        self.recorder = recorder
+        self.network, self.slices, self.evaluations = Network(settings), 0, 0
+        self.coming = deque[Pending]()
+        self._known = {
+            (kind, order): Known(self.network, kind, order, map_)
+            for kind in BranchKind
+            for order in self.orders
+        }
+        self._starts: dict[int, _Start] = {}
+        self._switches = False  # whether those are followed by now
+
+    def follow(self, orbit: Orbit) -> None:
+        """Follow the branch through a cycle, and all that hangs on its ends."""
+        self.branch(orbit)
+        self.finish()
+
+    def branch(self, orbit: Orbit) -> None:
+        """Follow the branch through a cycle, and those that continue it beyond its ends."""
+        self._keep(self._leg(Tasks.cycle, orbit))
+
+    def go_on(self) -> None:
+        """Follow what starts at the collisions that were met."""
+        waiting = self.network.waiting
+        while waiting:
+            self._follow_all(waiting[0])
+            self._is_done(waiting.popleft())
+
+    def finish(self) -> None:
+        """Follow what starts at collisions, and at flips and branch points after these."""
+        self.go_on()
+        switches, self._switches = self.network.switches, True
+        while switches:
+            if not self.network.is_switched(switches[0]):
+                self._follow_all(switches[0])
+            self._is_done(switches.popleft())
+            self.go_on()
+        self._switches = False
+
+    def look(self, p: float) -> None:
+        """Take slices of all orders at a parameter, to be seen after those that were taken before.
+
+        They give way to what is needed now.
+        """
+        self.coming.append(self.scheduler.later(Tasks.slice, p, self.orders))
+
+    def see(self, before: Sequence[int] = ()) -> Seen:
+        """Follow what the slices at the next parameter show and no branch explains.
+
+        What was followed ``before`` the slice was taken again, orders of branches, counts as new.
+        """
+        done = self.coming.popleft().result()
+        new, left = list(before), list[tuple[int, float]]()
+        known = len(self.network.curves)
+        for place in (place for each in done.value for place in _shown(each)):
+            if not self._follow(_Candidate(place)):
+                continue
+            self.go_on()
+            new += [curve.order for curve in self.network.curves[known:]]
+            known = len(self.network.curves)
+            if not self._is_explained(place):
+                left.append((place.order, float(place.orbit.x[0])))
+        unresolved = max(each.unresolved for each in done.value)
+        p = done.value[0].p
+        seen = Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
+        if self.recorder is not None:
+            self.recorder.seen(seen)
+        return seen
+
+    # --- In turn ----------------------------------------------------------------------------------
+
+    def _follow_all(self, met: Collision | End) -> None:
+        """Follow what starts at a special point."""
+        start = self._start(met)
+        self._wait(start.pending)
+        self._done(start.pending)
+        for candidate in self._candidates(start):
+            self._follow(candidate)
+
+    def _is_done(self, met: Collision | End) -> None:
+        self._starts.pop(id(met), None)
+        if self.recorder is not None:
+            self.recorder.done(met)
+
+    def _follow(self, candidate: _Candidate) -> bool:
+        """Follow what goes through a place, unless a branch explains it; whether that was done."""
+        if self._is_new(candidate):
+            self._keep(candidate.leg or self._leg(candidate.place.task, candidate.place.argument))
+            return True
+        if candidate.leg is not None:
+            candidate.leg.cancel()
+        return False
+
+    def _keep(self, first: _Leg) -> None:
+        """Keep a branch and those that continue it beyond its ends, until one is known already.
+
+        One that is known is followed to its end before that is seen: right beyond a sharp fold it
+        cannot be told from the branch that led there.
+        """
+        kept, points, todo = list[Curve](), list[Curve](), deque([first])
+        while todo:
+            leg = todo.popleft()
+            self._wait(leg.pending, todo)
+            found = self._done(leg.pending)
+            curve = found.curve
+            if self._is_dropped(curve, points):
+                leg.give_up()
+                continue
+            if self.network.is_a_point(curve):
+                points.append(curve)
+            else:
+                self.network.add(curve)
+                kept.append(curve)
+                end, count = curve.ends[1], len(self.network.branches)
+                self.progress(Stage(end.p, curve.order, self.slices, count))
+            todo += self._onward(leg, found)
+        if self.recorder is not None:
+            self.recorder.followed(kept)
+
+    def _done(self, pending: Pending) -> Any:
+        done = pending.result()
+        self.evaluations += done.evaluations
+        return done.value
+
+    def _is_dropped(self, curve: Curve, points: Sequence[Curve] = ()) -> bool:
+        """Whether a branch is known, or not wanted."""
+        return curve.order not in self.orders or self.network.has(curve, points)
+
+    def _is_new(self, candidate: _Candidate) -> bool:
+        """Whether no branch explains a place."""
+        curves = len(self.network.curves)
+        if candidate.unexplained_by < curves and not self._is_explained(candidate.place):
+            candidate.unexplained_by = curves
+        return candidate.unexplained_by == curves
+
+    def _is_explained(self, place: _Place) -> bool:
+        known = self._known[place.kind, place.order]
+        return known.explains(place.orbit, place.closing, place.keys)
+
+    # --- Submitted, in turn or ahead --------------------------------------------------------------
+
+    def _leg(self, task: Callable[..., Any], argument: object) -> _Leg:
+        return _Leg(self.scheduler.submit(task, argument))
+
+    def _onward(self, leg: _Leg, found: Followed) -> list[_Leg]:
+        """The legs that continue one."""
+        if leg.onward is None:
+            leg.onward = [self._leg(Tasks.ahead, begin) for begin in found.onward]
+        return leg.onward
+
+    def _start(self, met: Collision | End) -> _Start:
+        """What starts at a special point that waits."""
+        if id(met) not in self._starts:
+            task = Tasks.starts if isinstance(met, Collision) else Tasks.switches
+            self._starts[id(met)] = _Start(self.scheduler.submit(task, met, self.orders))
+        return self._starts[id(met)]
+
+    def _candidates(self, start: _Start) -> list[_Candidate]:
+        """Where branches start at a special point, as far as they lie in the span."""
+        if start.candidates is None:
+            low, high = self.network.settings.span
+            start.candidates = [
+                _Candidate(_of_beginning(begin))
+                for begin in start.pending.result().value
+                if low <= begin.samples[-1].orbit.p <= high
+            ]
+        return start.candidates
+
+    def _wait(self, pending: Pending, todo: Iterable[_Leg] = ()) -> None:
+        """Wait for a task, and submit what is likely to be needed later."""
+        self._submit_ahead(todo)
+        while not self.scheduler.waited(pending):
+            self._submit_ahead(todo)
+
+    def _submit_ahead(self, todo: Iterable[_Leg]) -> None:
+        """Submit what is likely to be needed later, the likeliest first."""
+        for leg in todo:
+            self._go_ahead(leg)
+        for met in islice(self._later(), self.scheduler.ahead):
+            if not self.scheduler.is_idle:
+                return
+            self._look_ahead(self._start(met))
+
+    def _later(self) -> Iterator[Collision | End]:
+        """Special points whose turn comes next."""
+        yield from self.network.waiting
+        if self._switches:
+            yield from (end for end in self.network.switches if not self.network.is_switched(end))
+
+    def _look_ahead(self, start: _Start) -> None:
+        """Follow what starts at a special point before its turn has come."""
+        if start.candidates is None and not start.pending.done():
+            return
+        with suppress(Exception):  # it is raised when its turn comes, if it comes
+            for candidate in self._candidates(start):
+                if candidate.leg is not None:
+                    self._go_ahead(candidate.leg)
+                elif self.scheduler.is_idle and self._is_new(candidate):
+                    candidate.leg = self._leg(candidate.place.task, candidate.place.argument)
+
+    def _go_ahead(self, leg: _Leg) -> None:
+        """Continue a leg whose turn has not come, as far as it is not known by now."""
+        if leg.onward is None and leg.pending.done():
+            with suppress(Exception):
+                found = leg.pending.result().value
+                leg.onward = [] if self._is_dropped(found.curve) else self._onward(leg, found)
+        for each in leg.onward or ():
+            self._go_ahead(each)
