@@ -11,6 +11,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,7 +42,7 @@ RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where cont
 KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
 CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
 TOO_FAR = "the path does not reach so far"
-NO_MARGINS, NO_GRADIENTS = np.zeros(0), np.zeros((0, 2))
+NO_MARGINS, NO_GRADIENTS, NO_TIMES = np.zeros(0), np.zeros((0, 2)), np.zeros(0)
 NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
 
 
@@ -151,11 +152,20 @@ class ToyPieces:
         room = self.room()
         obstacle = room.obstacle(x, p)
         if obstacle:
-            return _undefined(ToyPiece(self, NO_PATH, NO_MARGINS, obstacle), obstacle)
-        status, path = room.follower.trace(x)
+            return _undefined(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
+        status, path, _ = room.follower.trace(x)
         if not status.success:
-            return _undefined(ToyPiece(self, NO_PATH, NO_MARGINS, status.value), status.value)
-        return _image(ToyPiece(self, path.steps, path.times, path.word), room, x, p)
+            nowhere = ToyPiece(self, Path(status.value, NO_PATH, NO_TIMES))
+            return _undefined(nowhere, status.value)
+        return _image(ToyPiece(self, path), room, x, p)
+
+    def taken(self, x: float, p: float) -> tuple[bytes, float]:
+        """The key of the piece that the toy takes there, and its image as the search finds it."""
+        room = self.room()
+        if room.obstacle(x, p):
+            return NO_PATH.tobytes(), math.nan
+        status, path, value = room.follower.trace(x)
+        return (path.steps if status.success else NO_PATH).tobytes(), value
 
     def sweep(self, x: Floats, p: float) -> Sweep:
         """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
@@ -186,43 +196,42 @@ def _same(toy: Toy, parameter: str) -> ToyPieces:
     return ToyPieces(toy, parameter)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ToyPiece:
+class ToyPiece(NamedTuple):
     """Returns along one path.
 
     Attributes
     ----------
     whole
         The map that the piece belongs to.
-    steps
-        (n, 8), what begins and ends each phase; empty where the toy does not return.
-    times
-        (n,) durations of the phases [s] where the piece was met last.
-    word
-        Sequence of events, or why the toy does not return.
+    path
+        What happens; of no phases where the toy does not return, with the reason as its word. The
+        durations are those where the piece was met last.
     """
 
     whole: ToyPieces
-    steps: Ints
-    times: Floats
-    word: str
+    path: Path
+
+    @property
+    def word(self) -> str:
+        """Sequence of events, or why the toy does not return."""
+        return self.path.word
 
     @property
     def key(self) -> bytes:
         """The same for two pieces just if they are one."""
-        return self.steps.tobytes()
+        return self.path.steps.tobytes()
 
     def at(self, x: float, p: float) -> Image:
         """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
         room = self.whole.room()
         obstacle = room.obstacle(x, p)
-        if obstacle or not len(self.steps):
+        if obstacle or not len(self.path.steps):
             return _undefined(self, obstacle or self.word)
         return _image(self, room, x, p)
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
-        return cause_of(Path(self.word, self.steps, self.times), code).sentence
+        return cause_of(self.path, code).sentence
 
 
 def _undefined(piece: ToyPiece, reason: str) -> Image:
@@ -231,10 +240,10 @@ def _undefined(piece: ToyPiece, reason: str) -> Image:
 
 def _image(piece: ToyPiece, room: _Room, x: float, p: float) -> Image:
     """The return along a piece with the numbers of p, which the room has now."""
-    found = room.follower.follow(Path(piece.word, piece.steps, piece.times), x)
+    found = room.follower.follow(piece.path, x)
     if found is None or not math.isfinite(found.phi_s):
         return _undefined(piece, TOO_FAR)
-    here = ToyPiece(piece.whole, piece.steps, found.times, piece.word)
+    here = ToyPiece(piece.whole, Path(piece.path.word, piece.path.steps, found.times))
     rate = found.d_parameter
     if p == 0.0 and math.isnan(rate):  # contacts that rest here bounce at any larger restitution
         rate = _rate_from_above(piece.whole, x, found.phi_s)

@@ -19,7 +19,7 @@ from woodpecker.piecewise.orbits import (
     solve,
     tangent,
 )
-from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.pieces import Image, PiecewiseMap, judge
 from woodpecker.piecewise.samples import Sample, angle
 from woodpecker.piecewise.settings import Settings
 
@@ -43,6 +43,7 @@ class Corrector:
         self, map_: PiecewiseMap, closing: Condition, settings: Settings, order: int = 0
     ) -> None:
         self.map, self.closing, self.settings, self.order = map_, closing, settings, order
+        self._taken = judge(map_)
 
     def sample(self, orbit: Orbit, along: Floats) -> Sample:
         """An orbit with its tangent, which points like another one.
@@ -196,9 +197,9 @@ class Corrector:
 
     def _is_taken(self, x: float, p: float, image: Image) -> bool:
         """Whether the map takes the piece of an image, and the same of its solutions."""
-        there = self.map.at(x, p)
+        key, value = self._taken(x, p)
         slack = self.settings.same * self.settings.x_scale * max(1.0, abs(image.slope))
-        return there.piece.key == image.piece.key and not abs(there.value - image.value) > slack
+        return key == image.piece.key and not abs(value - image.value) > slack
 
 
 def pulled_inside(predicted: Orbit, last: Orbit) -> Orbit:

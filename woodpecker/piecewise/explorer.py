@@ -291,11 +291,11 @@ class Explorer:
             if self._is_dropped(curve, points):
                 leg.give_up()
                 continue
+            kept.append(curve)
+            self.network.add(curve)
             if self.network.is_a_point(curve):
                 points.append(curve)
             else:
-                self.network.add(curve)
-                kept.append(curve)
                 end, count = curve.ends[1], len(self.network.branches)
                 self.progress(Stage(end.p, curve.order, self.slices, count))
             todo += self._onward(leg, found)

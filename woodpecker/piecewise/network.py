@@ -24,13 +24,26 @@ SWITCHES = (PointKind.PD, PointKind.BP)
 
 @dataclass(eq=False)
 class Node:
-    """A special point under construction."""
+    """A special point under construction; ``flips`` if a flip lies there, whatever it is called."""
 
     id: str
     end: End
     x: float
     order: int
+    flips: bool
     branches: list[str] = field(default_factory=list)
+
+    def take(self, end: End, order: int) -> None:
+        """Take in another end that lies there: it names the point if it says more.
+
+        A collision says more than what it goes with; a cycle more than the same cycle passed twice,
+        to which its flip is a fold; and a fold more than a flip that cannot be told from it.
+        """
+        self.flips = self.flips or end.kind is PointKind.PD
+        collides = end.kind in COLLISIONS and self.end.kind not in COLLISIONS
+        folds = order == self.order and (end.kind, self.end.kind) == (PointKind.LP, PointKind.PD)
+        if order < self.order or collides or folds:
+            self.end, self.order = end, min(order, self.order)
 
     def as_point(self, name: str) -> SpecialPoint:
         """The same as a diagram keeps it."""
@@ -115,7 +128,10 @@ class Network:
         )
 
     def add(self, curve: Curve) -> None:
-        """Keep a branch, as many as its cycle has points."""
+        """Keep a branch, as many as its cycle has points; one that is a point is not kept."""
+        if self.is_a_point(curve):
+            self._pass_over(curve)
+            return
         self.curves.append(curve)
         self._by_low_end.add(_low_end(curve), curve)
         for end in curve.ends:
@@ -157,6 +173,18 @@ class Network:
             )
             for node in ends:
                 node.branches.append(name)
+
+    def _pass_over(self, curve: Curve) -> None:
+        """Take the ends of a branch that is a point for the special point that it is.
+
+        Which of them a branch meets first is a matter of where it comes from, and of rounding.
+        """
+        columns = 1 if curve.kind is BranchKind.JUMP else curve.order
+        for end in curve.ends:
+            for x in end.x[:columns].tolist():
+                node = self._found(end, x, curve.order)
+                if node is not None:
+                    node.take(end.at(x), curve.order)
 
     def _joins_the_same(self, known: Curve, curve: Curve) -> bool:
         """Whether two branches that are points lead from the same special point to the same."""
@@ -253,22 +281,24 @@ class Network:
 
     def _node(self, end: End, x: float, order: int) -> Node:
         """The special point at a place; one that was met before is found again."""
-        best: Node | None = None
-        for node in self._places.near(end.p):
-            if self._meets(node, end, x, order):
-                best = node
-                break
-        if best is None:
-            best = Node(f"node {len(self.nodes)}", end, x, order)
-            self.nodes.append(best)
-            self._places.add(end.p, best)
-        elif order < best.order or (end.kind in COLLISIONS and best.end.kind not in COLLISIONS):
-            best.end, best.order = end, min(order, best.order)
-        return best
+        node = self._found(end, x, order)
+        if node is None:
+            node = Node(f"node {len(self.nodes)}", end, x, order, end.kind is PointKind.PD)
+            self.nodes.append(node)
+            self._places.add(end.p, node)
+        else:
+            node.take(end, order)
+        return node
+
+    def _found(self, end: End, x: float, order: int) -> Node | None:
+        """The special point at a place that was met before."""
+        near = self._places.near(end.p)
+        return next((node for node in near if self._meets(node, end, x, order)), None)
 
     def _meets(self, node: Node, end: End, x: float, order: int) -> bool:
         kinds = {node.end.kind, end.kind}
-        flips = PointKind.PD in kinds and kinds <= {PointKind.PD, PointKind.LP}
+        turns = kinds <= {PointKind.PD, PointKind.LP}
+        flips = turns and order != node.order and (node.flips or end.kind is PointKind.PD)
         near, at_flip = self.settings.same * self.settings.x_scale, self.settings.numerics.at_flip
         if flips:
             near = at_flip * self.settings.x_scale
@@ -277,7 +307,7 @@ class Network:
         wide = at_flip**2 if flips else self.settings.same
         if abs(node.end.p - end.p) > wide * self.settings.p_scale:
             return False
-        return len(kinds) == 1 or flips or bool(kinds & set(COLLISIONS))
+        return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
 
     def _name(self, prefix: str) -> str:
         self._counts[prefix] = self._counts.get(prefix, 0) + 1

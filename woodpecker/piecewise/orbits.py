@@ -223,25 +223,42 @@ def _units(n: int, x_scale: float, p_scale: float) -> Floats:
 
 
 def jacobian(orbit: Orbit, conditions: Sequence[Condition], scale: Floats) -> Floats:
-    """Derivatives (n - 1 + m, n + 1) of all equations in the scaled unknowns, rows of length 1.
+    """Derivatives (n - 1 + m, n + 1) of all equations in the scaled unknowns; m conditions."""
+    return np.array(_rows(orbit, conditions, scale.tolist()))
 
-    ``conditions`` are m. A row that is not finite stays so.
-    """
-    n = len(orbit)
-    matrix = np.zeros((n - 1 + len(conditions), n + 1))
+
+def _rows(
+    orbit: Orbit, conditions: Sequence[Condition], scale: Sequence[float]
+) -> list[list[float]]:
+    """The same as lists: they are so short that arrays would take longer."""
+    n, rows = len(orbit), []
     for i, image in enumerate(orbit.images[:-1]):
-        matrix[i, i], matrix[i, i + 1], matrix[i, n] = image.slope, -1.0, image.d_parameter
-    for k, condition in enumerate(conditions):
-        matrix[n - 1 + k] = condition.row(orbit)
-    return matrix * scale
+        row = [0.0] * (n + 1)
+        row[i], row[i + 1] = image.slope * scale[i], -scale[i + 1]
+        row[n] = image.d_parameter * scale[n]
+        rows.append(row)
+    own = (condition.row(orbit).tolist() for condition in conditions)
+    return [*rows, *([a * b for a, b in zip(row, scale, strict=True)] for row in own)]
+
+
+def _sizes(rows: list[list[float]]) -> list[float]:
+    """Sums of the absolute values of rows; nan or infinite if a number of the row is."""
+    return [sum(map(abs, row)) for row in rows]
+
+
+def _solvable(sizes: Sequence[float]) -> bool:
+    return all(0.0 < size < math.inf for size in sizes)
 
 
 def residuals(orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
     """Residuals (n - 1 + m,) of all equations."""
-    chain = [
-        image.value - float(x) for image, x in zip(orbit.images[:-1], orbit.x[1:], strict=True)
-    ]
-    return np.array([*chain, *(condition.residual(orbit) for condition in conditions)])
+    return np.array(_residuals(orbit, conditions))
+
+
+def _residuals(orbit: Orbit, conditions: Sequence[Condition]) -> list[float]:
+    ahead = zip(orbit.images[:-1], orbit.x[1:].tolist(), strict=True)
+    chain = [image.value - x for image, x in ahead]
+    return [*chain, *(condition.residual(orbit) for condition in conditions)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -272,21 +289,21 @@ def solve(
     if it shrinks no faster than the last one, would be rounding. If the method ``contracts``, as
     it does near a solution, it is given up as soon as a step is much longer than the one before.
     """
-    orbit, scale, numerics = start, scales(len(start), settings), settings.numerics
+    orbit, scale, numerics = start, scales(len(start), settings).tolist(), settings.numerics
     before, halvings = 0.0, 0
     for k in range(settings.newton):
-        move = newton_step(orbit, conditions, settings) / scale
-        length = float(np.abs(move).max())
-        if not np.isfinite(length):
+        move = _scaled_step(orbit, conditions, scale)
+        if not all(map(math.isfinite, move)):
             return Solution(orbit, False, k)
+        length = max(map(abs, move))
         if 0.0 < before <= length <= settings.stalled and is_rounded(orbit, conditions, numerics):
             return Solution(orbit, True, k)
         if contracts and before > 0.0 and length > numerics.contraction * before:
             return Solution(orbit, False, k)
-        trial = moved(orbit, move * scale)
+        trial = _shifted(orbit, move, scale)
         while not trial.defined and halvings < settings.newton:
-            move, halvings = 0.5 * move, halvings + 1
-            trial = moved(orbit, move * scale)
+            move, halvings = [0.5 * each for each in move], halvings + 1
+            trial = _shifted(orbit, move, scale)
         if not trial.defined:
             return Solution(orbit, False, k)
         orbit = trial
@@ -309,6 +326,12 @@ def moved(orbit: Orbit, by: Floats) -> Orbit:
     return orbit_of(orbit.pieces, orbit.x + by[:-1], orbit.p + float(by[-1]))
 
 
+def _shifted(orbit: Orbit, move: Sequence[float], scale: Sequence[float]) -> Orbit:
+    """The same by a step in scaled unknowns."""
+    to = [a + b * c for a, b, c in zip(orbit.point.tolist(), move, scale, strict=True)]
+    return orbit_of(orbit.pieces, np.array(to[:-1]), to[-1])
+
+
 def between(one: Orbit, other: Orbit, part: float) -> Orbit:
     """An orbit at a part of the straight way to another, with the pieces of the first."""
     return moved(one, part * (other.point - one.point))
@@ -316,28 +339,28 @@ def between(one: Orbit, other: Orbit, part: float) -> Orbit:
 
 def newton_step(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> Floats:
     """Newton's step (n + 1,); nan if the equations are singular or not finite."""
-    if len(orbit) == 1:
-        return _step_of_two(orbit, conditions)
     scale = scales(len(orbit), settings)
-    matrix = jacobian(orbit, conditions, scale)
-    largest = np.abs(matrix).max(axis=1)
-    if not (np.isfinite(largest).all() and largest.all()):
-        return np.full(len(scale), np.nan)
-    right = -residuals(orbit, conditions) / largest
-    _, _, step, singular = dgesv(matrix / largest[:, None], right)
-    return np.full(len(scale), np.nan) if singular else np.asarray(step * scale)
+    return np.array(_scaled_step(orbit, conditions, scale.tolist())) * scale
 
 
-def _step_of_two(orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
-    """The same for one point, by Cramer's rule: fixed points of P_1 are most of the work."""
-    one, other = conditions
-    (a, b), (c, d) = one.row(orbit).tolist(), other.row(orbit).tolist()
-    first, second = -one.residual(orbit), -other.residual(orbit)
+def _scaled_step(
+    orbit: Orbit, conditions: Sequence[Condition], scale: Sequence[float]
+) -> list[float]:
+    """The same in scaled unknowns; of one point by Cramer's rule: these are most of the work."""
+    rows = _rows(orbit, conditions, scale)
+    sizes, none = _sizes(rows), [math.nan] * len(scale)
+    if not _solvable(sizes):
+        return none
+    right = [-off / size for off, size in zip(_residuals(orbit, conditions), sizes, strict=True)]
+    matrix = [[each / size for each in row] for row, size in zip(rows, sizes, strict=True)]
+    if len(rows) > 2:
+        _, _, step, singular = dgesv(np.array(matrix), right)
+        return none if singular else step.tolist()
+    ((a, b), (c, d)), (first, second) = matrix, right
     determinant = a * d - b * c
     if determinant == 0.0:
-        return np.full(2, np.nan)
-    x, p = first * d - b * second, a * second - first * c
-    return np.array([x / determinant, p / determinant])
+        return none
+    return [(first * d - b * second) / determinant, (a * second - first * c) / determinant]
 
 
 def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
@@ -346,18 +369,19 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
     Its sign makes the determinant of the equations bordered with it positive, so that neighbours
     point the same way, round folds too, unless a branch point lies between them.
     """
-    matrix = jacobian(orbit, (closing,), scales(len(orbit), settings))
-    largest = np.abs(matrix).max(axis=1)
-    if not (np.isfinite(largest).all() and largest.all()):
-        return np.full(matrix.shape[1], np.nan)
-    rows = matrix / largest[:, None]
+    rows = _rows(orbit, (closing,), scales(len(orbit), settings).tolist())
+    sizes = _sizes(rows)
+    if not _solvable(sizes):
+        return np.full(len(orbit) + 1, np.nan)
     if len(rows) == 1:
-        (a, b), length = rows[0], np.hypot(*rows[0])
-        return np.array([-b / length, a / length]) if length else np.full(2, np.nan)
+        (a, b), length = rows[0], math.hypot(*rows[0])
+        return np.array([-b / length, a / length])
+    rows = [[each / size for each in row] for row, size in zip(rows, sizes, strict=True)]
     if len(rows) == 2:
-        across = np.cross(rows[0], rows[1])
-        length = math.sqrt(across @ across)
-        return across / length if length else np.full(3, np.nan)
+        (a, b, c), (d, e, f) = rows
+        across = b * f - c * e, c * d - a * f, a * e - b * d
+        length = math.hypot(*across)
+        return np.array(across) / length if length else np.full(3, np.nan)
     direction: Floats = np.linalg.svd(rows)[2][-1]
     turned = np.linalg.det(np.vstack([rows, direction])) < 0.0
     return -direction if turned else direction

@@ -8,8 +8,8 @@ in this folder knows more of a map than this.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Hashable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -96,6 +96,26 @@ class PiecewiseMap(Protocol):
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point under the piece that the map takes there."""
+
+
+@runtime_checkable
+class Judge(Protocol):
+    """A map that can say which piece it takes for less than the whole image costs."""
+
+    def taken(self, x: float, p: float) -> tuple[Hashable, float]:
+        """The key of the piece at a point, and its value there; nan if there is none."""
+
+
+def judge(map_: PiecewiseMap) -> Callable[[float, float], tuple[Hashable, float]]:
+    """What says which piece a map takes at a point, and its value there."""
+    if isinstance(map_, Judge):
+        return map_.taken
+
+    def taken(x: float, p: float) -> tuple[Hashable, float]:
+        image = map_.at(x, p)
+        return image.piece.key, image.value
+
+    return taken
 
 
 def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:

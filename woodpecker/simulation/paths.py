@@ -21,8 +21,7 @@ EVENT_LIMIT = 1000  # phases of one return; the longest seen on the paper's data
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class Path(NamedTuple):
     """What happens on one return to the section.
 
     Attributes
@@ -193,15 +192,18 @@ class Follower:
         room, route = self._work["room"], self._work["route"]
         self._z, self._states, self._counts = room["z"][0], room["states"][0], room["counts"][0]
         route["seeds"][0, 1] = (1.0, 0.0, 0.0) if seed is None else seed[0]
-        self._end, self._tangents = route["z"][0], route["tangents"][0]
+        self._end, self._slopes = route["z"][0], route["tangents"][0, :, 2]
         self._count = route["count"][0]
         self._notes = np.zeros((margins.NOTES, 0))
         self._texts: dict[bytes, str] = {}
         self.evaluations = 0
         announce(calls.compute)
 
-    def trace(self, phi_s: float) -> tuple[Status, Path]:
-        """Let the toy go from the section at phi_S [rad]: what happens until it returns."""
+    def trace(self, phi_s: float) -> tuple[Status, Path, float]:
+        """Let the toy go from the section at phi_S [rad]: what happens until it returns, and where.
+
+        The image is nan if it does not return.
+        """
         self.evaluations += 1
         z, counts = self._z, self._counts
         z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
@@ -218,7 +220,8 @@ class Follower:
         text = self._texts.get(key := codes.tobytes())
         if text is None:
             text = self._texts[key] = word(codes.tolist())
-        return status(code), _shortened(Path(text, self._steps[:phases].copy(), times))
+        path = _shortened(Path(text, self._steps[:phases].copy(), times))
+        return status(code), path, float(z[2]) if code == RETURNED else math.nan
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
         """The return from phi_S [rad] along a path; None if the path does not reach so far.
@@ -238,13 +241,13 @@ class Follower:
         if code != RETURNED:
             return None
         notes = self._notes[:, : self._count.item()].copy()
-        z = self._end.tolist()
-        (_, _, slope, *_), (_, _, d_parameter, *_) = self._tangents.tolist()
-        causes = notes[margins.CAUSE].astype(np.int64)
-        gradients = notes[margins.PER_START : margins.PER_PARAMETER + 1].T
+        fall, _, end, _, _, _, period = self._end.tolist()
+        slope, d_parameter = self._slopes.tolist()
         return Along(
-            z[2], z[6], -z[0], slope, d_parameter, notes[margins.MARGIN], gradients, causes, times
-        )
+            end, period, -fall, slope, d_parameter, notes[margins.MARGIN],
+            notes[margins.PER_START : margins.PER_PARAMETER + 1].T,
+            notes[margins.CAUSE].astype(np.int64), times,
+        )  # fmt: skip
 
 
 def _shortened(path: Path) -> Path:

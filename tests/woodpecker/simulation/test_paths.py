@@ -43,7 +43,7 @@ def test_the_kernel_returns_along_the_path_it_found(eps_n1: float, law: Expansio
     rng = np.random.default_rng(1)
     followed = 0
     for x in rng.uniform(-2.45, -0.25, 60):
-        status, path = many.trace(x)
+        status, path, _ = many.trace(x)
         if not status.success:
             continue
         once, again = first_return(toy, x), many.follow(path, x)
@@ -66,7 +66,7 @@ def test_derivatives_in_other_parameters(parameter: str) -> None:
     toy, x = Toy(), -0.6
     value = float(getattr(toy, parameter))
     once = Follower(model(toy), change(toy, parameter), np.zeros((1, 3)))
-    _, path = once.trace(x)
+    _, path, _ = once.trace(x)
     here = once.follow(path, x)
 
     def image(relative: float) -> float:
@@ -97,7 +97,7 @@ def test_the_jump_at_c_is_one_root_from_both_sides() -> None:
     toy = follower(0.185)
     found = []
     for start, end in ((C_JUMP + 1e-3, C_JUMP - 1e-3), (C_JUMP - 1e-3, C_JUMP + 1e-3)):
-        _, path = toy.trace(start)
+        _, path, _ = toy.trace(start)
         for code in beyond(path, toy.follow(path, end)):
 
             def watched(x: float, path: Path = path, code: int = code) -> float:
@@ -114,7 +114,7 @@ def test_the_jump_at_c_is_one_root_from_both_sides() -> None:
 def test_a_path_runs_on_smoothly_beyond_its_border() -> None:
     """One polynomial fits its values on both sides, as only a smooth map's do."""
     toy = follower(0.185)
-    _, path = toy.trace(C_JUMP + 1e-3)
+    _, path, _ = toy.trace(C_JUMP + 1e-3)
     x = C_JUMP + np.linspace(-2e-3, 2e-3, 41)
     y = np.array([found.phi_s for s in x if (found := toy.follow(path, s)) is not None])
     assert len(y) == 41
@@ -139,7 +139,7 @@ def test_margins_vanish_wherever_the_word_changes() -> None:
 def test_every_cause_has_a_sentence() -> None:
     toy = follower(0.5)
     for s in np.linspace(-2.2, -0.3, 40):
-        _, path = toy.trace(float(s))
+        _, path, _ = toy.trace(float(s))
         found = toy.follow(path, float(s))
         assert found is not None
         for code in found.causes:
@@ -184,7 +184,7 @@ def test_gradients_of_margins(parameter: str) -> None:
         toy = Toy(eps_n1=float(rng.uniform(0.05, 0.9)), eps_n2=eps_n2)
         x, p = float(rng.uniform(-2.45, -0.25)), float(getattr(toy, parameter))
         many = following(toy, parameter)
-        status, path = many.trace(x)
+        status, path, _ = many.trace(x)
         here = many.follow(path, x) if status.success else None
         if here is None:
             continue
@@ -229,7 +229,7 @@ def test_a_flight_becomes_infinitely_short() -> None:
     flight runs on beyond the border, and nothing else vanishes.
     """
     toy = follower(0.5)
-    _, path = toy.trace(-0.552)
+    _, path, _ = toy.trace(-0.552)
     (code,) = beyond(path, toy.follow(path, -0.5521))
     assert cause_of(path, code).sentence == "the lower sleeve only just leaves the pole"
     border, evaluations = secant(lambda x: margin(toy.follow(path, x), code), -0.552, -0.5521)
@@ -259,7 +259,7 @@ def test_margins_are_positive_where_the_kernel_takes_the_path() -> None:
         toy = Toy(**eps, **mu, expansion_friction=LAWS[int(rng.integers(2))])
         many = Follower(model(toy))
         for x in rng.uniform(-2.5, -0.24, 100):
-            status, path = many.trace(x)
+            status, path, _ = many.trace(x)
             if not status.success:
                 continue
             found = many.follow(path, x)
