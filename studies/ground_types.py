@@ -18,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from studies.common.clocks import Seconds, Timing, ratio, summary
@@ -40,7 +41,9 @@ def jobs(fast: bool) -> dict[str, Callable[[], int]]:
     )
     n = 4 if fast else 0  # orders less
 
-    def branches(map_: PiecewiseLinearMap, name: str, span: object, last: int) -> int:
+    def branches(
+        map_: PiecewiseLinearMap, name: str, span: tuple[int, int] | None, last: int
+    ) -> int:
         return len(bifurcation_diagram(map_, name, span, range(1, last + 1)).branches)
 
     return {
@@ -101,7 +104,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     return {"ratios": ratios, "found": found, "timings": timings}
 
 
-def draw(timings: dict[str, Timing], names: list[str], kinds: list[str]) -> plt.Figure:
+def draw(timings: dict[str, Timing], names: list[str], kinds: list[str]) -> Figure:
     """CPU time of each job, one bar for each ground type."""
     figure, (ax,) = canvas(3.2)
     height = 0.38

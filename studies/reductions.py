@@ -32,6 +32,7 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from scipy.integrate import DOP853
 
 from studies.common.clocks import Job, Seconds, Timing, clocked, race
@@ -250,7 +251,7 @@ def _padded(table: Floats, impacts: Sequence[tuple[Ints, Floats, Floats]]) -> Im
 def thinned(impacts: Impacts, count: int) -> Impacts:
     """About ``count`` of them, evenly spread."""
     stride = max(1, len(impacts.size) // count)
-    return Impacts(*(column[::stride] for column in impacts))
+    return Impacts._make(column[::stride] for column in impacts)
 
 
 # (a) Closed form
@@ -735,7 +736,7 @@ def paragraph(found: Results) -> str:
 # The picture
 
 
-def draw(found: Results) -> plt.Figure:
+def draw(found: Results) -> Figure:
     """Bars: how much slower the general way is. Beside them: what sampling misses."""
     figure = plt.figure(figsize=(WIDTH, 3.1), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))

@@ -23,6 +23,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -31,6 +32,7 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 
@@ -219,12 +221,17 @@ def warm(settings: Iterable[Setting]) -> None:
                 continue
 
 
+def evaluations_of(lap: Lap) -> int | None:
+    """What a return took; None if that was not counted."""
+    return lap.evaluations if isinstance(lap, PeerReturn) else None
+
+
 def scene_entries(scene: Scene, settings: Iterable[Setting], other: PlainPython) -> Iterator[Entry]:
     """One return of a scene by everyone."""
 
     def judge(lap: Lap) -> Answer:
         right = same_events(lap.word, scene.word)
-        return Answer(distance(lap.phi_s, scene.image), right, getattr(lap, "evaluations", None))
+        return Answer(distance(lap.phi_s, scene.image), right, evaluations_of(lap))
 
     def judge_plain(result: Sequence[Any]) -> Answer:
         images, words = result
@@ -246,7 +253,7 @@ def siconos_entries(scene: Scene, plan: Plan) -> Iterator[Entry]:
         right = same_events(lap.word, scene.word)
         return Answer(distance(lap.phi_s, scene.image), right, lap.evaluations)
 
-    def loop(step: float) -> Job:
+    def loop(step: float, _count: int) -> Job:
         def job() -> Seconds:
             run = simulate_siconos(scene.toy, scene.phi_s, float(scene.period), step, every=0)
             return Seconds(run.seconds, run.seconds)
@@ -255,7 +262,7 @@ def siconos_entries(scene: Scene, plan: Plan) -> Iterator[Entry]:
 
     for step in () if available() else plan.siconos:
         work = partial(first_return_siconos, scene.toy, scene.phi_s, step)
-        yield Entry("Siconos", "", "step", step, work, judge, lambda _, step=step: loop(step))
+        yield Entry("Siconos", "", "step", step, work, judge, partial(loop, step))
 
 
 def map_entries(
@@ -266,18 +273,20 @@ def map_entries(
     part = POINTS / len(few)
     known = return_map(toy, few).words  # a test checks these words
 
-    def judge(images: Sequence[Any], words: Sequence[str], evaluations: int | None) -> Answer:
+    def judge(
+        images: Iterable[float | Decimal], words: Iterable[str], evaluations: int | None
+    ) -> Answer:
         errors = [distance(x, exact) for x, exact in zip(images, SAMPLE_IMAGES, strict=True)]
         right = all(map(same_events, words, known))
         return Answer(max(errors), right, evaluations, {"error_median": median(errors)})
 
     def judge_laps(laps: Sequence[Lap]) -> Answer:
-        counts = [getattr(lap, "evaluations", None) for lap in laps]
-        total = None if None in counts else sum(counts)
+        counts = [count for count in map(evaluations_of, laps) if count is not None]
+        total = sum(counts) if len(counts) == len(laps) else None
         return judge([lap.phi_s for lap in laps], [lap.word for lap in laps], total)
 
     def judge_whole(map_: ReturnMap) -> Answer:
-        return judge(map_.phi_s[SAMPLED], map_.words[SAMPLED], None)
+        return judge(map_.phi_s[SAMPLED].tolist(), map_.words[SAMPLED], None)
 
     chosen = SAMPLED if whole else everywhere
     begin = starts() if whole else few
@@ -335,11 +344,11 @@ def newton(setting: Setting, laps: int = 12) -> tuple[float, float, int]:
         if not x < CONTACT_BY_CONTACT.phi_s_max:
             raise LostError(f"Newton's method leaves the map, to {x:.3g} rad")
         lap = setting.peer(CONTACT_BY_CONTACT, x)
-        spent += getattr(lap, "evaluations", 0)
+        spent += evaluations_of(lap) or 0
         return float(lap.phi_s)
 
     def slope(x: float) -> float:
-        h = BEND * setting.noise ** (1.0 / 3.0)
+        h: float = BEND * setting.noise ** (1.0 / 3.0)
         return (image(x + h) - image(x - h)) / (2.0 * h)
 
     x = GUESS
@@ -539,7 +548,7 @@ def _slope(ladder: Sequence[tuple[float, float]]) -> float:
 # The picture
 
 
-def draw(tasks: dict[str, list[dict[str, Any]]]) -> plt.Figure:
+def draw(tasks: dict[str, list[dict[str, Any]]]) -> Figure:
     """Error against CPU time: one panel for each task, all on the same axes."""
     figure = plt.figure(figsize=(WIDTH, 5.8), layout="constrained")
     axes = np.ravel(figure.subplots(2, 3, sharex=True, sharey=True)).tolist()
@@ -604,9 +613,9 @@ def legend(ax: Axes, present: set[str]) -> None:
         for method, (color, marker) in METHODS.items()
         if method in present
     ]
-    plain_line = {"color": GREY, "linewidth": 0.9}
     handles += [
-        Line2D([], [], **plain_line, linestyle=(0, (4, 2)), label="dashed: Gauss-Seidel, not LCP"),
+        Line2D([], [], color=GREY, linewidth=0.9, linestyle=(0, (4, 2)),
+               label="dashed: Gauss-Seidel, not LCP"),
         Line2D([], [], color=GREY, marker="o", linewidth=0.0, markerfacecolor="white",
                markersize=4.5, label="hollow: wrong word"),
         Line2D([], [], color=GREY, marker="o", linewidth=0.0, markersize=3.0,

@@ -32,7 +32,7 @@ METHODS = {  # colour and marker of everything that is compared
 
 __all__ = [
     "GREY", "JUMP", "METHODS", "PALE", "RED", "STABLE", "UNSTABLE", "VIOLET", "WIDTH", "canvas",
-    "grid",
+    "grid", "small", "without_legend",
 ]  # fmt: skip
 
 
@@ -43,6 +43,22 @@ def canvas(height: float = 4.6, rows: int = 1, columns: int = 1) -> tuple[Figure
     for ax in axes:
         grid(ax)
     return figure, axes
+
+
+def without_legend(ax: Axes) -> None:
+    """Take the legend off: a panel beside this one has the same."""
+    legend = ax.get_legend()
+    if legend is not None:
+        legend.remove()
+
+
+def small(ax: Axes) -> None:
+    """Letters for a panel of a third of the width."""
+    ax.tick_params(labelsize=7)
+    ax.title.set_fontsize(8)
+    legend = ax.get_legend()
+    if legend is not None:
+        plt.setp([*legend.get_texts(), legend.get_title()], fontsize=5.5)
 
 
 def grid(ax: Axes) -> None:

@@ -21,6 +21,10 @@ from studies.figures.fig07_frames import Frame, cycle, frames
 from woodpecker import Trajectory
 from woodpecker.plot.figures import plot_phase_portrait
 
+# Where the numbers stand, in points from their events; None where one shares a dot.
+OF_SLEEVE = ((20, 6), None, (8, 0), (-7, -5), (8, 0), (8, -5), (0, -9), None)
+OF_FALL = ((0, 8), (2, 9), (-8, -4), (4, -8), (-8, -5), (9, -4), (-8, 0), (0, 8))
+
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Shoot the cycle and draw the velocities of sleeve and fall.
@@ -56,12 +60,10 @@ def draw(trajectory: Trajectory, shown: tuple[Frame, ...]) -> Figure:
     plot_phase_portrait(trajectory, "phi_m", "dphi_m", sleeve)
     for limit in (-trajectory.toy.phi_m_max, trajectory.toy.phi_m_max):
         sleeve.axvline(limit, color=GREY, linewidth=0.8, linestyle=(0, (5, 3)))
-    sides = ((20, 6), None, (8, 0), (-7, -5), (8, 0), (8, -5), (0, -9), None)
     sleeve.margins(x=0.1)
-    number(sleeve, trajectory, shown, ("phi_m", "dphi_m"), sides)
+    number(sleeve, trajectory, shown, ("phi_m", "dphi_m"), OF_SLEEVE)
     plot_phase_portrait(trajectory, "phi_s", "dy", fall)
-    sides = ((0, 8), (2, 9), (-8, -4), (4, -8), (-8, -5), (9, -4), (-8, 0), (0, 8))
-    number(fall, trajectory, shown, ("phi_s", "dy"), sides)
+    number(fall, trajectory, shown, ("phi_s", "dy"), OF_FALL)
     return figure
 
 

@@ -229,7 +229,7 @@ def crossing(x: Floats, y: Floats) -> float:
 def draw(x: Floats, y: Floats, found: list[Compared]) -> Figure:
     """Vertices over both maps, their distances over phi_S, and how these are distributed."""
     figure = plt.figure(figsize=(WIDTH, 6.6), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.15, 1.0)).flat
     for ax, each in zip(above.subplots(1, 2, sharex=True, sharey=True), found, strict=True):
         over_map(x, y, each, ax)
     above.axes[1].set_ylabel("")

@@ -39,7 +39,7 @@ from pwmap.plot import plot_diagram
 from studies.common.clocks import clocked
 from studies.common.laws import LAWS, SEPARATE, SUMMED, TITLES, TOYS
 from studies.common.record import Results, command
-from studies.common.style import GREY, PALE, WIDTH
+from studies.common.style import GREY, PALE, WIDTH, without_legend
 from studies.figures.fig08_return_map import ends
 from woodpecker import (
     ExpansionFriction,
@@ -200,7 +200,7 @@ def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
         panel(diagram, law, ax)
         ax.set_title(TITLES[law], fontsize=8)
         ax.tick_params(labelsize=7)
-    axes[0].get_legend().remove()
+    without_legend(axes[0])
     axes[1].set_ylabel("")
     return figure
 

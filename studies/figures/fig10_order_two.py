@@ -34,7 +34,7 @@ from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
 from studies.common.laws import SEPARATE, SUMMED, TITLES
 from studies.common.record import Results, command
-from studies.common.style import PALE, canvas
+from studies.common.style import PALE, canvas, without_legend
 from studies.common.whole import Part, examined, searched, tally
 from studies.figures.fig09_order_one import name_points
 from woodpecker import ExpansionFriction, Search, first_return, shoot
@@ -288,7 +288,7 @@ def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
             panel(diagram, law, ax)
             ax.tick_params(labelsize=7)
             if column or ax is part:
-                ax.get_legend().remove()
+                without_legend(ax)
         whole.set_title(TITLES[law], fontsize=8)
         whole.set(xlabel="", ylim=(FULL.window[0] - 0.04, FULL.window[1] + 0.04))
         part.set(xlim=(0.03, 0.2), ylim=(-0.95, -0.6))
@@ -308,8 +308,9 @@ def panel(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
     plot_diagram(diagram, ax, kinds=(PointKind.BC, PointKind.FF))
     legend = ax.get_legend()
     assert legend is not None
+    handles = [handle for handle in legend.legend_handles if handle is not None]
     ax.legend(
-        [*legend.legend_handles, Line2D([], [], color=PALE, linewidth=6.0, alpha=0.6)],
+        [*handles, Line2D([], [], color=PALE, linewidth=6.0, alpha=0.6)],
         [*(text.get_text() for text in legend.get_texts()), "of $P_1$; all others of $P_2$"],
         fontsize=7, framealpha=0.95, loc="best",
     )  # fmt: skip

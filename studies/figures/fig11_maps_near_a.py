@@ -231,15 +231,21 @@ def drawn(piece: Cylinder, p: float) -> tuple[Floats, list[float]]:
 
 def legend() -> list[Line2D]:
     """What lines and markers mean."""
-    dot = {"linestyle": "none", "marker": "o", "markersize": 5, "markeredgewidth": 1.3}
     return [
         Line2D([], [], color="#252525", linewidth=1.2, label="map"),
         Line2D([], [], color=GREY, linewidth=0.8, label="diagonal"),
         Line2D([], [], color=GREY, linewidth=0.9, linestyle=DOTS, label="jump"),
-        Line2D([], [], color=JUMP, mfc="none", label="jump crossing", **dot),
-        Line2D([], [], color=STABLE, label="stable fixed point", **dot),
-        Line2D([], [], color=UNSTABLE, mfc="white", label="unstable fixed point", **dot),
+        _dot("jump crossing", JUMP, "none"),
+        _dot("stable fixed point", STABLE, STABLE),
+        _dot("unstable fixed point", UNSTABLE, "white"),
     ]
+
+
+def _dot(label: str, color: str, face: str) -> Line2D:
+    return Line2D(
+        [], [], color=color, markerfacecolor=face, label=label, linestyle="none", marker="o",
+        markersize=5, markeredgewidth=1.3,
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

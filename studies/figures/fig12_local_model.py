@@ -36,7 +36,7 @@ from pwmap import bifurcation_diagram as exact_diagram
 from pwmap.plot import plot_diagram, plot_map
 from studies.common.laws import CONTACT_BY_CONTACT
 from studies.common.record import Results, command
-from studies.common.style import JUMP, UNSTABLE, WIDTH, grid
+from studies.common.style import JUMP, UNSTABLE, WIDTH, grid, small
 from woodpecker import (
     Iterate,
     LocalModel,
@@ -192,13 +192,12 @@ def papers_diagram() -> Diagram:
 def draw(paper: Diagram, model: LocalModel, diagram: Diagram, found: list[Agreement]) -> Figure:
     """The paper's three pictures, and the toy's three."""
     figure = plt.figure(figsize=(WIDTH, 6.4), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.0, 1.15)).flat
     draw_paper(paper, above.subplots(1, 3))
     toy, order = below.subfigures(1, 2, width_ratios=(2.0, 1.0))
     plot_local(model, diagram, toy, reach=REACH)
     for ax in toy.axes:
         ax.tick_params(labelsize=7)
-        ax.set_title(ax.get_title(), fontsize=8)
     toy.axes[0].set_title("the toy at A, prediction in grey", fontsize=8)
     toy.axes[1].set_title(f"exact, with the toy's slope {model.right.slope:.5f}", fontsize=8)
     draw_errors(found, order.subplots())
@@ -210,17 +209,14 @@ def draw_paper(paper: Diagram, axes: list[Axes]) -> None:
     map_, window = papers_map().at({R: 1}), (-1.5, 1.5)
     for j, ax in zip((1, 2), axes[:2], strict=True):
         plot_map(map_.iterate(j), ax, window=window, legend=j == 2)
-        ax.set_title(rf"$P_{j}^L$, $a = 5/4$, $r = 1$", fontsize=8)
+        ax.set_title(rf"$P_{j}^L$, $a = 5/4$, $r = 1$")
         ax.set_ylabel(rf"$P_{j}^L(x)$")
         ax.set_ylim(-1.7, 1.7)
     plot_diagram(paper, axes[2], kinds=(PointKind.BC, PointKind.FF))
     axes[2].set(xlabel="$r$", ylabel="$x$", ylim=(-2.9, 2.1))
-    axes[2].set_title("orders 1 and 2, $a = 5/4$", fontsize=8)
+    axes[2].set_title("orders 1 and 2, $a = 5/4$")
     for ax in axes:
-        ax.tick_params(labelsize=7)
-        legend = ax.get_legend()
-        if legend is not None:
-            plt.setp(legend.get_texts(), fontsize=5.5)
+        small(ax)
 
 
 def draw_errors(found: list[Agreement], ax: Axes) -> None:
