@@ -131,7 +131,7 @@ def two_impacts() -> tuple[list[Curve], float]:
     return curves, abs(ends_of(curves, PointKind.PD)[-1].p - 0.75)
 
 
-def main(fast: bool, out: Path | None = None) -> Results:
+def main(fast: bool = False, out: Path | None = None) -> Results:
     """Compare, and give the headline numbers."""
     windows = {
         name: [window(alpha, m) for m in range(2, (FAST if fast else LARGEST[name]) + 1)]
