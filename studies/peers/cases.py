@@ -1,8 +1,8 @@
 """What is measured: named scenes, a sample of the map and the cycle, each with thirty digits.
 
 The decimals come from :mod:`studies.peers.reference_mpmath`, which shares no code with the
-packages, and start from the doubles written here; ``tests/test_work_precision.py`` computes them
-again.
+packages, and start from the doubles written here; they are computed again by
+``tests/studies/test_work_precision.py``.
 
 Everything here is under Coulomb's law contact by contact (``expansion_friction="separate"``), the
 only one that the other programs know. Returns without an impact at two contacts, the cycle among

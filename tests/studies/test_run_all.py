@@ -8,9 +8,9 @@ import pytest
 
 from studies import readme, run_all
 from studies.common import record
+from studies.common.record import ROOT
 from woodpecker.base.compiled import COMPILED
 
-ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GIVEN = ("3.11", "0.5")  # the version of Python, the eps_N1 of the paper's data set
 
