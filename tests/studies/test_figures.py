@@ -1,27 +1,22 @@
 """The paper's Figures 4 to 8, the sensitivities and the table of its numbers."""
 
-import importlib
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pytest
-from short_runs import short_run
+from short_runs import is_picture, short_run
 
-mpl.use("Agg")
+from studies import paper_numbers, sensitivities
+from studies.figures import fig04_time_history as fig04
+from studies.figures import fig05_phase_woodpecker as fig05
+from studies.figures import fig06_phase_others as fig06
+from studies.figures import fig07_frames as fig07
+from studies.figures import fig08_return_map as fig08
+from studies.figures import fig08_vertices as vertices
 from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot
 from woodpecker.base.compiled import COMPILED
 from woodpecker.plot.figures import plot_phase_portrait
-
-fig04, fig05, fig06, fig07, fig08, vertices, sensitivities, paper_numbers = (
-    importlib.import_module(f"studies.{name}")
-    for name in (
-        "figures.fig04_time_history", "figures.fig05_phase_woodpecker",
-        "figures.fig06_phase_others", "figures.fig07_frames", "figures.fig08_return_map",
-        "figures.fig08_vertices", "sensitivities", "paper_numbers",
-    )
-)  # fmt: skip
 
 PERIOD, PHI_S = 0.14597607, -0.52947197  # s, rad: the independent programs' values, to 8 digits
 NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
@@ -29,11 +24,6 @@ EIGHT = 5e-9  # half a unit of the eighth digit
 SIX = 5e-7  # s; half a unit of the sixth digit of the event times
 LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")
 needs_speed = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
-
-
-def is_picture(path: Path) -> bool:
-    """Whether it is a PNG with something on it: an empty one of this size has 5 kB."""
-    return path.read_bytes()[:4] == b"\x89PNG" and path.stat().st_size > 20_000
 
 
 @pytest.mark.slow

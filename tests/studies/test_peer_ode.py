@@ -1,7 +1,5 @@
-"""The studies run, and the general ODE solver confirms the kernel."""
+"""The study of speed, and the general ODE solver that it compares with."""
 
-import importlib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -111,34 +109,3 @@ def test_distance_does_not_round_the_reference() -> None:
 def test_work_and_precision_of_the_peer() -> None:
     rows = ode.main(fast=True)
     assert rows["DOP853 1e-10"]["error"] < rows["DOP853 1e-06"]["error"]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
-def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
-    whole = importlib.import_module("studies.figures.fig09_order_one")
-    results = whole.main(fast=True, out=tmp_path)
-    gentle = [found for found in results["collisions"] if found[3] > -1.2]  # rad: steep ones below
-    kinds = sorted(kind for kind, *_ in gentle)
-    assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
-    at = sorted(p for _, _, p, _ in gentle)
-    assert at == pytest.approx([0.29152171, 0.34192345, 0.38834959], abs=5e-9)
-    other = results["separate"]
-    assert other["law"] == "separate"
-    at = [
-        p
-        for kind, note, p, x in other["collisions"]
-        if (kind, note, x > -1.2) == ("BC", "fold", True)
-    ]
-    assert at == pytest.approx([0.32103615], abs=5e-9)
-    assert results["unexplained"] == []
-    assert results["orbits"] + results["lost"] == 10 * 12
-    for name in ("fig09.png", "fig09_laws.png"):
-        assert (tmp_path / name).stat().st_size > 20_000
-    assert results["not_followed"] == []
-    assert results["slices"] >= 8  # and more where these show something new
-    fine, coarse = results["tables"]
-    assert fine["parameters"] == coarse["parameters"] <= results["samples"]
-    assert (fine["spacing"], coarse["spacing"]) == (1e-6, 2e-3)
-    assert fine["evaluations"] == fine["parameters"] * 2_260_001  # 2.26 rad and both ends
-    assert fine["ratio"] == pytest.approx(fine["evaluations"] / results["evaluations"])
