@@ -14,14 +14,16 @@ import sys
 import tempfile
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
-from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 
 from pwmap.diagrams.diagram import Diagram
 from studies.common.clocks import Job, Seconds, Timing, clocked, race, ratio, summary
+from studies.common.motion import GUESS
+from studies.common.places import WINDOW
 from studies.common.record import Results, command, environ
+from studies.peers.cases import distance
 from studies.peers.kernel import PlainPython
 from studies.peers.ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from woodpecker import Toy, continuation, first_return, return_map, shoot
@@ -32,8 +34,6 @@ from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.returns import EVENT_LIMIT
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
-GUESS = -0.53  # rad, near the nominal cycle
-WINDOW = (-2.5, -0.24)  # rad
 
 COMPILED_RETURN, CALLED_RETURN = "one return, compiled kernel", "one return, first_return()"
 PLAIN_RETURN, PEER_RETURN = "one return, plain Python kernel", "one return, DOP853 rtol 1e-10"
@@ -103,11 +103,6 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "timings": timings,
         "skipped": skipped,
     }
-
-
-def distance(value: float, reference: str) -> float:
-    """Distance of a double from a decimal number, without rounding the latter."""
-    return float(abs(Decimal(value) - Decimal(reference)))
 
 
 def returns(rounds: int) -> dict[str, Timing]:
@@ -180,9 +175,9 @@ def starts(rounds: int, cold: bool) -> dict[str, Timing]:
 
 
 def _start(variables: dict[str, str]) -> str:
-    command = [sys.executable, "-c", START, repr(PHI_S)]
+    program = [sys.executable, "-c", START, repr(PHI_S)]
     return subprocess.run(
-        command, env=variables, stdout=subprocess.PIPE, text=True, check=True
+        program, env=variables, stdout=subprocess.PIPE, text=True, check=True
     ).stdout
 
 

@@ -17,13 +17,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from studies.common.clocks import Seconds, Timing, ratio, summary
 from studies.common.record import Results, command, environ
-from studies.common.style import GREY, STABLE, canvas
+from studies.common.style import GREY, STABLE, canvas, keep
 
 FLINT, PYTHON = "flint", "python"
 NAMES = {PYTHON: "rationals of sympy", FLINT: "rationals of python-flint"}
@@ -99,8 +98,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         name: ratio(timings, f"{name}, {PYTHON}", f"{name}, {FLINT}", "cpu") for name in found
     }
     if out is not None:
-        draw(timings, list(found), kinds).savefig(out / "ground_types.png", dpi=200)
-        plt.close("all")
+        keep(draw(timings, list(found), kinds), out / "ground_types.png")
     return {"ratios": ratios, "found": found, "timings": timings}
 
 

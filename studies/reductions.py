@@ -36,9 +36,11 @@ from matplotlib.figure import Figure
 from scipy.integrate import DOP853
 
 from studies.common.clocks import Job, Seconds, Timing, clocked, race
+from studies.common.motion import GUESS
+from studies.common.places import WINDOW
 from studies.common.record import Results, command
-from studies.common.style import STABLE, VIOLET, WIDTH, grid
-from studies.peers.cases import CYCLE, FIXED_POINT, GUESS, WINDOW, distance, numbers
+from studies.common.style import STABLE, VIOLET, WIDTH, grid, keep
+from studies.peers.cases import CYCLE, FIXED_POINT, distance, numbers
 from studies.peers.kernel import PlainPython, Work
 from studies.peers.ode import first_return_ode
 from woodpecker import Toy, free_frequency, return_map
@@ -150,8 +152,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     found["ratios"] = bars(found)
     found["text"] = paragraph(found)
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        draw(found).savefig(out / "reductions.png", dpi=200)
+        keep(draw(found), out / "reductions.png")
     return found
 
 

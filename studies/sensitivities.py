@@ -21,7 +21,6 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -29,7 +28,7 @@ from matplotlib.patches import Patch
 from scipy.optimize import root_scalar
 
 from studies.common.record import Results, command
-from studies.common.style import STABLE, UNSTABLE, canvas
+from studies.common.style import STABLE, UNSTABLE, canvas, keep
 from woodpecker import (
     PeriodicOrbit,
     Toy,
@@ -138,8 +137,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     missing = PAPER_PERIOD / orbit.period - 1.0
     ranked = explanations(orbit, found)
     if out is not None:
-        draw(found, ranked).savefig(out / "sensitivities.png", dpi=200)
-        plt.close("all")
+        keep(draw(found, ranked), out / "sensitivities.png")
     return {
         "period": orbit.period,
         "phi_s": orbit.phi_s,

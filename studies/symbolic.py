@@ -16,7 +16,6 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import sympy
 from matplotlib.figure import Figure
 from sympy import Rational
@@ -25,7 +24,7 @@ from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram, p
 from pwmap.plot import plot_cobweb, plot_diagram, plot_plane
 from studies.common.clocks import Seconds, Timing, clocked, ratio, summary
 from studies.common.record import Results, command
-from studies.common.style import STABLE, UNSTABLE, canvas, small
+from studies.common.style import STABLE, UNSTABLE, canvas, keep, small
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))
@@ -74,9 +73,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     timings = measured(1 if fast else 15)
     found = diagram()
     if out is not None:
-        draw_times(timings).savefig(out / "symbolic.png", dpi=200)
-        draw_beyond().savefig(out / "symbolic_plane.png", dpi=200)
-        plt.close("all")
+        keep(draw_times(timings), out / "symbolic.png")
+        keep(draw_beyond(), out / "symbolic_plane.png")
     return {
         "ratio_order_6": ratio(timings, "sympy, order 6", "pwmap, order 6", "cpu"),
         "agree": agreement(),

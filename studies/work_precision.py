@@ -36,15 +36,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 
-from studies.common.clocks import Job, Seconds, clocked, race, summary
+from studies.common.clocks import Job, Seconds, clocked, race, summary, timed
 from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.motion import GUESS
 from studies.common.record import Results, command
-from studies.common.style import GREY, METHODS, WIDTH, grid
+from studies.common.style import GREY, METHODS, WIDTH, grid, keep
 from studies.peers.cases import (
     CYCLE,
     DIGITS,
     FIXED_POINT,
-    GUESS,
     POINTS,
     SAMPLE_IMAGES,
     SAMPLED,
@@ -176,8 +176,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         tasks[FIXED] = measured(fixed_entries(quick, other), min(plan.rounds, 3))
     table = {task: compared(rows) for task, rows in tasks.items()}
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        draw(tasks).savefig(out / "work_precision.png", dpi=200)
+        keep(draw(tasks), out / "work_precision.png")
     return {
         "kernel_ahead": all(map(ahead, tasks.values())),
         "compiled": COMPILED,
@@ -394,15 +393,14 @@ def first_run(entry: Entry) -> tuple[dict[str, Any], Seconds]:
         "scaled": entry.scale != 1.0,
         "lost": None,
     }
-    kept: list[Any] = []
     try:
-        once = clocked(lambda: kept.append(entry.work()))()
+        result, once = timed(entry.work)
     except LostError as reason:
         empty = dict.fromkeys(("error", "word_right", "evaluations", "cpu", "wall", "rounds"))
         return {**row, **empty, "lost": str(reason)}, Seconds(0.0, 0.0)
     if entry.clock is not None:
         once = entry.clock(1)()
-    answer = entry.judge(kept[0])
+    answer = entry.judge(result)
     row |= {"error": answer.error, "word_right": answer.word_right}
     row |= {"evaluations": answer.evaluations, **(answer.detail or {})}
     return row | _times(summary([once]), entry.scale), once

@@ -6,7 +6,9 @@ import os
 import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+T = TypeVar("T")
 
 
 class Seconds(NamedTuple):
@@ -31,6 +33,13 @@ def clocked(work: Callable[[], object], count: int = 1, units: int = 1) -> Job:
         return Seconds(wall / (count * units), cpu / (count * units))
 
     return job
+
+
+def timed(work: Callable[[], T]) -> tuple[T, Seconds]:
+    """What a work gives, and the time of this one run."""
+    kept: list[T] = []
+    taken = clocked(lambda: kept.append(work()))()
+    return kept[0], taken
 
 
 def spent() -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -32,7 +33,7 @@ METHODS = {  # colour and marker of everything that is compared
 
 __all__ = [
     "GREY", "JUMP", "METHODS", "PALE", "RED", "STABLE", "UNSTABLE", "VIOLET", "WIDTH", "canvas",
-    "grid", "small", "without_legend",
+    "grid", "keep", "small", "without_legend",
 ]  # fmt: skip
 
 
@@ -43,6 +44,12 @@ def canvas(height: float = 4.6, rows: int = 1, columns: int = 1) -> tuple[Figure
     for ax in axes:
         grid(ax)
     return figure, axes
+
+
+def keep(figure: Figure, path: Path) -> None:
+    """Write a picture, and let go of it."""
+    figure.savefig(path, dpi=200)
+    plt.close(figure)
 
 
 def without_legend(ax: Axes) -> None:

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pwmap import Branch, BranchKind, Diagram
-from studies.common.clocks import Seconds, clocked
+from studies.common.clocks import Seconds, timed
+from studies.common.motion import GUESS
 from studies.common.record import Results
 from woodpecker import (
     ExpansionFriction,
@@ -43,7 +44,7 @@ class Part(NamedTuple):
     span: tuple[float, float]  # of eps_N1
     window: tuple[float, float]  # of phi_S [rad]
     search: Search
-    slices: int  # in which fixed points are counted
+    slices: int = 0  # in which fixed points are counted
     table: int = 40_001  # starts of the tabulation in each of them
     law: ExpansionFriction = ExpansionFriction.SUMMED
 
@@ -54,14 +55,10 @@ class Part(NamedTuple):
 
 def searched(part: Part, orders: tuple[int, ...]) -> tuple[Found, Seconds]:
     """The diagram, and what it took once everything is compiled."""
-    first_return(part.toy(), -0.53)
-    kept: list[Found] = []
-    taken = clocked(
-        lambda: kept.append(
-            find_all(part.toy(), "eps_n1", part.span, orders, part.window, search=part.search)
-        )
-    )()
-    return kept[0], taken
+    first_return(part.toy(), GUESS)
+    return timed(
+        lambda: find_all(part.toy(), "eps_n1", part.span, orders, part.window, search=part.search)
+    )
 
 
 def examined(part: Part, order: int, found: Found, taken: Seconds) -> Results:
@@ -103,9 +100,14 @@ def tally(found: Found) -> Results:
         "points": dict(sorted(points.items())),
         "slices": len(found.slices),
         "unresolved": max(seen.unresolved for seen in found.slices),
-        "not_followed": [(seen.p, *place) for seen in found.slices for place in seen.left],
+        "not_followed": not_followed(found),
         "evaluations": found.evaluations,
     }
+
+
+def not_followed(found: Found) -> list[tuple[float, int, float]]:
+    """Parameter, order and x of everything that a slice shows and no branch explains."""
+    return [(seen.p, *place) for seen in found.slices for place in seen.left]
 
 
 # --- Slices ---------------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ from matplotlib.figure import Figure
 
 from studies.common.laws import LAWS, SEPARATE, SHORT, SUMMED, TITLES, TOYS
 from studies.common.record import ROOT, Results, command
-from studies.common.style import GREY, JUMP, PALE, RED, STABLE, UNSTABLE, WIDTH
+from studies.common.style import GREY, JUMP, PALE, RED, STABLE, UNSTABLE, WIDTH, keep
 from studies.figures.fig08_return_map import WINDOW, ends
 from woodpecker import ExpansionFriction, ReturnMap, Toy, equilibrium, return_map
 from woodpecker.base.arrays import Floats
@@ -88,8 +88,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     x, y = vertices()
     found = [compare(x, y, law) for law in LAWS]
     if out is not None:
-        draw(x, y, found).savefig(out / "fig08_vertices.png", dpi=200)
-        plt.close("all")
+        keep(draw(x, y, found), out / "fig08_vertices.png")
     return {
         "vertices": len(x),
         "unit": UNIT,

@@ -18,7 +18,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -27,7 +26,7 @@ from matplotlib.lines import Line2D
 from pwmap.plot import axis_label
 from studies.common.laws import SEPARATE, SHORT, SUMMED, TOYS
 from studies.common.record import Results, command
-from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, canvas
+from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, canvas, keep
 from woodpecker import (
     Border,
     BorderKind,
@@ -114,8 +113,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     del fast
     scenes = [scene(law, p, order) for law, p in COLUMNS for order in ORDERS]
     if out is not None:
-        draw(scenes).savefig(out / "fig11.png", dpi=200)
-        plt.close("all")
+        keep(draw(scenes), out / "fig11.png")
     there = [described(each) for each in scenes if each.eps_n1 == PAPER]
     return {
         "scenes": [described(each) for each in scenes],

@@ -34,9 +34,10 @@ from sympy import Rational
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind
 from pwmap import bifurcation_diagram as exact_diagram
 from pwmap.plot import plot_diagram, plot_map
-from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.laws import CONTACT_BY_CONTACT, SUMMED
+from studies.common.places import POINT_A, WINDOW, collision
 from studies.common.record import Results, command
-from studies.common.style import JUMP, UNSTABLE, WIDTH, grid, small
+from studies.common.style import JUMP, UNSTABLE, WIDTH, grid, keep, small
 from woodpecker import (
     Iterate,
     LocalModel,
@@ -55,11 +56,10 @@ from woodpecker.plot.figures import plot_local
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))  # [Leine2001, Eq. 14]
-SPAN, WINDOW = (0.1099, 0.1141), (-0.91, -0.86)  # eps_N1, phi_S [rad]
-NEAR_A = (-0.8847733440, 0.1119709145)  # phi_S, eps_N1, to ten digits
-OTHER_A = (-0.8847733440138, 0.0421643309)  # the same with Coulomb's law contact by contact
+AROUND_A = (0.1099, 0.1141), (-0.91, -0.86)  # eps_N1, phi_S [rad]
+OTHER_A = (-0.8847733440138, 0.0421643309)  # phi_S [rad], eps_N1: the model is made at just these
 REACH = 2e-3  # in eps_N1: how far the picture goes from A
-SCALES = Settings(window=(-2.5, -0.24), finest=1e-9)  # jumps are looked for in 1e-5 rad
+SCALES = Settings(window=WINDOW, finest=1e-9)  # jumps are looked for in 1e-5 rad
 DISTANCES = (2e-4, 1e-4, 5e-5, 2.5e-5)  # in eps_N1; the next change of word is 5e-4 away
 
 
@@ -105,8 +105,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     found = [agreement(model, start) for start in model.starts]
     paper = papers_diagram()
     if out is not None:
-        draw(paper, model, diagram, found).savefig(out / "fig12.png", dpi=200)
-        plt.close("all")
+        keep(draw(paper, model, diagram, found), out / "fig12.png")
     return {
         "a": described(model),
         "separate": described(local_model(ToyPieces(CONTACT_BY_CONTACT), *OTHER_A)),
@@ -134,12 +133,14 @@ def described(model: LocalModel) -> Results:
 def toy_diagram(fast: bool) -> Diagram:
     """Everything that the toy has next to A."""
     orders, search = ((1, 2), Search(slices=6)) if fast else ((1, 2, 3, 4), Search())
-    return bifurcation_diagram(Toy(), "eps_n1", SPAN, orders, WINDOW, search=search)
+    span, window = AROUND_A
+    return bifurcation_diagram(Toy(), "eps_n1", span, orders, window, search=search)
 
 
 def model_at(diagram: Diagram) -> LocalModel:
     """The local model at A, as sharp as the diagram knows A."""
-    point = min(diagram.points, key=lambda p: abs(p.x - NEAR_A[0]) + abs(p.parameter - NEAR_A[1]))
+    point = collision(diagram, POINT_A[SUMMED])
+    assert point is not None
     return local_model(ToyPieces(Toy()), point.x, point.parameter)
 
 

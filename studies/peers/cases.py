@@ -23,6 +23,7 @@ import numpy as np
 from mpmath import mp, mpf, nstr
 
 from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.places import WINDOW
 from studies.peers.ode import IMAGE, PERIOD, PHI_S
 from studies.peers.reference_mpmath import first_return
 from woodpecker import Toy, parameters
@@ -94,7 +95,6 @@ TWO_SWINGS = Scene(
 )
 SCENES = (CYCLE, DOUBLE, TWO_SWINGS)
 
-WINDOW = (-2.5, -0.24)  # rad
 POINTS = 1000
 SAMPLED = slice(41, None, 83)  # twelve of the thousand, evenly spread
 SAMPLE_IMAGES = (
@@ -112,7 +112,6 @@ SAMPLE_IMAGES = (
     "-0.751333190881099319118027702958",
 )
 
-GUESS = -0.53  # rad, where the search for the fixed point starts
 FIXED_POINT = Cycle(
     phi_s="-0.529471967110851035675129603749",
     multiplier="-0.839155653047585473340097603648",

@@ -8,13 +8,14 @@ import pytest
 from short_runs import is_picture, short_run
 
 from studies import paper_numbers, sensitivities
+from studies.common import motion
 from studies.figures import fig04_time_history as fig04
 from studies.figures import fig05_phase_woodpecker as fig05
 from studies.figures import fig06_phase_others as fig06
 from studies.figures import fig07_frames as fig07
 from studies.figures import fig08_return_map as fig08
 from studies.figures import fig08_vertices as vertices
-from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot
+from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot, simulate
 from woodpecker.base.compiled import COMPILED
 from woodpecker.plot.figures import plot_phase_portrait
 
@@ -73,10 +74,10 @@ def test_frames(tmp_path: Path) -> None:
 
 
 def test_frames_refuse_another_motion() -> None:
-    _, motion = fig07.cycle()
+    _, nominal = motion.cycle()
     with pytest.raises(ValueError, match="no S2 for frame 1"):
-        fig07.frames(fig07.simulate(Toy(), -0.23, 0.01))
-    assert len(fig07.frames(motion)) == 8
+        motion.frames(simulate(Toy(), -0.23, 0.01))
+    assert len(motion.frames(nominal)) == 8
 
 
 @pytest.mark.slow
@@ -293,6 +294,6 @@ def test_labels_are_spread_without_changing_their_order() -> None:
 
 
 def test_a_phase_portrait_names_what_it_cannot_draw() -> None:
-    _, motion = fig07.cycle()
+    _, nominal = motion.cycle()
     with pytest.raises(ValueError, match="unknown quantity 'phi'"):
-        plot_phase_portrait(motion, "phi", "dy")
+        plot_phase_portrait(nominal, "phi", "dy")

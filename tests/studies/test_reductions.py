@@ -8,6 +8,7 @@ from short_runs import is_picture
 
 from studies import reductions as study
 from studies.common.laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
+from studies.common.motion import GUESS
 from studies.peers import cases
 from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED
@@ -57,7 +58,7 @@ def test_order_eight_converges_to_the_closed_form(
 
 
 def test_five_unknowns_find_what_one_does() -> None:
-    one, five = study.shoot_one(Toy(), cases.GUESS), study.shoot_five(Toy(), cases.GUESS)
+    one, five = study.shoot_one(Toy(), GUESS), study.shoot_five(Toy(), GUESS)
     assert cases.distance(one.z[1], cases.FIXED_POINT.phi_s) < 1e-12  # where Newton stops
     assert cases.distance(five.z[1], cases.FIXED_POINT.phi_s) < 1e-12
     assert cases.distance(one.jacobian[0, 0], cases.FIXED_POINT.multiplier) < 1e-12
