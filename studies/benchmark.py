@@ -72,7 +72,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ``branches``, ``points`` of the main job. ``timings``: seconds of every job. ``skipped``:
         why a number is None.
     """
-    lap, peer = first_return(Toy(), PHI_S), first_return_ode(Toy(), PHI_S, rtol=RTOL)
+    once, peer = first_return(Toy(), PHI_S), first_return_ode(Toy(), PHI_S, rtol=RTOL)
     skipped: dict[str, str] = {}
     timings = returns(3 if fast else 25)
     timings |= starts(1 if fast else 2, cold=not fast)
@@ -91,11 +91,11 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "ratio_peer_call": ratio(timings, PEER_RETURN, CALLED_RETURN, "cpu"),
         "ratio_plain": ratio(timings, PLAIN_RETURN, COMPILED_RETURN, "cpu"),
         "ratio_plain_wall": ratio(timings, PLAIN_RETURN, COMPILED_RETURN, "wall"),
-        "error_kernel": distance(lap.phi_s, IMAGE),
+        "error_kernel": distance(once.phi_s, IMAGE),
         "error_peer": distance(peer.phi_s, IMAGE),
-        "error_period_kernel": distance(lap.period, PERIOD),
+        "error_period_kernel": distance(once.period, PERIOD),
         "error_period_peer": distance(peer.period, PERIOD),
-        "word": lap.word,
+        "word": once.word,
         "word_peer": peer.word,
         "evaluations_peer": peer.evaluations,
         "branches": len(diagram.branches) if diagram else None,

@@ -166,7 +166,7 @@ def recorded(toy: Toy, begin: Floats) -> tuple[list[Phase], Impacts]:
     gaps = np.zeros(3)
     impacts: list[tuple[Ints, Floats, Floats]] = []
     for phi_s in begin:
-        rows, happened = _lap(table, phi_s)
+        rows, happened = _one_return(table, phi_s)
         before = -1
         for row in rows:
             mode = int(row[7])
@@ -196,7 +196,7 @@ def beside_edges(toy: Toy, begin: Floats) -> Floats:
     return np.concatenate([edge + sign * NEAR for edge in low for sign in (-1.0, 1.0)])
 
 
-def _lap(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
+def _one_return(table: Floats, phi_s: float) -> tuple[Floats, Floats]:
     """Phases and events of one return, as :func:`woodpecker.simulation.calls.run` leaves them."""
     phases = np.zeros((EVENTS, PHASE_COLUMNS))
     happened = np.zeros((EVENTS, EVENT_COLUMNS))
@@ -262,15 +262,15 @@ def closed_form(other: PlainPython, plan: Plan) -> Results:
     """The cycle in Python, with its events; its smooth phases alone, compiled."""
     toy = CYCLE.toy
     phases, _ = recorded(toy, np.array([CYCLE.phi_s]))
-    rtol, lap = 1e-3, first_return_ode(toy, CYCLE.phi_s, rtol=1e-3, atol=1e-5)
-    while distance(lap.phi_s, CYCLE.image) > SMOOTH_TARGET:
+    rtol, once = 1e-3, first_return_ode(toy, CYCLE.phi_s, rtol=1e-3, atol=1e-5)
+    while distance(once.phi_s, CYCLE.image) > SMOOTH_TARGET:
         rtol /= 10.0
-        lap = first_return_ode(toy, CYCLE.phi_s, rtol=rtol, atol=1e-2 * rtol)
+        once = first_return_ode(toy, CYCLE.phi_s, rtol=rtol, atol=1e-2 * rtol)
     smooth = gathered(toy, phases)
     exact, steps = smooth.closed(), 1
     while smooth.distance(exact, smooth.integrated(steps)) > SMOOTH_TARGET:
         steps += 1
-    ask = partial(other.ask, "studies.peers.kernel:laps", numbers(toy), [CYCLE.phi_s])
+    ask = partial(other.ask, "studies.peers.kernel:returns", numbers(toy), [CYCLE.phi_s])
     jobs: dict[str, Job] = {
         "python_closed": lambda: ask(count=5)[1],
         "python_integrated": clocked(
@@ -282,7 +282,7 @@ def closed_form(other: PlainPython, plan: Plan) -> Results:
     timings = race(jobs, plan.rounds)
     return {
         "rtol": rtol,
-        "error_python": distance(lap.phi_s, CYCLE.image),
+        "error_python": distance(once.phi_s, CYCLE.image),
         "steps": steps,
         "step": float(smooth.times.max() / steps),
         "error": smooth.distance(exact, smooth.integrated(steps)),
@@ -494,13 +494,13 @@ def land(table: Floats, z: Floats) -> Floats:
     return state[1:6]
 
 
-def shoot_one(toy: Toy, guess: float, laps: int = 20) -> Found:
+def shoot_one(toy: Toy, guess: float, steps: int = 20) -> Found:
     """Newton's method in phi_S with the exact slope of the map."""
     table, phi_s = model(toy), np.array([guess])
     out, words = np.empty((1, 5)), np.empty((1, EVENTS), np.int16)
     status, lengths = np.empty(1, np.int64), np.empty(1, np.int64)
     spent = 0
-    for _ in range(laps):
+    for _ in range(steps):
         spent += 1
         sweep(table, FIXED, phi_s, 1, np.zeros((1, 3)), out, status, lengths, words)
         residual, slope = out[0, 0] - phi_s[0], out[0, 3]
@@ -511,14 +511,14 @@ def shoot_one(toy: Toy, guess: float, laps: int = 20) -> Found:
     return Found(z, np.array([[slope]]), spent)
 
 
-def shoot_five(toy: Toy, guess: float, laps: int = 20) -> Found:
+def shoot_five(toy: Toy, guess: float, steps: int = 20) -> Found:
     """Newton's method in all states on the section, with difference quotients of the flow.
 
     Differences go to the side where the sleeve is not inside the pole and phi_S is past its
     minimum.
     """
     table, z, spent = model(toy), np.array([-toy.phi_m_max, guess, 0.0, 0.0, 0.0]), 0
-    for _ in range(laps):
+    for _ in range(steps):
         image = land(table, z)
         jacobian = np.column_stack(
             [(land(table, z + QUOTIENT * e) - image) / QUOTIENT for e in np.eye(5)]

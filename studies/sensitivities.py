@@ -177,10 +177,10 @@ def _difference(orbit: PeriodicOrbit, name: str, step: float) -> tuple[float, fl
     """Relative change of period and angle per relative change, one-sided at zero."""
     value = _value(orbit.toy, name)
     changes = (0.0, step, 2.0 * step) if value == 0.0 else (-step, step)
-    laps = [_shot(orbit, name, c if value == 0.0 else value * (1.0 + c)) for c in changes]
+    orbits = [_shot(orbit, name, c if value == 0.0 else value * (1.0 + c)) for c in changes]
     weights = (-1.5, 2.0, -0.5) if value == 0.0 else (-0.5, 0.5)
     period, phi_s = (
-        math.fsum(w * getattr(lap, of) for w, lap in zip(weights, laps, strict=True))
+        math.fsum(w * getattr(each, of) for w, each in zip(weights, orbits, strict=True))
         / (step * getattr(orbit, of))
         for of in ("period", "phi_s")
     )

@@ -78,7 +78,7 @@ SICONOS_ELSEWHERE = "Siconos: only on the scenes, for it starts a process for ev
 SHORTEST = 5e-3  # s; a job repeats its work until it lasts this long: clocks tick every 1e-6 s
 SLOW = 0.25  # s; work longer than this is measured once, and its own length hides the noise
 
-Lap = PeerReturn | Precise
+AnyReturn = PeerReturn | Precise
 
 
 class Setting(NamedTuple):
@@ -88,7 +88,7 @@ class Setting(NamedTuple):
     variant: str  # solver of the contact problem, or ""
     knob: str  # "rtol", "step" or "digits"
     value: float
-    peer: Callable[[Toy, float], Lap]
+    peer: Callable[[Toy, float], AnyReturn]
 
     @property
     def noise(self) -> float:
@@ -220,17 +220,17 @@ def warm(settings: Iterable[Setting]) -> None:
                 continue
 
 
-def evaluations_of(lap: Lap) -> int | None:
+def evaluations_of(once: AnyReturn) -> int | None:
     """What a return took; None if that was not counted."""
-    return lap.evaluations if isinstance(lap, PeerReturn) else None
+    return once.evaluations if isinstance(once, PeerReturn) else None
 
 
 def scene_entries(scene: Scene, settings: Iterable[Setting], other: PlainPython) -> Iterator[Entry]:
     """One return of a scene by everyone."""
 
-    def judge(lap: Lap) -> Answer:
-        right = same_events(lap.word, scene.word)
-        return Answer(distance(lap.phi_s, scene.image), right, evaluations_of(lap))
+    def judge(once: AnyReturn) -> Answer:
+        right = same_events(once.word, scene.word)
+        return Answer(distance(once.phi_s, scene.image), right, evaluations_of(once))
 
     def judge_plain(result: Sequence[Any]) -> Answer:
         images, words = result
@@ -238,8 +238,8 @@ def scene_entries(scene: Scene, settings: Iterable[Setting], other: PlainPython)
         return Answer(distance(images[0], scene.image), right, None)
 
     kernel = partial(first_return_kernel, scene.toy, scene.phi_s)
-    yield Entry(KERNEL, "", "", None, kernel, lambda lap: judge(lap)._replace(evaluations=None))
-    ask = partial(other.ask, "studies.peers.kernel:laps", numbers(scene.toy), [scene.phi_s])
+    yield Entry(KERNEL, "", "", None, kernel, lambda once: judge(once)._replace(evaluations=None))
+    ask = partial(other.ask, "studies.peers.kernel:returns", numbers(scene.toy), [scene.phi_s])
     yield Entry(PLAIN, "", "", None, lambda: ask()[0], judge_plain, elsewhere(ask))
     for setting in settings:
         yield Entry(*setting[:4], partial(setting.peer, scene.toy, scene.phi_s), judge)
@@ -248,9 +248,9 @@ def scene_entries(scene: Scene, settings: Iterable[Setting], other: PlainPython)
 def siconos_entries(scene: Scene, plan: Plan) -> Iterator[Entry]:
     """The same by Siconos, if it is there. Its time is that of its time loop up to the return."""
 
-    def judge(lap: PeerReturn) -> Answer:
-        right = same_events(lap.word, scene.word)
-        return Answer(distance(lap.phi_s, scene.image), right, lap.evaluations)
+    def judge(once: PeerReturn) -> Answer:
+        right = same_events(once.word, scene.word)
+        return Answer(distance(once.phi_s, scene.image), right, once.evaluations)
 
     def loop(step: float, _count: int) -> Job:
         def job() -> Seconds:
@@ -279,17 +279,17 @@ def map_entries(
         right = all(map(same_events, words, known))
         return Answer(max(errors), right, evaluations, {"error_median": median(errors)})
 
-    def judge_laps(laps: Sequence[Lap]) -> Answer:
-        counts = [count for count in map(evaluations_of, laps) if count is not None]
-        total = sum(counts) if len(counts) == len(laps) else None
-        return judge([lap.phi_s for lap in laps], [lap.word for lap in laps], total)
+    def judge_few(returns: Sequence[AnyReturn]) -> Answer:
+        counts = [count for count in map(evaluations_of, returns) if count is not None]
+        total = sum(counts) if len(counts) == len(returns) else None
+        return judge([once.phi_s for once in returns], [once.word for once in returns], total)
 
     def judge_whole(map_: ReturnMap) -> Answer:
         return judge(map_.phi_s[SAMPLED].tolist(), map_.words[SAMPLED], None)
 
     chosen = SAMPLED if whole else everywhere
     begin = starts() if whole else few
-    ask = partial(other.ask, "studies.peers.kernel:laps", numbers(toy), begin.tolist())
+    ask = partial(other.ask, "studies.peers.kernel:returns", numbers(toy), begin.tolist())
 
     def judge_plain(result: Sequence[Any]) -> Answer:
         return judge(result[0][chosen], result[1][chosen], None)
@@ -299,11 +299,13 @@ def map_entries(
     scale = 1.0 if whole else part
     yield Entry(PLAIN, "", "", None, lambda: ask()[0], judge_plain, elsewhere(ask), scale)
     for setting in settings:
-        laps = partial(_laps, setting.peer, toy, few.tolist())
-        yield Entry(*setting[:4], laps, judge_laps, scale=part)
+        few_returns = partial(_returns, setting.peer, toy, few.tolist())
+        yield Entry(*setting[:4], few_returns, judge_few, scale=part)
 
 
-def _laps(peer: Callable[[Toy, float], Lap], toy: Toy, points: Sequence[float]) -> list[Lap]:
+def _returns(
+    peer: Callable[[Toy, float], AnyReturn], toy: Toy, points: Sequence[float]
+) -> list[AnyReturn]:
     return [peer(toy, x) for x in points]
 
 
@@ -329,7 +331,7 @@ def fixed_entries(settings: Iterable[Setting], other: PlainPython) -> Iterator[E
             yield Entry(*setting[:4], recomputed_fixed_point, lambda r: judge(*r[:2]))
 
 
-def newton(setting: Setting, laps: int = 12) -> tuple[float, float, int]:
+def newton(setting: Setting, steps: int = 12) -> tuple[float, float, int]:
     """Fixed point, multiplier and evaluations by Newton's method with difference quotients.
 
     A peer has no slope, so it is a central difference over the cube root of its noise times a
@@ -342,9 +344,9 @@ def newton(setting: Setting, laps: int = 12) -> tuple[float, float, int]:
         nonlocal spent
         if not x < CONTACT_BY_CONTACT.phi_s_max:
             raise LostError(f"Newton's method leaves the map, to {x:.3g} rad")
-        lap = setting.peer(CONTACT_BY_CONTACT, x)
-        spent += evaluations_of(lap) or 0
-        return float(lap.phi_s)
+        once = setting.peer(CONTACT_BY_CONTACT, x)
+        spent += evaluations_of(once) or 0
+        return float(once.phi_s)
 
     def slope(x: float) -> float:
         h: float = BEND * setting.noise ** (1.0 / 3.0)
@@ -352,7 +354,7 @@ def newton(setting: Setting, laps: int = 12) -> tuple[float, float, int]:
 
     x = GUESS
     steepness = slope(x)
-    for _ in range(laps):
+    for _ in range(steps):
         step = (image(x) - x) / (1.0 - steepness)
         x += step
         if abs(step) <= setting.noise:
@@ -372,10 +374,10 @@ def measured(entries: Iterable[Entry], rounds: int) -> list[dict[str, Any]]:
     """One row per entry: errors from a first run, times from rounds in which all take turns."""
     chosen, rows, jobs = list(entries), [], {}
     for index, entry in enumerate(chosen):
-        row, once = first_run(entry)
+        row, run = first_run(entry)
         rows.append(row)
-        if row["lost"] is None and once.cpu <= SLOW:
-            count = max(1, math.ceil(SHORTEST / max(once.cpu, 1e-6)))
+        if row["lost"] is None and run.cpu <= SLOW:
+            count = max(1, math.ceil(SHORTEST / max(run.cpu, 1e-6)))
             clock = entry.clock or partial(clocked, entry.work)
             jobs[str(index)] = clock(count)
     for key, timing in race(jobs, rounds).items():
@@ -394,16 +396,16 @@ def first_run(entry: Entry) -> tuple[dict[str, Any], Seconds]:
         "lost": None,
     }
     try:
-        result, once = timed(entry.work)
+        result, run = timed(entry.work)
     except LostError as reason:
         empty = dict.fromkeys(("error", "word_right", "evaluations", "cpu", "wall", "rounds"))
         return {**row, **empty, "lost": str(reason)}, Seconds(0.0, 0.0)
     if entry.clock is not None:
-        once = entry.clock(1)()
+        run = entry.clock(1)()
     answer = entry.judge(result)
     row |= {"error": answer.error, "word_right": answer.word_right}
     row |= {"evaluations": answer.evaluations, **(answer.detail or {})}
-    return row | _times(summary([once]), entry.scale), once
+    return row | _times(summary([run]), entry.scale), run
 
 
 def _times(timing: dict[str, float], scale: float) -> dict[str, float]:
@@ -500,9 +502,9 @@ def orders(tasks: dict[str, list[dict[str, Any]]], plan: Plan) -> list[dict[str,
         ladder = []
         for k in range(plan.halvings):
             step = 4e-3 / 2**k
-            lap = first_return_ode(CYCLE.toy, CYCLE.phi_s, solver, 1e3, 1e3, step)
-            if same_events(lap.word, CYCLE.word):
-                ladder.append((step, distance(lap.phi_s, CYCLE.image)))
+            once = first_return_ode(CYCLE.toy, CYCLE.phi_s, solver, 1e3, 1e3, step)
+            if same_events(once.word, CYCLE.word):
+                ladder.append((step, distance(once.phi_s, CYCLE.image)))
         lines.append(_order(CYCLE.name, solver, "", ladder))
     for task, rows in tasks.items():
         ladders: dict[tuple[str, str], list[tuple[float, float]]] = {}

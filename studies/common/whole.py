@@ -193,10 +193,10 @@ def sign_changes(map_: ToyPieces, part: Part, order: int, eps_n1: float) -> Floa
     return found
 
 
-def orbit(toy: Toy, x: float, laps: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def orbit(toy: Toy, x: float, count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """The first points of an orbit."""
     points = [x]
-    while len(points) < laps:
+    while len(points) < count:
         points.append(first_return(toy, points[-1]).phi_s)
     return np.array(points)
 
@@ -230,7 +230,7 @@ def residual(branch: Branch, k: int, part: Part) -> Residual:
     toy, order = part.toy(float(branch.parameter[k])), branch.order
     points = orbit(toy, float(branch.x[k]), order)
     left = [first_return(toy, x, order=order - i) for i, x in enumerate(points)]
-    grown = [ROUNDING * abs(x * lap.slope) for x, lap in zip(points, left, strict=True)]
+    grown = [ROUNDING * abs(x * once.slope) for x, once in zip(points, left, strict=True)]
     slope = max(abs(left[0].slope), abs(float(branch.multiplier[k])))
     size = abs(left[0].phi_s - points[0])
     return Residual(toy.eps_n1, float(points[0]), float(size), slope, float(max(grown)))

@@ -149,12 +149,12 @@ def exact(toy: Toy, phi_s: float, other: float = math.nan) -> Truth:
     ValueError
         If the reference is lost.
     """
-    lap = reference.first_return(phi_s, numbers(toy), DIGITS, step=STEP)
-    if lap.status != "returned":
-        raise ValueError(f"the reference is lost from {phi_s}: {lap.status}")
+    once = reference.first_return(phi_s, numbers(toy), DIGITS, step=STEP)
+    if once.status != "returned":
+        raise ValueError(f"the reference is lost from {phi_s}: {once.status}")
     with mp.workdps(2 * DIGITS):
-        image = Decimal(nstr(lap.phi_s, DIGITS + 10))
-    return Truth(image, lap.word, first_return(toy, phi_s).slope, other)
+        image = Decimal(nstr(once.phi_s, DIGITS + 10))
+    return Truth(image, once.word, first_return(toy, phi_s).slope, other)
 
 
 def _single(name: str, label: str, why: str, toy: Toy, phi_s: float) -> Scene:

@@ -62,8 +62,8 @@ def draw(trajectory: Trajectory, shown: tuple[Frame, ...], period: float) -> Fig
     for ax in axes[:-1]:
         ax.sharex(axes[-1])
         ax.tick_params(labelbottom=False)
-    for lap in range(PERIODS):
-        number(axes, [frame.time + lap * period for frame in shown])
+    for k in range(PERIODS):
+        number(axes, [frame.time + k * period for frame in shown])
     return figure
 
 

@@ -164,8 +164,8 @@ def numbers(toy: Toy) -> dict[str, float | str]:
 
 def recomputed(scene: Scene) -> tuple[str, str, str]:
     """Image, period and word of a scene by the thirty-digit program."""
-    lap = first_return(scene.phi_s, numbers(scene.toy), DIGITS)
-    return nstr(lap.phi_s, DIGITS), nstr(lap.period, DIGITS), plain(lap.word)
+    once = first_return(scene.phi_s, numbers(scene.toy), DIGITS)
+    return nstr(once.phi_s, DIGITS), nstr(once.period, DIGITS), plain(once.word)
 
 
 def recomputed_sample() -> tuple[str, ...]:
@@ -174,7 +174,7 @@ def recomputed_sample() -> tuple[str, ...]:
     return tuple(nstr(first_return(float(x), toy).phi_s, DIGITS) for x in sample())
 
 
-def recomputed_fixed_point(laps: int = 4) -> Cycle:
+def recomputed_fixed_point(steps: int = 4) -> Cycle:
     """Newton's method on the thirty-digit program.
 
     The slope is a central difference over 1e-16 rad, so its error is of the order of 1e-32.
@@ -182,7 +182,7 @@ def recomputed_fixed_point(laps: int = 4) -> Cycle:
     toy = numbers(CONTACT_BY_CONTACT)
     with mp.workdps(2 * DIGITS):
         x, h = mpf(PHI_S), mpf(10) ** -16
-        for _ in range(laps):
+        for _ in range(steps):
             low, here, high = (first_return(x + k * h, toy, PLACES) for k in (-1, 0, 1))
             slope = (high.phi_s - low.phi_s) / (2 * h)
             x += (here.phi_s - x) / (1 - slope)

@@ -62,10 +62,10 @@ def test_a_table_has_a_column_at_every_parameter(spacing: float, points: int) ->
 @pytest.mark.slow
 def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
     results = fig09.main(fast=True, out=tmp_path)
-    gentle = [found for found in results["collisions"] if found[3] > -1.2]  # rad: steep ones below
-    kinds = sorted(kind for kind, *_ in gentle)
+    above = [found for found in results["collisions"] if found[3] > -1.2]  # rad: steep ones below
+    kinds = sorted(kind for kind, *_ in above)
     assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
-    at = sorted(p for _, _, p, _ in gentle)
+    at = sorted(p for _, _, p, _ in above)
     assert at == pytest.approx([0.29152171, 0.34192345, 0.38834959], abs=5e-9)
     other = results["separate"]
     assert other["law"] == "separate"

@@ -50,10 +50,10 @@ def test_the_fixed_point_is_right_to_thirty_digits() -> None:
 
 @pytest.mark.parametrize("scene", cases.SCENES, ids=lambda scene: scene.name)
 def test_the_kernel_meets_the_references(scene: cases.Scene) -> None:
-    lap = kernel.first_return_kernel(scene.toy, scene.phi_s)
-    assert cases.distance(lap.phi_s, scene.image) < ROUNDING
-    assert cases.distance(lap.period, scene.period) < ROUNDING
-    assert cases.plain(lap.word) == scene.word
+    once = kernel.first_return_kernel(scene.toy, scene.phi_s)
+    assert cases.distance(once.phi_s, scene.image) < ROUNDING
+    assert cases.distance(once.period, scene.period) < ROUNDING
+    assert cases.plain(once.word) == scene.word
 
 
 def test_the_kernel_meets_the_sample_of_the_map() -> None:
@@ -68,8 +68,8 @@ def test_words_are_compared_by_their_events() -> None:
 
 
 def test_the_twin_keeps_more_digits_than_a_double() -> None:
-    lap = kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
-    error = abs(lap.phi_s - Decimal(cases.DOUBLE.image))
+    once = kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
+    error = abs(once.phi_s - Decimal(cases.DOUBLE.image))
     assert 0 < error < Decimal("1e-19")  # printed to twenty digits
 
 
@@ -90,8 +90,8 @@ def test_fixed_steps_converge_with_the_order_of_the_formula(method: str, order: 
     """Where an event falls within its step changes the error, so orders scatter by one or so."""
     ladder = []
     for step in (4e-3, 2e-3, 1e-3, 5e-4):
-        lap = first_return_ode(Toy(), cases.CYCLE.phi_s, method, 1e3, 1e3, step)
-        ladder.append((step, cases.distance(lap.phi_s, cases.CYCLE.image)))
+        once = first_return_ode(Toy(), cases.CYCLE.phi_s, method, 1e3, 1e3, step)
+        ladder.append((step, cases.distance(once.phi_s, cases.CYCLE.image)))
     line = study._order("cycle", method, "", ladder)
     assert line["expected"] == order
     assert line["fitted"] == pytest.approx(order, abs=1.2)
@@ -129,7 +129,9 @@ def test_another_process_runs_the_plain_kernel() -> None:
         start = cases.DOUBLE.phi_s
         for toy in (Toy(), CONTACT_BY_CONTACT):  # the law goes with the numbers
             arguments = cases.numbers(toy), [start]
-            (images, words), seconds = other.ask("studies.peers.kernel:laps", *arguments, count=2)
+            (images, words), seconds = other.ask(
+                "studies.peers.kernel:returns", *arguments, count=2
+            )
             # the same numbers up to rounding: complex quotients are formed in other ways
             assert images == pytest.approx([first_return(toy, start).phi_s], abs=1e-14)
             assert words == [first_return(toy, start).word]
@@ -162,7 +164,7 @@ def test_the_study_runs_and_nothing_is_unmarked(tmp_path: Path) -> None:
 
 def test_a_method_that_gets_lost_is_recorded() -> None:
     peer = partial(first_return_ode, Toy(eps_n1=0.1), -0.7)  # its impacts accumulate
-    entry = study.Entry("RK45", "", "rtol", 1e-6, peer, lambda lap: study.Answer(0.0, True, 1))
+    entry = study.Entry("RK45", "", "rtol", 1e-6, peer, lambda once: study.Answer(0.0, True, 1))
     (line,) = study.measured([entry], 1)
     assert "closer than" in line["lost"]
     assert line["error"] is None
