@@ -14,6 +14,8 @@ Folders import what stands above them, and scripts beside the folders import any
     other ways to follow the toy, and the scenes with thirty digits that all are measured by
 ``failures/``
     where methods fail, the project's own among them
+``reductions/``
+    what each reduction of the problem buys
 ``figures/``
     the paper's Figures 4 to 12
 ``maps/``

@@ -19,7 +19,16 @@ from pathlib import Path
 import numpy as np
 
 from pwmap.diagrams.diagram import Diagram
-from studies.common.clocks import Job, Seconds, Timing, clocked, race, ratio, summary
+from studies.common.clocks import (
+    Job,
+    Seconds,
+    Timing,
+    clocked,
+    race,
+    ratio,
+    shared,
+    summary,
+)
 from studies.common.motion import GUESS
 from studies.common.places import WINDOW
 from studies.common.record import Results, command, environ
@@ -143,7 +152,7 @@ def plain_job(plain: PlainPython) -> Job:
 
     def job() -> Seconds:
         _, seconds = plain.ask("studies.benchmark:listed_starts", 10)
-        return Seconds(seconds.wall / 10, seconds.cpu / 10)
+        return shared(seconds, 10)
 
     return job
 

@@ -32,7 +32,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "peer_siconos": "studies.peers.siconos_peer",
     "work_precision": "studies.work_precision",
     "failures": "studies.failures.failures",
-    "reductions": "studies.reductions",
+    "reductions": "studies.reductions.reductions",
     "sensitivities": "studies.sensitivities",
     "fig04_time_history": "studies.figures.fig04_time_history",
     "fig05_phase_woodpecker": "studies.figures.fig05_phase_woodpecker",

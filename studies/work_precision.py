@@ -19,7 +19,6 @@ it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -36,7 +35,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 
-from studies.common.clocks import Job, Seconds, clocked, race, summary, timed
+from studies.common.clocks import Job, Seconds, clocked, race, repeats, summary, timed
 from studies.common.laws import CONTACT_BY_CONTACT
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
@@ -75,7 +74,6 @@ BEND = 0.1  # rad; length over which the slope of the map near its fixed point c
 
 SICONOS_ELSEWHERE = "Siconos: only on the scenes, for it starts a process for every return"
 
-SHORTEST = 5e-3  # s; a job repeats its work until it lasts this long: clocks tick every 1e-6 s
 SLOW = 0.25  # s; work longer than this is measured once, and its own length hides the noise
 
 AnyReturn = PeerReturn | Precise
@@ -377,9 +375,8 @@ def measured(entries: Iterable[Entry], rounds: int) -> list[dict[str, Any]]:
         row, run = first_run(entry)
         rows.append(row)
         if row["lost"] is None and run.cpu <= SLOW:
-            count = max(1, math.ceil(SHORTEST / max(run.cpu, 1e-6)))
             clock = entry.clock or partial(clocked, entry.work)
-            jobs[str(index)] = clock(count)
+            jobs[str(index)] = clock(repeats(run.cpu))
     for key, timing in race(jobs, rounds).items():
         rows[int(key)] |= _times(timing, chosen[int(key)].scale)
     return rows
