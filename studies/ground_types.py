@@ -79,6 +79,13 @@ def asked(ground_types: str, fast: bool) -> Found:
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure, compare what was found, and draw.
 
+    Parameters
+    ----------
+    fast
+        Take one round, of lower orders.
+    out
+        Folder for ``ground_types.png``.
+
     Returns
     -------
     dict

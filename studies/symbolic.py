@@ -63,6 +63,13 @@ def naive(order: int) -> sympy.Piecewise:
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure, check that both ways agree, and draw.
 
+    Parameters
+    ----------
+    fast
+        Take one round.
+    out
+        Folder for ``symbolic.png`` and ``symbolic_plane.png``.
+
     Returns
     -------
     dict

@@ -147,6 +147,13 @@ FAST = Plan(
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure every method on every task, fit orders, draw.
 
+    Parameters
+    ----------
+    fast
+        Take few settings and one round, and the map at a few points.
+    out
+        Folder for ``work_precision.png``.
+
     Returns
     -------
     dict

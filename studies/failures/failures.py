@@ -61,6 +61,13 @@ class Measured(NamedTuple):
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Run every scene by every method, judge, count and draw.
 
+    Parameters
+    ----------
+    fast
+        Leave out slow scenes and methods, and most distances.
+    out
+        Folder for ``failures.png`` and ``failures_distance.png``.
+
     Returns
     -------
     dict

@@ -117,7 +117,24 @@ def largest_difference(diagram: Diagram, kinds: dict[PointKind, int]) -> float:
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
-    """Compare, and give the headline numbers."""
+    """Compare, and give the headline numbers.
+
+    Parameters
+    ----------
+    fast
+        Orders 1 and 2 only.
+    out
+        Not used: there are no pictures.
+
+    Returns
+    -------
+    dict
+        ``kappa_c``, ``first_flip_error``; ``special_points``: flips and folds, and the
+        ``largest_difference`` of those of iterates from their equations; ``saturation``: the gain,
+        how far it lies ``_outside`` of the marks of the branch, how far these are apart
+        (``_within``), whether it ``_is_smooth``; ``border_collisions``: how many; ``miscounted``:
+        slices of iterates in which changes of sign say something else.
+    """
     orders = (1, 2) if fast else (1, 2, 3, 4)
     map_ = boost_map()
     network = searched(map_, SETTINGS, orders, Search(slices=15, finest=5e-3))

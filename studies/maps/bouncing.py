@@ -279,7 +279,23 @@ def unexplained(map_: FormulaMap, diagram: Diagram, gs: Sequence[float], order: 
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
-    """Compare, and give the headline numbers."""
+    """Compare, and give the headline numbers.
+
+    Parameters
+    ----------
+    fast
+        Orders 1 and 2, and few values of G.
+    out
+        Not used: there are no pictures.
+
+    Returns
+    -------
+    dict
+        ``stops_waiting``, ``pair_waits``: G, and how far it lies ``_outside`` of the marks of the
+        branch; ``flip``, ``flip_error``; ``borders_are_smooth``; ``others``: special points of
+        iterates, but for ends; ``miscounted``: slices of iterates in which changes of sign say
+        something else; ``attractors_and_missing``: how many, and on no stable branch.
+    """
     orders = (1, 2) if fast else (1, 2, 3, 4)
     map_ = bouncing_map()
     check_derivatives(map_, [(x, g) for g in (1.5, 3.5, 4.4) for x in (-1.0, 0.9, 1.6, 3.0)])

@@ -43,6 +43,13 @@ from woodpecker.base.compiled import COMPILED
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure all four reductions and say in words what came out.
 
+    Parameters
+    ----------
+    fast
+        Take few rounds, starts and densities.
+    out
+        Folder for ``reductions.png``.
+
     Returns
     -------
     dict
