@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 from short_runs import is_picture, short_run
 
 from studies import paper_numbers, sensitivities
@@ -16,7 +17,6 @@ from studies.figures import fig07_frames as fig07
 from studies.figures import fig08_return_map as fig08
 from studies.figures import fig08_vertices as vertices
 from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot, simulate
-from woodpecker.base.compiled import COMPILED
 from woodpecker.plot.figures import plot_phase_portrait
 
 PERIOD, PHI_S = 0.14597607, -0.52947197  # s, rad: the independent programs' values, to 8 digits
@@ -24,7 +24,6 @@ NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
 EIGHT = 5e-9  # half a unit of the eighth digit
 SIX = 5e-7  # s; half a unit of the sixth digit of the event times
 LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")
-needs_speed = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 
 
 @pytest.mark.slow
@@ -81,7 +80,7 @@ def test_frames_refuse_another_motion() -> None:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_return_map(tmp_path: Path) -> None:
     results = fig08.main(fast=True, out=tmp_path)
     assert is_picture(tmp_path / "fig08.png")
@@ -101,7 +100,7 @@ def test_return_map(tmp_path: Path) -> None:
     assert stable == pytest.approx((PHI_S, -0.83916), abs=5e-6)
 
 
-@needs_speed
+@NEEDS_NUMBA
 @pytest.mark.parametrize(("law", "seen"), [("summed", False), ("separate", True)])
 def test_the_jump_of_a_and_b_hardly_shows_in_figure_8(law: Any, seen: bool) -> None:
     """The paper names two jumps of its Figure 8, and not the one on which A and B lie."""
@@ -120,7 +119,7 @@ def figure_8(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_the_sum_gives_figure_8_to_its_resolution(figure_8: dict[str, Any]) -> None:
     """3e-4 is half a unit of the graphic upwards; rounding alone leaves a quarter in the median."""
     summed, separate = figure_8["laws"]["summed"], figure_8["laws"]["separate"]
@@ -137,7 +136,7 @@ def test_the_sum_gives_figure_8_to_its_resolution(figure_8: dict[str, Any]) -> N
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_every_vertex_of_figure_8_is_counted(figure_8: dict[str, Any]) -> None:
     counts = [figure_8["laws"]["summed"][kind]["count"] for kind in ("double", "single", "jammed")]
     line = figure_8["line"]
@@ -159,7 +158,7 @@ def test_the_distance_to_a_curve_is_measured_across_it() -> None:
     assert distance == pytest.approx(h / np.hypot(1.0, slope), rel=1e-3)  # curvature 14 times h
 
 
-@needs_speed
+@NEEDS_NUMBA
 def test_ends_of_the_return_map() -> None:
     """The band of centres is the mirror image of the starts that stay jammed."""
     toy = Toy()
@@ -190,7 +189,7 @@ def cone(toy: Toy) -> float:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_sensitivities(tmp_path: Path) -> None:
     results = sensitivities.main(fast=True, out=tmp_path)
     assert is_picture(tmp_path / "sensitivities.png")
@@ -232,7 +231,7 @@ def test_the_unit_of_the_last_digit() -> None:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_paper_numbers() -> None:
     results = paper_numbers.main(fast=True)
     rows: dict[str, dict[str, Any]] = {row["quantity"]: row for row in results["rows"]}
@@ -264,7 +263,7 @@ def test_the_last_digit_decides() -> None:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_the_points_of_figure_10() -> None:
     found = {law: paper_numbers.between_a_and_b(law) for law in paper_numbers.LAWS}
     rows = {row.quantity: row for row in paper_numbers.special_points(found)}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 from short_runs import ShortRun, is_picture, short_run
 
 from pwmap import Branch, BranchKind, Diagram, SpecialPoint
@@ -15,11 +16,10 @@ from studies.figures import fig10_order_two as fig10
 from studies.figures import fig11_maps_near_a as fig11
 from studies.figures import fig12_local_model as fig12
 from woodpecker import Found, Start, Toy, ToyPieces, local_model, shoot
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import slices_at
 
-pytestmark = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+pytestmark = NEEDS_NUMBA
 
 A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S; sign change and 30 digits
 C = (0.1851269509, -0.7577872573)

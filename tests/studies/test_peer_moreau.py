@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 from scenes import plain
 
 from studies.peers import moreau
@@ -58,7 +59,7 @@ def test_one_return_of_the_nominal_cycle(scheme: str, solver: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 @pytest.mark.parametrize(("scheme", "solver"), EVERY_WAY)
 def test_the_order_is_one(scheme: str, solver: str) -> None:
     """The rms over nine steps scatters by 1/sqrt(18) = 24 %, 0.1 in the order over 1.5 decades."""
@@ -198,7 +199,7 @@ def _solve(way: str, numbers: Floats, z: Floats, states: Floats, part: Floats) -
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_the_beak_strikes_while_the_upper_contact_is_closed() -> None:
     """P1(-0.8) at eps_N1 = 0.125 is -0.52034 by an independent program."""
     once = first_return_moreau(TOY.replace(eps_n1=0.125), -0.8, 2e-6)
@@ -207,7 +208,7 @@ def test_the_beak_strikes_while_the_upper_contact_is_closed() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 @pytest.mark.parametrize("eps_n1", [0.9, 0.5])
 def test_images_agree_with_the_kernel_over_the_window(eps_n1: float) -> None:
     """All these starts have one contact at most in an impact of the beak, or one that slides."""
@@ -219,7 +220,7 @@ def test_images_agree_with_the_kernel_over_the_window(eps_n1: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_newton_and_poisson_differ_where_the_beak_begins_to_stick() -> None:
     """No step makes up for another impact law: 6.9e-3 rad remain, a hundred times the error."""
     eps_n1, phi_s = LAWS

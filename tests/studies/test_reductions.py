@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 from short_runs import is_picture
 
 from studies.common.laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
@@ -15,7 +16,6 @@ from studies.reductions.contact_problems import direct, lemke
 from studies.reductions.motions import Impacts, Phase, beside_edges, gathered, recorded
 from studies.reductions.shooting import land, shoot_five, shoot_one
 from woodpecker import ExpansionFriction, Toy
-from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics.modes import SECTION, model
 
 STARTS = np.array([cases.CYCLE.phi_s, cases.DOUBLE.phi_s, cases.TWO_SWINGS.phi_s])
@@ -94,7 +94,7 @@ def test_dense_sampling_finds_the_events_that_isolation_finds(
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_sampling_misses_what_isolation_finds_next_to_grazing() -> None:
     near = beside_edges(events.GRAZED, np.linspace(-2.5, -0.24, 20))
     phases = [p for p in recorded(events.GRAZED, near)[0] if p.time < events.LONGEST]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 from short_runs import is_picture
 
 from studies import work_precision as study
@@ -14,7 +15,6 @@ from studies.common.laws import CONTACT_BY_CONTACT
 from studies.peers import cases, kernel
 from studies.peers.ode import first_return_ode
 from woodpecker import Toy, first_return
-from woodpecker.base.compiled import COMPILED
 
 LAST_DIGITS = Decimal("1e-28")  # thirty digits were asked for; two are left to rounding
 ROUNDING = 1e-13  # rad; some spacings of doubles, times slopes up to ten, over twenty events
@@ -146,7 +146,7 @@ def test_every_scene_is_under_the_law_that_all_methods_know() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_the_study_runs_and_nothing_is_unmarked(tmp_path: Path) -> None:
     results = study.main(fast=True, out=tmp_path)
     assert is_picture(tmp_path / "work_precision.png")
