@@ -65,6 +65,7 @@ KNOWN = {  # where each law has them
 WAY = Search(slices=24)  # for the way from A to C: nothing on it is thinner than its gaps
 SPANS = {SUMMED: (0.04, 0.3), SEPARATE: (0.035, 0.33)}  # of eps_N1: A, B, and what starts there
 AROUND = (-1.2, -0.6)  # rad, the window of that way
+COORDINATES = ("parameter", "x")  # of a special point
 SAME = 1e-9  # in eps_N1 and rad: both laws agree
 ISLAND = {"left end": ("0.35", PointKind.BC), "right end": ("0.389", PointKind.FF)}  # I1, its top
 TOP = ((0.33, 0.4), (-1.2, -0.7), Search(slices=8))  # where that is looked for
@@ -127,18 +128,14 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     rows = [*statics(toy), *motion(), *the_map(toy), *zoom(), *piecewise()]
     rows += [*special_points(diagrams), *island(toy, fast)]
     verdicts = [row.agrees for row in rows]
+    courses = way(diagrams[SUMMED], POINT_A[SUMMED], POINT_C) if diagrams else []
     return {
         "rows": [row.as_dict() for row in rows],
         "agree": verdicts.count(True),
         "differ": verdicts.count(False),
         "skipped": sum(row.ours is None for row in rows),
         "differing": [row.quantity for row in rows if row.agrees is False],
-        "way": [
-            course._asdict()
-            for law, diagram in diagrams.items()
-            if law is SUMMED
-            for course in way(diagram, POINT_A[law], POINT_C)
-        ],
+        "way": [course._asdict() for course in courses],
     }
 
 
@@ -287,9 +284,6 @@ def special_points(diagrams: dict[ExpansionFriction, Diagram]) -> Iterator[Row]:
         "P_2 jump branch from A leads to C (1)", "1", reached[0], SIGNS,
         cycle if diagrams else HEAVY, separate=reached[1],
     )  # fmt: skip
-
-
-COORDINATES = ("parameter", "x")
 
 
 def _value(point: SpecialPoint | None, of: str) -> float | None:

@@ -61,8 +61,6 @@ OTHER_A = (-0.8847733440138, 0.0421643309)  # phi_S [rad], eps_N1: the model is 
 REACH = 2e-3  # in eps_N1: how far the picture goes from A
 SCALES = Settings(window=WINDOW, finest=1e-9)  # jumps are looked for in 1e-5 rad
 DISTANCES = (2e-4, 1e-4, 5e-5, 2.5e-5)  # in eps_N1; the next change of word is 5e-4 away
-
-
 ROUNDING = 1e-14  # errors [rad] that are zero: some spacings of doubles at a phi_S of 1
 
 
