@@ -15,6 +15,8 @@ Folders import what stands above them, and scripts beside the folders import any
     other ways to follow the toy, and the scenes with thirty digits that all are measured by
 ``failures/``
     where methods fail, the project's own among them
+``precision/``
+    what a digit costs, by every method
 ``reductions/``
     what each reduction of the problem buys
 ``figures/``
@@ -34,8 +36,8 @@ and beside them:
     why the paper's period is shorter
 ``order_three``
     the whole diagram with period 3, beyond the paper
-``benchmark``, ``work_precision``
-    how fast and how exact a return is, alone and against other methods
+``benchmark``
+    how fast and how exact a return is
 ``symbolic``, ``ground_types``
     how fast exact composition is, against sympy and with python-flint
 """
