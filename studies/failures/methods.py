@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import warnings
 from collections.abc import Callable
@@ -12,11 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from studies.failures.judge import Outcome
+from studies.peers.moreau import first_return_moreau
 from studies.peers.ode import first_return_ode
 from studies.peers.peer import LostError, Peer, PeerReturn
 from woodpecker import Status, Toy, first_return
 from woodpecker.base.compiled import COMPILED
 
+NEEDS_NUMBA = "needs numba: a hundred thousand steps in plain Python take minutes"
 OPEN_IMPULSE = "I~"  # how a word marks an impact whose impulses are not unique
 
 
@@ -31,7 +32,7 @@ class Method(NamedTuple):
 
 def methods(fast: bool = False) -> tuple[Method, ...]:
     """All that can run here; without LSODA and the fine step of Moreau's scheme if ``fast``."""
-    missing = _without_moreau()
+    missing = "" if COMPILED else NEEDS_NUMBA
     columns = (
         Method("kernel", "kernel, compiled" if COMPILED else "kernel, plain Python", kernel),
         Method("DOP853, rtol 1e-10", "DOP853", ode("DOP853", 1e-10)),
@@ -58,7 +59,7 @@ def followed(peer: Peer, toy: Toy, phi_s: float) -> Outcome:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # solvers warn where they struggle: the image shows it
-            once: PeerReturn = peer(toy, phi_s)
+            once = peer(toy, phi_s)
     except (LostError, ValueError) as error:
         return Outcome(None, message=str(error))
     if not math.isfinite(once.phi_s):
@@ -79,20 +80,6 @@ def moreau(step: float) -> Callable[[Toy, float], Outcome]:
     """Moreau's theta scheme with a direct solver, at a step [s]."""
 
     def peer(toy: Toy, phi_s: float) -> PeerReturn:
-        once: PeerReturn = importlib.import_module("studies.peers.moreau").first_return_moreau(
-            toy, phi_s, step=step, scheme="theta", solver="lcp"
-        )
-        return once
+        return first_return_moreau(toy, phi_s, step, scheme="theta", solver="lcp")
 
     return partial(followed, peer)
-
-
-def _without_moreau() -> str:
-    """Why Moreau's scheme cannot run; empty if it can."""
-    if not COMPILED:
-        return "needs numba: a hundred thousand steps in plain Python take minutes"
-    try:
-        importlib.import_module("studies.peers.moreau")
-    except ImportError as error:
-        return f"cannot be imported: {error}"
-    return ""
