@@ -6,18 +6,38 @@ Each is a module of this folder, which is not installed, and runs from the folde
 
 Its ``main(fast, out)`` returns the numbers that it prints. :mod:`studies.run_all` runs all of them
 and keeps numbers and pictures in ``results/``, from which :mod:`studies.readme` fills the README.
-Folders import what stands above them, and scripts beside the folders import any:
+Folders import what stands above them, and scripts beside the folders import any. In folders:
 
 ``common/``
-    what studies share: command line, clocks, look of pictures, both laws, checks of diagrams
+    what studies share: command line, clocks, look of pictures, both laws, the paper's motion and
+    places, checks of diagrams
 ``peers/``
     other ways to follow the toy, and the scenes with thirty digits that all are measured by
 ``failures/``
     where methods fail, the project's own among them
+``precision/``
+    what a digit costs, by every method
+``reductions/``
+    what each reduction of the problem buys
 ``figures/``
     the paper's Figures 4 to 12
 ``maps/``
     three maps of the literature
 ``data/``
     what was read off the paper's figures
+
+and beside them:
+
+``main_job``
+    what hangs together with the stable motion
+``paper_numbers``
+    every number the paper prints, beside the model's
+``sensitivities``
+    why the paper's period is shorter
+``order_three``
+    the whole diagram with period 3, beyond the paper
+``benchmark``
+    how fast and how exact a return is
+``symbolic``, ``ground_types``
+    how fast exact composition is, against sympy and with python-flint
 """

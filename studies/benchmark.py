@@ -14,14 +14,25 @@ import sys
 import tempfile
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
-from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
 
 from pwmap.diagrams.diagram import Diagram
-from studies.common.clocks import Job, Seconds, Timing, clocked, race, ratio, summary
+from studies.common.clocks import (
+    Job,
+    Seconds,
+    Timing,
+    clocked,
+    race,
+    ratio,
+    shared,
+    summary,
+)
+from studies.common.motion import GUESS
+from studies.common.places import WINDOW
 from studies.common.record import Results, command, environ
+from studies.peers.cases import distance
 from studies.peers.kernel import PlainPython
 from studies.peers.ode import IMAGE, PERIOD, PHI_S, first_return_ode
 from woodpecker import Toy, continuation, first_return, return_map, shoot
@@ -32,8 +43,6 @@ from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.returns import EVENT_LIMIT
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
-GUESS = -0.53  # rad, near the nominal cycle
-WINDOW = (-2.5, -0.24)  # rad
 
 COMPILED_RETURN, CALLED_RETURN = "one return, compiled kernel", "one return, first_return()"
 PLAIN_RETURN, PEER_RETURN = "one return, plain Python kernel", "one return, DOP853 rtol 1e-10"
@@ -72,7 +81,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ``branches``, ``points`` of the main job. ``timings``: seconds of every job. ``skipped``:
         why a number is None.
     """
-    lap, peer = first_return(Toy(), PHI_S), first_return_ode(Toy(), PHI_S, rtol=RTOL)
+    once, peer = first_return(Toy(), PHI_S), first_return_ode(Toy(), PHI_S, rtol=RTOL)
     skipped: dict[str, str] = {}
     timings = returns(3 if fast else 25)
     timings |= starts(1 if fast else 2, cold=not fast)
@@ -91,11 +100,11 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "ratio_peer_call": ratio(timings, PEER_RETURN, CALLED_RETURN, "cpu"),
         "ratio_plain": ratio(timings, PLAIN_RETURN, COMPILED_RETURN, "cpu"),
         "ratio_plain_wall": ratio(timings, PLAIN_RETURN, COMPILED_RETURN, "wall"),
-        "error_kernel": distance(lap.phi_s, IMAGE),
+        "error_kernel": distance(once.phi_s, IMAGE),
         "error_peer": distance(peer.phi_s, IMAGE),
-        "error_period_kernel": distance(lap.period, PERIOD),
+        "error_period_kernel": distance(once.period, PERIOD),
         "error_period_peer": distance(peer.period, PERIOD),
-        "word": lap.word,
+        "word": once.word,
         "word_peer": peer.word,
         "evaluations_peer": peer.evaluations,
         "branches": len(diagram.branches) if diagram else None,
@@ -103,11 +112,6 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "timings": timings,
         "skipped": skipped,
     }
-
-
-def distance(value: float, reference: str) -> float:
-    """Distance of a double from a decimal number, without rounding the latter."""
-    return float(abs(Decimal(value) - Decimal(reference)))
 
 
 def returns(rounds: int) -> dict[str, Timing]:
@@ -148,7 +152,7 @@ def plain_job(plain: PlainPython) -> Job:
 
     def job() -> Seconds:
         _, seconds = plain.ask("studies.benchmark:listed_starts", 10)
-        return Seconds(seconds.wall / 10, seconds.cpu / 10)
+        return shared(seconds, 10)
 
     return job
 
@@ -180,9 +184,9 @@ def starts(rounds: int, cold: bool) -> dict[str, Timing]:
 
 
 def _start(variables: dict[str, str]) -> str:
-    command = [sys.executable, "-c", START, repr(PHI_S)]
+    program = [sys.executable, "-c", START, repr(PHI_S)]
     return subprocess.run(
-        command, env=variables, stdout=subprocess.PIPE, text=True, check=True
+        program, env=variables, stdout=subprocess.PIPE, text=True, check=True
     ).stdout
 
 

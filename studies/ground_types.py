@@ -17,12 +17,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from studies.common.clocks import Seconds, Timing, ratio, summary
 from studies.common.record import Results, command, environ
-from studies.common.style import GREY, STABLE, canvas
+from studies.common.style import GREY, STABLE, canvas, keep
 
 FLINT, PYTHON = "flint", "python"
 NAMES = {PYTHON: "rationals of sympy", FLINT: "rationals of python-flint"}
@@ -40,7 +40,9 @@ def jobs(fast: bool) -> dict[str, Callable[[], int]]:
     )
     n = 4 if fast else 0  # orders less
 
-    def branches(map_: PiecewiseLinearMap, name: str, span: object, last: int) -> int:
+    def branches(
+        map_: PiecewiseLinearMap, name: str, span: tuple[int, int] | None, last: int
+    ) -> int:
         return len(bifurcation_diagram(map_, name, span, range(1, last + 1)).branches)
 
     return {
@@ -77,6 +79,13 @@ def asked(ground_types: str, fast: bool) -> Found:
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure, compare what was found, and draw.
 
+    Parameters
+    ----------
+    fast
+        Take one round, of lower orders.
+    out
+        Folder for ``ground_types.png``.
+
     Returns
     -------
     dict
@@ -96,12 +105,11 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         name: ratio(timings, f"{name}, {PYTHON}", f"{name}, {FLINT}", "cpu") for name in found
     }
     if out is not None:
-        draw(timings, list(found), kinds).savefig(out / "ground_types.png", dpi=200)
-        plt.close("all")
+        keep(draw(timings, list(found), kinds), out / "ground_types.png")
     return {"ratios": ratios, "found": found, "timings": timings}
 
 
-def draw(timings: dict[str, Timing], names: list[str], kinds: list[str]) -> plt.Figure:
+def draw(timings: dict[str, Timing], names: list[str], kinds: list[str]) -> Figure:
     """CPU time of each job, one bar for each ground type."""
     figure, (ax,) = canvas(3.2)
     height = 0.38

@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 
 from pwmap import Diagram
 from pwmap.plot import plot_diagram
+from studies.common.motion import GUESS
 from studies.common.record import Results, command
-from studies.common.style import WIDTH
+from studies.common.style import WIDTH, keep
 from woodpecker import Toy, continuation, shoot
 
-GUESS = -0.53  # rad, the paper's value of the stable cycle at eps_N1 = 0.5
 PAPER = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # read off Figure 10
 SPAN, NEAR_C = (0.0, 1.0), (0.1, 0.5)  # of eps_N1
 
@@ -43,7 +43,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     toy = Toy()
     found = continuation(toy, shoot(toy, GUESS), span=NEAR_C if fast else SPAN).named(PAPER)
     if out is not None:
-        draw(found).savefig(out / "main_job.png", dpi=200)
+        keep(draw(found), out / "main_job.png")
     return {
         "branches": len(found.branches),
         "changes": sum(len(branch.changes) for branch in found.branches),

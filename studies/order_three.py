@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -19,7 +18,7 @@ from matplotlib.lines import Line2D
 from pwmap import BranchKind, Diagram
 from pwmap.plot import STABLE
 from studies.common.record import Results, command
-from studies.common.style import GREY, RED, canvas
+from studies.common.style import GREY, RED, canvas, keep
 from studies.common.whole import Part, examined, searched
 from studies.figures.fig10_order_two import FULL
 from woodpecker import Search
@@ -47,8 +46,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     part = FAST if fast else FULL
     found, taken = searched(part, ORDERS)
     if out is not None:
-        draw(found.diagram, part).savefig(out / "order_three.png", dpi=200)
-        plt.close("all")
+        keep(draw(found.diagram, part), out / "order_three.png")
     return examined(part, 3, found, taken)
 
 

@@ -22,10 +22,11 @@ import sympy
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
 from studies.common.laws import LAWS, SEPARATE, SUMMED, TOYS
+from studies.common.motion import SEQUENCE, cycle, frames
+from studies.common.places import POINT_A, POINT_B, POINT_C, SCALES, collision
 from studies.common.record import Results, command
-from studies.figures.fig07_frames import SEQUENCE, cycle, frames
 from studies.figures.fig08_return_map import DIPS, WINDOW, dip, ends
-from studies.figures.fig10_order_two import POINT_A, POINT_C, nearest, way
+from studies.figures.fig10_order_two import way
 from studies.sensitivities import unit
 from woodpecker import (
     Border,
@@ -42,7 +43,6 @@ from woodpecker import (
     local_model,
     return_map,
 )
-from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import slices_at
 
 CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/simulation/test_reference.py)"
@@ -50,7 +50,6 @@ SIGNS, EXACT = "bisection to neighbouring doubles", "exact arithmetic"
 ROOT = "root of a margin, from two pieces"
 HEAVY = "left out of the fast run"
 READ = "read off Figure {}"
-SCALES = Settings(window=(-2.5, -0.24))  # rad
 BESIDE_A = 0.125  # eps_N1 of Figure 11
 # Read off Figure 10: eps_N1 and phi_S [rad].
 POINTS = {
@@ -60,12 +59,13 @@ POINTS = {
 }
 KNOWN = {  # where each law has them
     "A": POINT_A,
-    "B": {SUMMED: (0.2915217, -0.8847733), SEPARATE: (0.3210361, -0.8847733)},
+    "B": POINT_B,
     "C": dict.fromkeys(LAWS, POINT_C),
 }
 WAY = Search(slices=24)  # for the way from A to C: nothing on it is thinner than its gaps
 SPANS = {SUMMED: (0.04, 0.3), SEPARATE: (0.035, 0.33)}  # of eps_N1: A, B, and what starts there
 AROUND = (-1.2, -0.6)  # rad, the window of that way
+COORDINATES = ("parameter", "x")  # of a special point
 SAME = 1e-9  # in eps_N1 and rad: both laws agree
 ISLAND = {"left end": ("0.35", PointKind.BC), "right end": ("0.389", PointKind.FF)}  # I1, its top
 TOP = ((0.33, 0.4), (-1.2, -0.7), Search(slices=8))  # where that is looked for
@@ -128,18 +128,14 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     rows = [*statics(toy), *motion(), *the_map(toy), *zoom(), *piecewise()]
     rows += [*special_points(diagrams), *island(toy, fast)]
     verdicts = [row.agrees for row in rows]
+    courses = way(diagrams[SUMMED], POINT_A[SUMMED], POINT_C) if diagrams else []
     return {
         "rows": [row.as_dict() for row in rows],
         "agree": verdicts.count(True),
         "differ": verdicts.count(False),
         "skipped": sum(row.ours is None for row in rows),
         "differing": [row.quantity for row in rows if row.agrees is False],
-        "way": [
-            course._asdict()
-            for law, diagram in diagrams.items()
-            if law is SUMMED
-            for course in way(diagram, POINT_A[law], POINT_C)
-        ],
+        "way": [course._asdict() for course in courses],
     }
 
 
@@ -269,7 +265,7 @@ def special_points(diagrams: dict[ExpansionFriction, Diagram]) -> Iterator[Row]:
     """A, B and C, what starts at B, and where the jump branch of P_2 from A leads."""
     read = READ.format(10) if diagrams else HEAVY
     for name, places in POINTS.items():
-        at = {law: nearest(diagram, KNOWN[name[0]][law]) for law, diagram in diagrams.items()}
+        at = {law: collision(diagram, KNOWN[name[0]][law]) for law, diagram in diagrams.items()}
         for quantity, paper, of in zip(("eps_N1", "phi_S [rad]"), places, COORDINATES, strict=True):
             ours, other = (_value(at.get(law), of) for law in LAWS)
             same = ours is None or other is None or abs(ours - other) < SAME
@@ -290,16 +286,13 @@ def special_points(diagrams: dict[ExpansionFriction, Diagram]) -> Iterator[Row]:
     )  # fmt: skip
 
 
-COORDINATES = ("parameter", "x")
-
-
 def _value(point: SpecialPoint | None, of: str) -> float | None:
     return None if point is None else float(getattr(point, of))
 
 
 def _slope(diagram: Diagram, law: ExpansionFriction) -> float | None:
     """What the paper calls a: minus the slope of P_1 right of A."""
-    point = nearest(diagram, POINT_A[law])
+    point = collision(diagram, POINT_A[law])
     if point is None:
         return None
     return -local_model(ToyPieces(TOYS[law]), point.x, point.parameter).right.slope
@@ -307,7 +300,7 @@ def _slope(diagram: Diagram, law: ExpansionFriction) -> float | None:
 
 def stable_from_b(diagram: Diagram, law: ExpansionFriction) -> float | None:
     """Where the branch of fixed points of P_1 that starts at B loses its stability, or ends."""
-    point, seen = nearest(diagram, KNOWN["B"][law]), set[str]()
+    point, seen = collision(diagram, POINT_B[law]), set[str]()
     while point is not None:
         ahead = [
             branch

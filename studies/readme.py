@@ -13,7 +13,6 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from studies.common.record import ROOT, Results
 from studies.run_all import RESULTS, STUDIES
@@ -189,16 +188,11 @@ def sensitivities(results: All) -> str:
         f"paper's Figure 4, it is the time between two strikes of the beak in a motion that has not "
         f"settled: its minima are {first} and {second} rad. From {first} the toy's next minimum is "
         f"{fixed(loose['after'])}, and its beak strikes {loose['beats']:.6f} s apart: that is "
-        f"{100.0 * loose['explains']:.0f} % of the difference, and the rest is not explained. Strikes {found_period()} s apart need a "
+        f"{100.0 * loose['explains']:.0f} % of the difference, and the rest is not explained. Strikes {PAPER_PERIOD:g} s apart need a "
         f"motion from {fixed(loose['start'])} to {fixed(loose['next'])} rad.\n\n"
         f"If the printed number were the period of the settled motion: one percent more of a parameter "
         f"changes it by so many percent: {effects}. {' '.join(found['result'])}"
     )
-
-
-def found_period() -> str:
-    """The period that the paper prints [s]."""
-    return f"{PAPER_PERIOD:g}"
 
 
 def precision(results: All) -> str:
@@ -321,18 +315,16 @@ def diagrams(results: All) -> str:
     """What the search for everything found, and what it cost."""
     one = results["fig09_order_one"]
     coarse, fine = sorted(one["tables"], key=lambda table: -table["spacing"])
-    return "\n\n".join(
-        [
-            named(one),
-            f"P_1 over ε_N1 in {SPAN}, φ_S in (−2.5, −0.24): {one['branches']} branches and "
-            f"{one['points']} special points from {one['slices']} slices, in "
-            f"{number(one['seconds']['wall'])} s of wall time and {number(one['seconds']['cpu'])} s of CPU. "
-            f"P_1 was evaluated {number(one['evaluations'] / 1e6)} million times; a table with a column "
-            f"at every parameter of the diagram would take {number(coarse['ratio'])} times as many "
-            f"at a spacing of {coarse['spacing']:g} rad, {number(fine['ratio'])} times at {fine['spacing']:g}. "
-            f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
-            f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos.",
-        ]
+    return (
+        f"{named(one)}\n\n"
+        f"P_1 over ε_N1 in {SPAN}, φ_S in (−2.5, −0.24): {one['branches']} branches and "
+        f"{one['points']} special points from {one['slices']} slices, in "
+        f"{number(one['seconds']['wall'])} s of wall time and {number(one['seconds']['cpu'])} s of CPU. "
+        f"P_1 was evaluated {number(one['evaluations'] / 1e6)} million times; a table with a column "
+        f"at every parameter of the diagram would take {number(coarse['ratio'])} times as many "
+        f"at a spacing of {coarse['spacing']:g} rad, {number(fine['ratio'])} times at {fine['spacing']:g}. "
+        f"Of {one['orbits']} orbits that settle, {one['chaotic']} are chaotic; "
+        f"{len(one['unexplained'])} are explained neither by a stable branch nor by chaos."
     )
 
 
@@ -357,11 +349,6 @@ def named(one: Results) -> str:
         "φ_S, sum [rad]",
     ]
     return rows(header, lines)
-
-
-def places(found: Sequence[Sequence[Any]]) -> str:
-    """Special points in words."""
-    return ", ".join(f"{kind} ({p:.7f}, {minus(f'{x:.7f}')})" for kind, _, p, x in found) or "none"
 
 
 def symbolic(results: All) -> str:
@@ -417,7 +404,7 @@ BLOCKS: dict[str, Callable[[All], str]] = {
 
 def unexplained(text: str, allowed: Sequence[str]) -> list[str]:
     """Decimal numbers of a README that stand neither in a block, nor in code, nor on a list."""
-    bare: Any = re.sub(r"```.*?```", "", BLOCK.sub("", text), flags=re.DOTALL)
+    bare = re.sub(r"```.*?```", "", BLOCK.sub("", text), flags=re.DOTALL)
     bare = re.sub(r"^    .*$", "", re.sub(r"`[^`]*`", "", bare), flags=re.MULTILINE)
     bare = re.sub(r"\]\([^)]*\)", "]", bare)
     found = re.findall(r"[−-]?\d+\.\d+(?:e-?\d+)?|\d+e-?\d+|\d+(?= ?(?:%|s\b|ms|µs|MB))", bare)

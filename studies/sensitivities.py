@@ -21,7 +21,6 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -29,7 +28,7 @@ from matplotlib.patches import Patch
 from scipy.optimize import root_scalar
 
 from studies.common.record import Results, command
-from studies.common.style import STABLE, UNSTABLE, canvas
+from studies.common.style import STABLE, UNSTABLE, canvas, keep
 from woodpecker import (
     PeriodicOrbit,
     Toy,
@@ -138,8 +137,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     missing = PAPER_PERIOD / orbit.period - 1.0
     ranked = explanations(orbit, found)
     if out is not None:
-        draw(found, ranked).savefig(out / "sensitivities.png", dpi=200)
-        plt.close("all")
+        keep(draw(found, ranked), out / "sensitivities.png")
     return {
         "period": orbit.period,
         "phi_s": orbit.phi_s,
@@ -179,13 +177,14 @@ def _difference(orbit: PeriodicOrbit, name: str, step: float) -> tuple[float, fl
     """Relative change of period and angle per relative change, one-sided at zero."""
     value = _value(orbit.toy, name)
     changes = (0.0, step, 2.0 * step) if value == 0.0 else (-step, step)
-    laps = [_shot(orbit, name, c if value == 0.0 else value * (1.0 + c)) for c in changes]
+    orbits = [_shot(orbit, name, c if value == 0.0 else value * (1.0 + c)) for c in changes]
     weights = (-1.5, 2.0, -0.5) if value == 0.0 else (-0.5, 0.5)
-    return tuple(
-        math.fsum(w * getattr(lap, of) for w, lap in zip(weights, laps, strict=True))
+    period, phi_s = (
+        math.fsum(w * getattr(each, of) for w, each in zip(weights, orbits, strict=True))
         / (step * getattr(orbit, of))
         for of in ("period", "phi_s")
-    )  # type: ignore[return-value]
+    )
+    return period, phi_s
 
 
 def _shot(orbit: PeriodicOrbit, name: str, value: float) -> PeriodicOrbit:

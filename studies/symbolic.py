@@ -13,17 +13,18 @@ periods that attract. Figure 12 itself is drawn by :mod:`studies.figures.fig12_l
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import sympy
+from matplotlib.figure import Figure
 from sympy import Rational
 
 from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram, parameter_plane
 from pwmap.plot import plot_cobweb, plot_diagram, plot_plane
 from studies.common.clocks import Seconds, Timing, clocked, ratio, summary
 from studies.common.record import Results, command
-from studies.common.style import STABLE, UNSTABLE, canvas
+from studies.common.style import STABLE, UNSTABLE, canvas, keep, small
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))
@@ -41,9 +42,14 @@ ORDERS = range(2, 7)
 def ours(order: int) -> PiecewiseLinearMap:
     """P_1 to P_order from the formula's pieces, with nothing known from before."""
     start = PiecewiseLinearMap.from_sympy(P1L, X, given=GIVEN)
+    compose(start, order)
+    return start.iterate(order)
+
+
+def compose(start: PiecewiseLinearMap, order: int) -> None:
+    """The pieces of P_1 to P_order."""
     for j in range(1, order + 1):
         _ = start.iterate(j).pieces
-    return start.iterate(order)
 
 
 def naive(order: int) -> sympy.Piecewise:
@@ -57,6 +63,13 @@ def naive(order: int) -> sympy.Piecewise:
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Measure, check that both ways agree, and draw.
 
+    Parameters
+    ----------
+    fast
+        Take one round.
+    out
+        Folder for ``symbolic.png`` and ``symbolic_plane.png``.
+
     Returns
     -------
     dict
@@ -67,9 +80,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     timings = measured(1 if fast else 15)
     found = diagram()
     if out is not None:
-        draw_times(timings).savefig(out / "symbolic.png", dpi=200)
-        draw_beyond().savefig(out / "symbolic_plane.png", dpi=200)
-        plt.close("all")
+        keep(draw_times(timings), out / "symbolic.png")
+        keep(draw_beyond(), out / "symbolic_plane.png")
     return {
         "ratio_order_6": ratio(timings, "sympy, order 6", "pwmap, order 6", "cpu"),
         "agree": agreement(),
@@ -81,8 +93,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 
 def measured(rounds: int) -> dict[str, Timing]:
     """All jobs in turn; the first round, in which sympy fills its caches, does not count."""
-    jobs = {f"pwmap, order {j}": clocked(lambda j=j: ours(j)) for j in ORDERS}
-    jobs |= {f"sympy, order {j}": clocked(lambda j=j: naive(j)) for j in ORDERS}
+    jobs = {f"pwmap, order {j}": clocked(partial(ours, j)) for j in ORDERS}
+    jobs |= {f"sympy, order {j}": clocked(partial(naive, j)) for j in ORDERS}
     taken: dict[str, list[Seconds]] = {name: [] for name in (*jobs, SYMBOLIC, NUMBERS, DIAGRAM)}
     for _ in range(1 + rounds):
         sympy.core.cache.clear_cache()
@@ -91,8 +103,7 @@ def measured(rounds: int) -> dict[str, Timing]:
         symbolic = PiecewiseLinearMap.from_sympy(P1L, X, given=GIVEN)
         numeric = symbolic.at(NUMERIC)
         for name, start, last in ((SYMBOLIC, symbolic, 6), (NUMBERS, numeric, 12)):
-            job = clocked(lambda m=start, n=last: [m.iterate(j).pieces for j in range(1, n + 1)])
-            taken[name].append(job())
+            taken[name].append(clocked(partial(compose, start, last))())
         taken[DIAGRAM].append(clocked(diagram)())
     return {name: summary(seconds[1:]) for name, seconds in taken.items()}
 
@@ -115,7 +126,7 @@ def agreement() -> int:
     return checked
 
 
-def draw_times(timings: dict[str, Timing]) -> plt.Figure:
+def draw_times(timings: dict[str, Timing]) -> Figure:
     """Time over order, for both ways."""
     figure, (ax,) = canvas(3.8)
     for name, color, marker in (("sympy", UNSTABLE, "s"), ("pwmap", STABLE, "o")):
@@ -131,7 +142,7 @@ def draw_times(timings: dict[str, Timing]) -> plt.Figure:
     return figure
 
 
-def draw_beyond() -> plt.Figure:
+def draw_beyond() -> Figure:
     """P1^L beyond r = 2: an orbit, the diagram of more orders, and the plane of a and r."""
     figure, axes = canvas(3.2, 1, 3)
     map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1])
@@ -144,10 +155,7 @@ def draw_beyond() -> plt.Figure:
     axes[1].set(xlabel="$r$", ylabel="$x$", ylim=(-3.5, 12.5))
     axes[2].set(xlabel="$a$", ylabel="$r$")
     for ax in axes:
-        ax.tick_params(labelsize=7)
-        ax.title.set_fontsize(8)
-        legend = ax.get_legend()
-        plt.setp([*legend.get_texts(), legend.get_title()], fontsize=5.5)
+        small(ax)
     return figure
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import os
 import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+T = TypeVar("T")
+SHORTEST = 5e-3  # s; a job repeats its work until it lasts about this long
+TICK = 1e-6  # s, of the clock
 
 
 class Seconds(NamedTuple):
@@ -27,10 +32,32 @@ def clocked(work: Callable[[], object], count: int = 1, units: int = 1) -> Job:
         wall, cpu = time.perf_counter(), spent()
         for _ in range(count):
             work()
-        wall, cpu = time.perf_counter() - wall, spent() - cpu
-        return Seconds(wall / (count * units), cpu / (count * units))
+        return shared(Seconds(time.perf_counter() - wall, spent() - cpu), count * units)
 
     return job
+
+
+def shared(seconds: Seconds, units: int) -> Seconds:
+    """Time of one of several equal units."""
+    return Seconds(seconds.wall / units, seconds.cpu / units)
+
+
+def repeats(cpu: float) -> int:
+    """How often to do a work of so many CPU seconds."""
+    return max(1, math.ceil(SHORTEST / max(cpu, TICK)))
+
+
+def repeated(work: Callable[[], object]) -> Job:
+    """Job that repeats a work, compiled by a first call, for about 5 ms."""
+    work()
+    return clocked(work, repeats(clocked(work)().cpu))
+
+
+def timed(work: Callable[[], T]) -> tuple[T, Seconds]:
+    """What a work gives, and the time of this one run."""
+    kept: list[T] = []
+    taken = clocked(lambda: kept.append(work()))()
+    return kept[0], taken
 
 
 def spent() -> float:
@@ -65,3 +92,8 @@ def ratio(timings: Mapping[str, Timing], slow: str, quick: str, clock: str) -> f
     if slow not in timings or quick not in timings:
         return None
     return timings[slow][f"{clock}_median"] / timings[quick][f"{clock}_median"]
+
+
+def over(timings: Mapping[str, Timing], slow: str, quick: str) -> float:
+    """Ratio of medians of CPU time of two that were measured."""
+    return timings[slow]["cpu_median"] / timings[quick]["cpu_median"]

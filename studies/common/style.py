@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -32,7 +33,7 @@ METHODS = {  # colour and marker of everything that is compared
 
 __all__ = [
     "GREY", "JUMP", "METHODS", "PALE", "RED", "STABLE", "UNSTABLE", "VIOLET", "WIDTH", "canvas",
-    "grid",
+    "grid", "keep", "small", "without_legend",
 ]  # fmt: skip
 
 
@@ -43,6 +44,28 @@ def canvas(height: float = 4.6, rows: int = 1, columns: int = 1) -> tuple[Figure
     for ax in axes:
         grid(ax)
     return figure, axes
+
+
+def keep(figure: Figure, path: Path) -> None:
+    """Write a picture, and let go of it."""
+    figure.savefig(path, dpi=200)
+    plt.close(figure)
+
+
+def without_legend(ax: Axes) -> None:
+    """Take the legend off: a panel beside this one has the same."""
+    legend = ax.get_legend()
+    if legend is not None:
+        legend.remove()
+
+
+def small(ax: Axes) -> None:
+    """Letters for a panel of a third of the width."""
+    ax.tick_params(labelsize=7)
+    ax.title.set_fontsize(8)
+    legend = ax.get_legend()
+    if legend is not None:
+        plt.setp([*legend.get_texts(), legend.get_title()], fontsize=5.5)
 
 
 def grid(ax: Axes) -> None:

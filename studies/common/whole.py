@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pwmap import Branch, BranchKind, Diagram
-from studies.common.clocks import Seconds, clocked
+from studies.common.clocks import Seconds, timed
+from studies.common.motion import GUESS
 from studies.common.record import Results
 from woodpecker import (
     ExpansionFriction,
@@ -43,7 +44,7 @@ class Part(NamedTuple):
     span: tuple[float, float]  # of eps_N1
     window: tuple[float, float]  # of phi_S [rad]
     search: Search
-    slices: int  # in which fixed points are counted
+    slices: int = 0  # in which fixed points are counted
     table: int = 40_001  # starts of the tabulation in each of them
     law: ExpansionFriction = ExpansionFriction.SUMMED
 
@@ -54,14 +55,10 @@ class Part(NamedTuple):
 
 def searched(part: Part, orders: tuple[int, ...]) -> tuple[Found, Seconds]:
     """The diagram, and what it took once everything is compiled."""
-    first_return(part.toy(), -0.53)
-    kept: list[Found] = []
-    taken = clocked(
-        lambda: kept.append(
-            find_all(part.toy(), "eps_n1", part.span, orders, part.window, search=part.search)
-        )
-    )()
-    return kept[0], taken
+    first_return(part.toy(), GUESS)
+    return timed(
+        lambda: find_all(part.toy(), "eps_n1", part.span, orders, part.window, search=part.search)
+    )
 
 
 def examined(part: Part, order: int, found: Found, taken: Seconds) -> Results:
@@ -103,9 +100,14 @@ def tally(found: Found) -> Results:
         "points": dict(sorted(points.items())),
         "slices": len(found.slices),
         "unresolved": max(seen.unresolved for seen in found.slices),
-        "not_followed": [(seen.p, *place) for seen in found.slices for place in seen.left],
+        "not_followed": not_followed(found),
         "evaluations": found.evaluations,
     }
+
+
+def not_followed(found: Found) -> list[tuple[float, int, float]]:
+    """Parameter, order and x of everything that a slice shows and no branch explains."""
+    return [(seen.p, *place) for seen in found.slices for place in seen.left]
 
 
 # --- Slices ---------------------------------------------------------------------------------------
@@ -191,10 +193,10 @@ def sign_changes(map_: ToyPieces, part: Part, order: int, eps_n1: float) -> Floa
     return found
 
 
-def orbit(toy: Toy, x: float, laps: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def orbit(toy: Toy, x: float, count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """The first points of an orbit."""
     points = [x]
-    while len(points) < laps:
+    while len(points) < count:
         points.append(first_return(toy, points[-1]).phi_s)
     return np.array(points)
 
@@ -228,7 +230,7 @@ def residual(branch: Branch, k: int, part: Part) -> Residual:
     toy, order = part.toy(float(branch.parameter[k])), branch.order
     points = orbit(toy, float(branch.x[k]), order)
     left = [first_return(toy, x, order=order - i) for i, x in enumerate(points)]
-    grown = [ROUNDING * abs(x * lap.slope) for x, lap in zip(points, left, strict=True)]
+    grown = [ROUNDING * abs(x * once.slope) for x, once in zip(points, left, strict=True)]
     slope = max(abs(left[0].slope), abs(float(branch.multiplier[k])))
     size = abs(left[0].phi_s - points[0])
     return Residual(toy.eps_n1, float(points[0]), float(size), slope, float(max(grown)))

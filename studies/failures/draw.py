@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
@@ -137,7 +137,12 @@ def _curve(ax: Axes, points: Sequence[Row], method: Method, k: int) -> None:
         ax.plot(distance * shift, error, marker=marker, color=color, markersize=4,
                 markerfacecolor=color if right else "white", zorder=3)  # fmt: skip
         xs, ys = [*xs, distance * shift], [*ys, error]
-    ax.plot(xs, ys, color=color, linewidth=0.9, linestyle="--" if "1e-6" in method.name else "-")
+    ax.plot(xs, ys, color=color, linewidth=0.9, linestyle=_dashes(method))
+
+
+def _dashes(method: Method) -> Literal["-", "--"]:
+    """The finer step of two of the same look is dashed."""
+    return "--" if "1e-6" in method.name else "-"
 
 
 def _promise(ax: Axes, points: Sequence[Row]) -> None:
@@ -157,10 +162,9 @@ def _handles(columns: Sequence[Method]) -> list[Line2D]:
     handles = []
     for method in columns:
         color, marker = METHODS[method.look]
-        style = "--" if "1e-6" in method.name else "-"
         handles.append(
             Line2D([], [], color=color, marker=marker, markersize=4, linewidth=0.9,
-                   linestyle=style, label=method.name)
+                   linestyle=_dashes(method), label=method.name)
         )  # fmt: skip
     black: dict[str, Any] = {"color": "black", "linestyle": "none", "markersize": 4}
     return [

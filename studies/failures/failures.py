@@ -31,7 +31,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.places import WINDOW
 from studies.common.record import Results, command
+from studies.common.style import keep
 from studies.failures.draw import draw_distances, draw_matrix
 from studies.failures.judge import Kind, Outcome, Verdict, power, reach, verdict, worst
 from studies.failures.methods import Method, methods
@@ -44,7 +46,6 @@ from woodpecker.piecewise.settings import Settings
 
 DIPS = ((-1.2255, -1.2242), (-0.2665, -0.2653))  # rad, around the two dips at eps_N1 = 0.5
 COARSE = 2.5e-7  # rad; pieces narrower than this are not looked for
-WINDOW = (-2.5, -0.24)  # rad
 Row = dict[str, Any]
 
 
@@ -59,6 +60,13 @@ class Measured(NamedTuple):
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
     """Run every scene by every method, judge, count and draw.
+
+    Parameters
+    ----------
+    fast
+        Leave out slow scenes and methods, and most distances.
+    out
+        Folder for ``failures.png`` and ``failures_distance.png``.
 
     Returns
     -------
@@ -80,9 +88,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ends = rows_at_points()
     points = [point for each in measured for point in points_of(each)]
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        draw_matrix(rows, ends).savefig(out / "failures.png", dpi=200)
-        draw_distances(points, columns).savefig(out / "failures_distance.png", dpi=200)
+        keep(draw_matrix(rows, ends), out / "failures.png")
+        keep(draw_distances(points, columns), out / "failures_distance.png")
     return {
         "rows": rows + ends,
         "summary": summary(rows + ends),

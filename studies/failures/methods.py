@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import warnings
 from collections.abc import Callable
@@ -12,11 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from studies.failures.judge import Outcome
+from studies.peers.moreau import first_return_moreau
 from studies.peers.ode import first_return_ode
 from studies.peers.peer import LostError, Peer, PeerReturn
 from woodpecker import Status, Toy, first_return
 from woodpecker.base.compiled import COMPILED
 
+NEEDS_NUMBA = "needs numba: a hundred thousand steps in plain Python take minutes"
 OPEN_IMPULSE = "I~"  # how a word marks an impact whose impulses are not unique
 
 
@@ -31,7 +32,7 @@ class Method(NamedTuple):
 
 def methods(fast: bool = False) -> tuple[Method, ...]:
     """All that can run here; without LSODA and the fine step of Moreau's scheme if ``fast``."""
-    missing = _without_moreau()
+    missing = "" if COMPILED else NEEDS_NUMBA
     columns = (
         Method("kernel", "kernel, compiled" if COMPILED else "kernel, plain Python", kernel),
         Method("DOP853, rtol 1e-10", "DOP853", ode("DOP853", 1e-10)),
@@ -45,12 +46,12 @@ def methods(fast: bool = False) -> tuple[Method, ...]:
 def kernel(toy: Toy, phi_s: float) -> Outcome:
     """The project's own return."""
     with np.errstate(over="ignore", invalid="ignore"):  # compiled code is silent, plain is not:
-        lap = first_return(toy, phi_s)  # derivatives of a motion with 1000 events overflow
-    if not lap.status.success:
-        decided = lap.status in (Status.FREE_FALL, Status.POLE_END, Status.AT_REST)
-        return Outcome(None, lap.word, lap.status.value, decided)
-    indeterminate = lap.status is Status.RETURNED_INDETERMINATE
-    return Outcome(lap.phi_s, lap.word, lap.status.value, open_impulse=indeterminate)
+        once = first_return(toy, phi_s)  # derivatives of a motion with 1000 events overflow
+    if not once.status.success:
+        decided = once.status in (Status.FREE_FALL, Status.POLE_END, Status.AT_REST)
+        return Outcome(None, once.word, once.status.value, decided)
+    indeterminate = once.status is Status.RETURNED_INDETERMINATE
+    return Outcome(once.phi_s, once.word, once.status.value, open_impulse=indeterminate)
 
 
 def followed(peer: Peer, toy: Toy, phi_s: float) -> Outcome:
@@ -58,12 +59,12 @@ def followed(peer: Peer, toy: Toy, phi_s: float) -> Outcome:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # solvers warn where they struggle: the image shows it
-            lap: PeerReturn = peer(toy, phi_s)
+            once = peer(toy, phi_s)
     except (LostError, ValueError) as error:
         return Outcome(None, message=str(error))
-    if not math.isfinite(lap.phi_s):
-        return Outcome(None, lap.word, "the image is not finite")
-    return Outcome(lap.phi_s, lap.word, "returned", open_impulse=OPEN_IMPULSE in lap.word)
+    if not math.isfinite(once.phi_s):
+        return Outcome(None, once.word, "the image is not finite")
+    return Outcome(once.phi_s, once.word, "returned", open_impulse=OPEN_IMPULSE in once.word)
 
 
 def ode(method: str, rtol: float) -> Callable[[Toy, float], Outcome]:
@@ -79,20 +80,6 @@ def moreau(step: float) -> Callable[[Toy, float], Outcome]:
     """Moreau's theta scheme with a direct solver, at a step [s]."""
 
     def peer(toy: Toy, phi_s: float) -> PeerReturn:
-        lap: PeerReturn = importlib.import_module("studies.peers.moreau").first_return_moreau(
-            toy, phi_s, step=step, scheme="theta", solver="lcp"
-        )
-        return lap
+        return first_return_moreau(toy, phi_s, step, scheme="theta", solver="lcp")
 
     return partial(followed, peer)
-
-
-def _without_moreau() -> str:
-    """Why Moreau's scheme cannot run; empty if it can."""
-    if not COMPILED:
-        return "needs numba: a hundred thousand steps in plain Python take minutes"
-    try:
-        importlib.import_module("studies.peers.moreau")
-    except ImportError as error:
-        return f"cannot be imported: {error}"
-    return ""

@@ -14,14 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pwmap import BranchKind, PointKind
+from studies.common.places import WINDOW
 from studies.failures import newton as textbook
 from studies.failures.judge import Kind, power
-from woodpecker import (
-    Toy,
-    ToyPieces,
-    continuation,
-    shoot,
-)
+from woodpecker import Toy, ToyPieces, continuation, shoot
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import slices_at
 
@@ -97,7 +93,7 @@ def followed_by_textbook(point: Collision) -> Row:
     """Pseudo-arclength continuation from the start, and where it ends up."""
     f = textbook.plain(ToyPieces(Toy()))
     first = textbook.newton(f, point.start[1], point.start[0])
-    path = textbook.follow(f, first.x, first.p, -point.inward, (0.0, 1.0), (-2.5, -0.24))
+    path = textbook.follow(f, first.x, first.p, -point.inward, (0.0, 1.0), WINDOW)
     side = np.sign(path.x - point.x)
     hops = np.flatnonzero(np.diff(side) != 0)
     distance = float(np.hypot(path.x - point.x, path.p - point.p).min())

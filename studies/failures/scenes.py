@@ -16,6 +16,7 @@ from typing import NamedTuple
 from mpmath import mp, mpf, nstr
 
 from studies.common.laws import CONTACT_BY_CONTACT, SUMMED
+from studies.common.places import SCALES
 from studies.failures.judge import Truth
 from studies.peers import reference_mpmath as reference
 from studies.peers.cases import numbers
@@ -30,12 +31,10 @@ from woodpecker import (
     jam_limit,
     parameters,
 )
-from woodpecker.piecewise.settings import Settings
 
 DIGITS = 30
 STEP = 4e-3  # s, of the reference's Taylor series: longer ones are quicker, and change no digit
 NOMINAL = -0.52947197  # rad, the stable cycle at eps_N1 = 0.5
-SCALES = Settings(window=(-2.5, -0.24))  # rad
 # Around a jump or a grazing of P_1 at eps_N1 = 0.5 [rad], with no other one between them:
 JUMP_C = (-0.760, -0.755)  # beak or sleeve first: the jump that point C lies on
 JUMP_A = (-0.8855, -0.8840)  # the jump that A and B lie on
@@ -150,12 +149,12 @@ def exact(toy: Toy, phi_s: float, other: float = math.nan) -> Truth:
     ValueError
         If the reference is lost.
     """
-    lap = reference.first_return(phi_s, numbers(toy), DIGITS, step=STEP)
-    if lap.status != "returned":
-        raise ValueError(f"the reference is lost from {phi_s}: {lap.status}")
+    once = reference.first_return(phi_s, numbers(toy), DIGITS, step=STEP)
+    if once.status != "returned":
+        raise ValueError(f"the reference is lost from {phi_s}: {once.status}")
     with mp.workdps(2 * DIGITS):
-        image = Decimal(nstr(lap.phi_s, DIGITS + 10))
-    return Truth(image, lap.word, first_return(toy, phi_s).slope, other)
+        image = Decimal(nstr(once.phi_s, DIGITS + 10))
+    return Truth(image, once.word, first_return(toy, phi_s).slope, other)
 
 
 def _single(name: str, label: str, why: str, toy: Toy, phi_s: float) -> Scene:

@@ -11,14 +11,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from studies.common.motion import Frame, cycle, extremes, frames
 from studies.common.record import Results, command
-from studies.common.style import GREY, WIDTH, canvas
-from studies.figures.fig07_frames import Frame, cycle, frames
+from studies.common.style import GREY, WIDTH, canvas, keep
 from woodpecker import Trajectory
 from woodpecker.base.arrays import Floats
 from woodpecker.plot.figures import plot_time_history
@@ -45,17 +44,13 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     """
     orbit, motion = cycle(PERIODS)
     if out is not None:
-        draw(motion, frames(motion), orbit.period).savefig(out / "fig04.png", dpi=200)
-        plt.close("all")
+        keep(draw(motion, frames(motion), orbit.period), out / "fig04.png")
     once = motion.q[motion.t <= orbit.period]
     return {
         "period": orbit.period,
         "drop": orbit.drop,
         "speed": orbit.drop / orbit.period,
-        "extremes": {
-            name: (float(once[:, k].min()), float(once[:, k].max()))
-            for k, name in enumerate(("y", "phi_m", "phi_s"))
-        },
+        "extremes": {name: extremes(once[:, k]) for k, name in enumerate(("y", "phi_m", "phi_s"))},
         "events": [(e.symbol, e.time) for e in motion.events if e.time <= orbit.period],
     }
 
@@ -67,8 +62,8 @@ def draw(trajectory: Trajectory, shown: tuple[Frame, ...], period: float) -> Fig
     for ax in axes[:-1]:
         ax.sharex(axes[-1])
         ax.tick_params(labelbottom=False)
-    for lap in range(PERIODS):
-        number(axes, [frame.time + lap * period for frame in shown])
+    for k in range(PERIODS):
+        number(axes, [frame.time + k * period for frame in shown])
     return figure
 
 

@@ -11,15 +11,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
+from studies.common.motion import cycle, extremes
+from studies.common.portraits import portrait
 from studies.common.record import Results, command
-from studies.common.style import GREY, canvas
-from studies.figures.fig05_phase_woodpecker import extremes, number
-from studies.figures.fig07_frames import Frame, cycle, frames
+from studies.common.style import canvas, keep
 from woodpecker import Trajectory
-from woodpecker.plot.figures import plot_phase_portrait
+
+OF_SLEEVE = ((20, 6), None, (8, 0), (-7, -5), (8, 0), (8, -5), (0, -9), None)  # see Side
+OF_FALL = ((0, 8), (2, 9), (-8, -4), (4, -8), (-8, -5), (9, -4), (-8, 0), (0, 8))
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
@@ -40,8 +41,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     """
     orbit, motion = cycle()
     if out is not None:
-        draw(motion, frames(motion)).savefig(out / "fig06.png", dpi=200)
-        plt.close("all")
+        keep(draw(motion), out / "fig06.png")
     return {
         "period": orbit.period,
         "phi_m": extremes(motion.q[:, 1]),
@@ -50,18 +50,13 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     }
 
 
-def draw(trajectory: Trajectory, shown: tuple[Frame, ...]) -> Figure:
+def draw(trajectory: Trajectory) -> Figure:
     """Sleeve and fall."""
     figure, (sleeve, fall) = canvas(3.7, 1, 2)
-    plot_phase_portrait(trajectory, "phi_m", "dphi_m", sleeve)
-    for limit in (-trajectory.toy.phi_m_max, trajectory.toy.phi_m_max):
-        sleeve.axvline(limit, color=GREY, linewidth=0.8, linestyle=(0, (5, 3)))
-    sides = ((20, 6), None, (8, 0), (-7, -5), (8, 0), (8, -5), (0, -9), None)
+    limits = (-trajectory.toy.phi_m_max, trajectory.toy.phi_m_max)
     sleeve.margins(x=0.1)
-    number(sleeve, trajectory, shown, ("phi_m", "dphi_m"), sides)
-    plot_phase_portrait(trajectory, "phi_s", "dy", fall)
-    sides = ((0, 8), (2, 9), (-8, -4), (4, -8), (-8, -5), (9, -4), (-8, 0), (0, 8))
-    number(fall, trajectory, shown, ("phi_s", "dy"), sides)
+    portrait(trajectory, ("phi_m", "dphi_m"), OF_SLEEVE, sleeve, limits)
+    portrait(trajectory, ("phi_s", "dy"), OF_FALL, fall)
     return figure
 
 

@@ -16,13 +16,13 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from studies.common.places import SCALES
 from studies.common.record import Results, command
-from studies.common.style import GREY, PALE, RED, STABLE, UNSTABLE, canvas
+from studies.common.style import GREY, PALE, RED, STABLE, UNSTABLE, canvas, keep
 from woodpecker import (
     Border,
     BorderKind,
@@ -41,9 +41,8 @@ from woodpecker.plot.figures import plot_return_map
 
 WINDOW = (-2.5, 0.11)  # rad, the paper's
 SEEN = 0.02  # rad: a jump that shows in the picture
-SCALES = Settings(window=(-2.5, -0.24))
 WIDE = 1e-5  # rad: pieces that are counted; in the dips there are infinitely many thinner ones
-COUNTED = Settings(window=(-2.5, -0.24), finest=3e-6, coarse=3e-6)  # of the window: 7e-6 rad
+COUNTED = Settings(window=SCALES.window, finest=3e-6, coarse=3e-6)  # of the window: 7e-6 rad
 DIPS = (-1.23, -0.27)  # rad, the paper's
 BESIDE = 0.01  # rad: from there the centre of a dip is bisected; on its right is one word only
 NEAR = np.logspace(-6, -12, 13)  # rad: distances at which the flanks of a dip are measured
@@ -96,8 +95,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     (found,) = slices_at(map_, toy.eps_n1, (1,), Settings(window=left))
     points = [(float(orbit.x[0]), orbit.multiplier) for orbit in found.cycles]
     if out is not None:
-        draw(toy, rims, points, 400 if fast else 1000).savefig(out / "fig08.png", dpi=200)
-        plt.close("all")
+        keep(draw(toy, rims, points, 400 if fast else 1000), out / "fig08.png")
     swing = np.linspace(equilibrium(toy).phi_s, rims.slides_from, 102)[1:-1]
     mirror = 2.0 * equilibrium(toy).phi_s - swing
     return {

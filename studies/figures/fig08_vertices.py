@@ -34,7 +34,7 @@ from matplotlib.figure import Figure
 
 from studies.common.laws import LAWS, SEPARATE, SHORT, SUMMED, TITLES, TOYS
 from studies.common.record import ROOT, Results, command
-from studies.common.style import GREY, JUMP, PALE, RED, STABLE, UNSTABLE, WIDTH
+from studies.common.style import GREY, JUMP, PALE, RED, STABLE, UNSTABLE, WIDTH, keep
 from studies.figures.fig08_return_map import WINDOW, ends
 from woodpecker import ExpansionFriction, ReturnMap, Toy, equilibrium, return_map
 from woodpecker.base.arrays import Floats
@@ -88,8 +88,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     x, y = vertices()
     found = [compare(x, y, law) for law in LAWS]
     if out is not None:
-        draw(x, y, found).savefig(out / "fig08_vertices.png", dpi=200)
-        plt.close("all")
+        keep(draw(x, y, found), out / "fig08_vertices.png")
     return {
         "vertices": len(x),
         "unit": UNIT,
@@ -229,7 +228,7 @@ def crossing(x: Floats, y: Floats) -> float:
 def draw(x: Floats, y: Floats, found: list[Compared]) -> Figure:
     """Vertices over both maps, their distances over phi_S, and how these are distributed."""
     figure = plt.figure(figsize=(WIDTH, 6.6), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.15, 1.0)).flat
     for ax, each in zip(above.subplots(1, 2, sharex=True, sharey=True), found, strict=True):
         over_map(x, y, each, ax)
     above.axes[1].set_ylabel("")

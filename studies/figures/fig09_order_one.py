@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -36,10 +36,19 @@ from matplotlib.figure import Figure
 
 from pwmap import Diagram, PointKind
 from pwmap.plot import plot_diagram
-from studies.common.clocks import clocked
 from studies.common.laws import LAWS, SEPARATE, SUMMED, TITLES, TOYS
+from studies.common.places import (
+    POINT_A,
+    POINT_B,
+    POINT_C,
+    SPAN,
+    WINDOW,
+    collisions,
+    told,
+)
 from studies.common.record import Results, command
-from studies.common.style import GREY, PALE, WIDTH
+from studies.common.style import GREY, PALE, WIDTH, keep, without_legend
+from studies.common.whole import Part, not_followed, searched
 from studies.figures.fig08_return_map import ends
 from woodpecker import (
     ExpansionFriction,
@@ -47,32 +56,31 @@ from woodpecker import (
     OrbitDiagram,
     Search,
     ToyPieces,
-    find_all,
-    first_return,
     orbit_diagram,
     unexplained,
 )
 
-WINDOW = (-2.5, -0.24)  # rad
+FAST = Part((0.28, 0.4), WINDOW, Search(slices=8))
+FULL = Part(SPAN, WINDOW, Search())
 MARKED = tuple(kind for kind in PointKind if kind is not PointKind.EP)
 SPACINGS = (1e-6, 2e-3)  # rad: of tables that show the thinnest pieces, and most of them
 NAMED = {  # what the paper names in Figures 9 and 10, near (eps_N1, phi_S)
     SUMMED: {
-        "A": (0.1120, -0.8848),
-        "B": (0.2915, -0.8848),
-        "C": (0.1851, -0.7578),
+        "A": POINT_A[SUMMED],
+        "B": POINT_B[SUMMED],
+        "C": POINT_C,
         "$I_1$": (0.3883, -0.8848),
         "$I_2$": (0.7952, -1.1218),
     },
     SEPARATE: {
-        "A": (0.0422, -0.8848),
-        "B": (0.3210, -0.8848),
-        "C": (0.1851, -0.7578),
+        "A": POINT_A[SEPARATE],
+        "B": POINT_B[SEPARATE],
+        "C": POINT_C,
         "$I_1$": (0.3884, -0.8848),
         "$I_2$": (0.7959, -1.1220),
     },
 }
-CLOSE = 1e-3  # in either coordinate: half a unit of the last digit above is much less
+CLOSE = 1e-3  # in either coordinate: half a unit of the last digits above is much less
 
 
 class Table(NamedTuple):
@@ -105,22 +113,18 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         the toy's own law; ``separate``: the first of them under the other one, see
         :func:`described`.
     """
-    span, search = ((0.28, 0.4), Search(slices=8)) if fast else ((0.012, 1.0), Search())
-    first_return(TOYS[SUMMED], -0.53)  # compiled
+    part = FAST if fast else FULL
     results, both = {}, {}
     for law in LAWS:
-        results[law], both[law] = described(law, span, search)
+        results[law], both[law] = described(part._replace(law=law))
     found, diagram = both[SUMMED], both[SUMMED].diagram
-    parameters = np.linspace(*span, 12 if fast else 800)[1:-1]
+    parameters = np.linspace(*part.span, 12 if fast else 800)[1:-1]
     starts = np.linspace(-2.4, -0.3, 12 if fast else 9)
     orbits = orbit_diagram(ToyPieces(TOYS[SUMMED]), parameters, starts, WINDOW)
     left = unexplained(orbits, diagram, ToyPieces(TOYS[SUMMED]))
     if out is not None:
-        draw(diagram, orbits).savefig(out / "fig09.png", dpi=200)
-        compare({law: each.diagram for law, each in both.items()}).savefig(
-            out / "fig09_laws.png", dpi=200
-        )
-        plt.close("all")
+        keep(draw(diagram, orbits), out / "fig09.png")
+        keep(compare({law: each.diagram for law, each in both.items()}), out / "fig09_laws.png")
     return {
         **results[SUMMED],
         "samples": sum(map(len, diagram.branches)),
@@ -134,9 +138,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     }
 
 
-def described(
-    law: ExpansionFriction, span: tuple[float, float], search: Search
-) -> tuple[dict[str, Any], Found]:
+def described(part: Part) -> tuple[Results, Found]:
     """The search under one law, in numbers, and what it found.
 
     Returns
@@ -147,25 +149,20 @@ def described(
     Found
         The diagram, and what the slices came to.
     """
-    kept: list[Found] = []
-    taken = clocked(
-        lambda: kept.append(find_all(TOYS[law], "eps_n1", span, (1,), WINDOW, search=search))
-    )()
-    found, diagram = kept[0], kept[0].diagram
+    found, taken = searched(part, (1,))
+    diagram = found.diagram
     return {
-        "law": str(law),
-        "first_slices": search.slices,
+        "law": str(part.law),
+        "first_slices": part.search.slices,
         "seconds": taken._asdict(),
         "collisions": [
-            (str(p.kind), p.note, float(p.parameter), float(p.x))
-            for p in diagram.points
-            if p.kind in (PointKind.BC, PointKind.FF)
+            told(point) for point in diagram.points if point.kind in (PointKind.BC, PointKind.FF)
         ],
         "branches": len(diagram.branches),
         "points": len(diagram.points),
         "slices": len(found.slices),
         "evaluations": found.evaluations,
-        "not_followed": [(seen.p, *place) for seen in found.slices for place in seen.left],
+        "not_followed": not_followed(found),
     }, found
 
 
@@ -200,7 +197,7 @@ def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
         panel(diagram, law, ax)
         ax.set_title(TITLES[law], fontsize=8)
         ax.tick_params(labelsize=7)
-    axes[0].get_legend().remove()
+    without_legend(axes[0])
     axes[1].set_ylabel("")
     return figure
 
@@ -221,15 +218,13 @@ def panel(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
 def name_points(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
     """Write the paper's names at the special points, where the diagram has them."""
     for name, place in NAMED[law].items():
-        for point in diagram.points:
-            near = np.abs(np.subtract((point.parameter, point.x), place)).max() < CLOSE
-            if near and point.kind in (PointKind.BC, PointKind.FF):
-                right = name == "C"  # the way from A comes from the left
-                ax.annotate(
-                    name, (point.parameter, point.x), (7, -5) if right else (-2, 6),
-                    textcoords="offset points", fontsize=9, ha="left" if right else "right",
-                    annotation_clip=True,
-                )  # fmt: skip
+        for point in collisions(diagram, place, CLOSE):
+            right = name == "C"  # the way from A comes from the left
+            ax.annotate(
+                name, (point.parameter, point.x), (7, -5) if right else (-2, 6),
+                textcoords="offset points", fontsize=9, ha="left" if right else "right",
+                annotation_clip=True,
+            )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -23,32 +23,30 @@ from itertools import groupby, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import networkx as nx
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap import Branch, BranchKind, Diagram, PointKind
 from pwmap.plot import plot_diagram
-from studies.common.laws import SEPARATE, SUMMED, TITLES
+from studies.common.laws import SEPARATE, TITLES
+from studies.common.places import POINT_A, POINT_C, SPAN, WINDOW, Place, collision, told
 from studies.common.record import Results, command
-from studies.common.style import PALE, canvas
+from studies.common.style import PALE, canvas, keep, without_legend
 from studies.common.whole import Part, examined, searched, tally
 from studies.figures.fig09_order_one import name_points
 from woodpecker import ExpansionFriction, Search, first_return, shoot
 
-SAME = 1e-6  # rad: a place that has a name; a cycle that is found twice
+SAME = 1e-6  # rad: a cycle that is found twice
 REFINED = 0.02  # rad: how far a branch may stray from the line between two of its samples
-POINT_C = (0.1851270, -0.7577873)  # eps_N1, phi_S [rad], under both laws
-POINT_A = {SUMMED: (0.1119709, -0.8847733), SEPARATE: (0.0421643, -0.8847733)}
 AT = 0.05  # eps_N1 of the cycle of period 2 that dips to -1.84
 ON_A_LOOP = (0.5, -1.0993)  # eps_N1, phi_S [rad] of a cycle of period 2
 NEAR = 5e-4  # rad: half a unit of the digits above
 
 FAST = Part((0.105, 0.19), (-1.2, -0.6), Search(slices=6), 6)  # from A to C
-FULL = Part((0.012, 1.0), (-2.5, -0.24), Search(), 48)
+FULL = Part(SPAN, WINDOW, Search(), 48)
 OTHER = FULL._replace(search=Search(slices=64), law=SEPARATE)  # for the second picture
 
 
@@ -56,8 +54,8 @@ class Course(NamedTuple):
     """Branches of P_2 of one kind that follow each other on a way through the graph."""
 
     kind: str
-    begins: tuple[float, float]  # eps_N1, phi_S [rad]
-    ends: tuple[float, float]
+    begins: Place
+    ends: Place
 
 
 class Loop(NamedTuple):
@@ -91,10 +89,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         return results
     other, taken = searched(OTHER, (1, 2))
     if out is not None:
-        compare({part.law: diagram, OTHER.law: other.diagram}).savefig(
-            out / "fig10_laws.png", dpi=200
-        )
-        plt.close("all")
+        keep(compare({part.law: diagram, OTHER.law: other.diagram}), out / "fig10_laws.png")
     return results | {
         "separate": {
             "first_slices": OTHER.search.slices,
@@ -123,8 +118,7 @@ def study(part: Part, out: Path | None = None) -> tuple[Diagram, Results]:
     found, taken = searched(part, (1, 2))
     diagram, point_a = found.diagram, POINT_A[part.law]
     if out is not None:
-        draw(diagram, part).savefig(out / "fig10.png", dpi=200)
-        plt.close("all")
+        keep(draw(diagram, part), out / "fig10.png")
     results = examined(part, 2, found, taken)
     return diagram, results | {
         "unpaired": unpaired(diagram, part),
@@ -175,7 +169,7 @@ def crossings(branch: Branch, eps_n1: float) -> list[float]:
 # --- From A to C ----------------------------------------------------------------------------------
 
 
-def leads(diagram: Diagram, place: tuple[float, float]) -> list[tuple[str, str, float, float]]:
+def leads(diagram: Diagram, place: Place) -> list[tuple[str, str, float, float]]:
     """Where the jump branches of P_2 end that start at a collision.
 
     Returns
@@ -183,17 +177,16 @@ def leads(diagram: Diagram, place: tuple[float, float]) -> list[tuple[str, str, 
     list
         Kind, note, eps_N1 and phi_S of each end; empty if the diagram has no such collision.
     """
-    start = nearest(diagram, place)
+    start = collision(diagram, place)
     jumps = [b.ends for b in diagram.branches if (b.kind, b.order) == (BranchKind.JUMP, 2)]
     graph = nx.Graph(jumps)
     if start is None or start.id not in graph:
         return []
     reached = nx.node_connected_component(graph, start.id) - {start.id}
-    points = [p for p in diagram.points if p.id in reached]
-    return [(str(p.kind), p.note, float(p.parameter), float(p.x)) for p in points]
+    return [told(point) for point in diagram.points if point.id in reached]
 
 
-def way(diagram: Diagram, start: tuple[float, float], end: tuple[float, float]) -> list[Course]:
+def way(diagram: Diagram, start: Place, end: Place) -> list[Course]:
     """The shortest way between two collisions of P_1 along branches of P_2, cycles included.
 
     Returns
@@ -201,7 +194,7 @@ def way(diagram: Diagram, start: tuple[float, float], end: tuple[float, float]) 
     list
         Courses of one kind; empty if the branches of P_2 do not connect the two.
     """
-    first, last = nearest(diagram, start), nearest(diagram, end)
+    first, last = collision(diagram, start), collision(diagram, end)
     graph = nx.Graph()
     for branch in diagram.of_order(2).branches:
         graph.add_edge(*branch.ends, kind=str(branch.kind))
@@ -217,15 +210,6 @@ def way(diagram: Diagram, start: tuple[float, float], end: tuple[float, float]) 
         places = [(float(point.parameter), float(point.x)) for point in ends]
         courses.append(Course(kind, *places))
     return courses
-
-
-def nearest(diagram: Diagram, place: tuple[float, float]) -> SpecialPoint | None:
-    """The collision of P_1 at a place."""
-    for point in diagram.points:
-        near = np.abs(np.subtract((point.parameter, point.x), place)).max() < SAME
-        if near and point.kind in (PointKind.FF, PointKind.BC):
-            return point
-    return None
 
 
 # --- What the figure shows ------------------------------------------------------------------------
@@ -288,7 +272,7 @@ def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
             panel(diagram, law, ax)
             ax.tick_params(labelsize=7)
             if column or ax is part:
-                ax.get_legend().remove()
+                without_legend(ax)
         whole.set_title(TITLES[law], fontsize=8)
         whole.set(xlabel="", ylim=(FULL.window[0] - 0.04, FULL.window[1] + 0.04))
         part.set(xlim=(0.03, 0.2), ylim=(-0.95, -0.6))
@@ -308,8 +292,9 @@ def panel(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
     plot_diagram(diagram, ax, kinds=(PointKind.BC, PointKind.FF))
     legend = ax.get_legend()
     assert legend is not None
+    handles = [handle for handle in legend.legend_handles if handle is not None]
     ax.legend(
-        [*legend.legend_handles, Line2D([], [], color=PALE, linewidth=6.0, alpha=0.6)],
+        [*handles, Line2D([], [], color=PALE, linewidth=6.0, alpha=0.6)],
         [*(text.get_text() for text in legend.get_texts()), "of $P_1$; all others of $P_2$"],
         fontsize=7, framealpha=0.95, loc="best",
     )  # fmt: skip

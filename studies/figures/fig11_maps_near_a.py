@@ -18,7 +18,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -27,7 +26,7 @@ from matplotlib.lines import Line2D
 from pwmap.plot import axis_label
 from studies.common.laws import SEPARATE, SHORT, SUMMED, TOYS
 from studies.common.record import Results, command
-from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, canvas
+from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, canvas, keep
 from woodpecker import (
     Border,
     BorderKind,
@@ -114,8 +113,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     del fast
     scenes = [scene(law, p, order) for law, p in COLUMNS for order in ORDERS]
     if out is not None:
-        draw(scenes).savefig(out / "fig11.png", dpi=200)
-        plt.close("all")
+        keep(draw(scenes), out / "fig11.png")
     there = [described(each) for each in scenes if each.eps_n1 == PAPER]
     return {
         "scenes": [described(each) for each in scenes],
@@ -231,15 +229,21 @@ def drawn(piece: Cylinder, p: float) -> tuple[Floats, list[float]]:
 
 def legend() -> list[Line2D]:
     """What lines and markers mean."""
-    dot = {"linestyle": "none", "marker": "o", "markersize": 5, "markeredgewidth": 1.3}
     return [
         Line2D([], [], color="#252525", linewidth=1.2, label="map"),
         Line2D([], [], color=GREY, linewidth=0.8, label="diagonal"),
         Line2D([], [], color=GREY, linewidth=0.9, linestyle=DOTS, label="jump"),
-        Line2D([], [], color=JUMP, mfc="none", label="jump crossing", **dot),
-        Line2D([], [], color=STABLE, label="stable fixed point", **dot),
-        Line2D([], [], color=UNSTABLE, mfc="white", label="unstable fixed point", **dot),
+        _dot("jump crossing", JUMP, "none"),
+        _dot("stable fixed point", STABLE, STABLE),
+        _dot("unstable fixed point", UNSTABLE, "white"),
     ]
+
+
+def _dot(label: str, color: str, face: str) -> Line2D:
+    return Line2D(
+        [], [], color=color, markerfacecolor=face, label=label, linestyle="none", marker="o",
+        markersize=5, markeredgewidth=1.3,
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -34,9 +34,10 @@ from sympy import Rational
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind
 from pwmap import bifurcation_diagram as exact_diagram
 from pwmap.plot import plot_diagram, plot_map
-from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.laws import CONTACT_BY_CONTACT, SUMMED
+from studies.common.places import POINT_A, WINDOW, collision
 from studies.common.record import Results, command
-from studies.common.style import JUMP, UNSTABLE, WIDTH, grid
+from studies.common.style import JUMP, UNSTABLE, WIDTH, grid, keep, small
 from woodpecker import (
     Iterate,
     LocalModel,
@@ -55,14 +56,11 @@ from woodpecker.plot.figures import plot_local
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))  # [Leine2001, Eq. 14]
-SPAN, WINDOW = (0.1099, 0.1141), (-0.91, -0.86)  # eps_N1, phi_S [rad]
-NEAR_A = (-0.8847733440, 0.1119709145)  # phi_S, eps_N1, to ten digits
-OTHER_A = (-0.8847733440138, 0.0421643309)  # the same with Coulomb's law contact by contact
+AROUND_A = (0.1099, 0.1141), (-0.91, -0.86)  # eps_N1, phi_S [rad]
+OTHER_A = (-0.8847733440138, 0.0421643309)  # phi_S [rad], eps_N1: the model is made at just these
 REACH = 2e-3  # in eps_N1: how far the picture goes from A
-SCALES = Settings(window=(-2.5, -0.24), finest=1e-9)  # jumps are looked for in 1e-5 rad
+SCALES = Settings(window=WINDOW, finest=1e-9)  # jumps are looked for in 1e-5 rad
 DISTANCES = (2e-4, 1e-4, 5e-5, 2.5e-5)  # in eps_N1; the next change of word is 5e-4 away
-
-
 ROUNDING = 1e-14  # errors [rad] that are zero: some spacings of doubles at a phi_S of 1
 
 
@@ -105,8 +103,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     found = [agreement(model, start) for start in model.starts]
     paper = papers_diagram()
     if out is not None:
-        draw(paper, model, diagram, found).savefig(out / "fig12.png", dpi=200)
-        plt.close("all")
+        keep(draw(paper, model, diagram, found), out / "fig12.png")
     return {
         "a": described(model),
         "separate": described(local_model(ToyPieces(CONTACT_BY_CONTACT), *OTHER_A)),
@@ -134,12 +131,14 @@ def described(model: LocalModel) -> Results:
 def toy_diagram(fast: bool) -> Diagram:
     """Everything that the toy has next to A."""
     orders, search = ((1, 2), Search(slices=6)) if fast else ((1, 2, 3, 4), Search())
-    return bifurcation_diagram(Toy(), "eps_n1", SPAN, orders, WINDOW, search=search)
+    span, window = AROUND_A
+    return bifurcation_diagram(Toy(), "eps_n1", span, orders, window, search=search)
 
 
 def model_at(diagram: Diagram) -> LocalModel:
     """The local model at A, as sharp as the diagram knows A."""
-    point = min(diagram.points, key=lambda p: abs(p.x - NEAR_A[0]) + abs(p.parameter - NEAR_A[1]))
+    point = collision(diagram, POINT_A[SUMMED])
+    assert point is not None
     return local_model(ToyPieces(Toy()), point.x, point.parameter)
 
 
@@ -192,13 +191,12 @@ def papers_diagram() -> Diagram:
 def draw(paper: Diagram, model: LocalModel, diagram: Diagram, found: list[Agreement]) -> Figure:
     """The paper's three pictures, and the toy's three."""
     figure = plt.figure(figsize=(WIDTH, 6.4), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.0, 1.15)).flat
     draw_paper(paper, above.subplots(1, 3))
     toy, order = below.subfigures(1, 2, width_ratios=(2.0, 1.0))
     plot_local(model, diagram, toy, reach=REACH)
     for ax in toy.axes:
         ax.tick_params(labelsize=7)
-        ax.set_title(ax.get_title(), fontsize=8)
     toy.axes[0].set_title("the toy at A, prediction in grey", fontsize=8)
     toy.axes[1].set_title(f"exact, with the toy's slope {model.right.slope:.5f}", fontsize=8)
     draw_errors(found, order.subplots())
@@ -210,17 +208,14 @@ def draw_paper(paper: Diagram, axes: list[Axes]) -> None:
     map_, window = papers_map().at({R: 1}), (-1.5, 1.5)
     for j, ax in zip((1, 2), axes[:2], strict=True):
         plot_map(map_.iterate(j), ax, window=window, legend=j == 2)
-        ax.set_title(rf"$P_{j}^L$, $a = 5/4$, $r = 1$", fontsize=8)
+        ax.set_title(rf"$P_{j}^L$, $a = 5/4$, $r = 1$")
         ax.set_ylabel(rf"$P_{j}^L(x)$")
         ax.set_ylim(-1.7, 1.7)
     plot_diagram(paper, axes[2], kinds=(PointKind.BC, PointKind.FF))
     axes[2].set(xlabel="$r$", ylabel="$x$", ylim=(-2.9, 2.1))
-    axes[2].set_title("orders 1 and 2, $a = 5/4$", fontsize=8)
+    axes[2].set_title("orders 1 and 2, $a = 5/4$")
     for ax in axes:
-        ax.tick_params(labelsize=7)
-        legend = ax.get_legend()
-        if legend is not None:
-            plt.setp(legend.get_texts(), fontsize=5.5)
+        small(ax)
 
 
 def draw_errors(found: list[Agreement], ax: Axes) -> None:

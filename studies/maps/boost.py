@@ -28,20 +28,18 @@ in the same way; and the number of fixed points of the iterates against changes 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import mpmath
 import numpy as np
 import sympy
+from mpmath import mpf
 
 from pwmap import Diagram, PointKind
 from studies.common.record import Results, command
-from studies.maps.following import searched, signs
+from studies.maps.following import changes, miscounted, searched
 from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.formulas import FormulaMap
-from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.symbolic import from_sympy
@@ -61,6 +59,7 @@ CRITICAL = (
 )
 SETTINGS = Settings(span=(0.02, 0.25), window=(16.5, 60.0))
 GRID = np.linspace(16.6, 60.0, 40_001)
+DIGITS = 30  # of the roots that special points are compared with
 
 
 def boost_map() -> FormulaMap:
@@ -72,14 +71,14 @@ def boost_map() -> FormulaMap:
     return from_sympy(formula, V, KAPPA, words=("open", "closed", "part"))
 
 
-def step(v: Any, kappa: Any) -> Any:
+def step(v: mpf, kappa: mpf) -> mpf:
     """The map in many digits."""
     alpha, beta, duty = (mpmath.mpmathify(sympy.N(c, 40)) for c in (ALPHA, BETA, DUTY))
-    d = min(max(duty - kappa * (v - 25), mpmath.mpf(0)), mpmath.mpf(1))
+    d = min(max(duty - kappa * (v - 25), mpf(0)), mpf(1))
     return alpha * v + beta * d**2 * 256 / (v - 16)
 
 
-def around(v: Any, kappa: Any, order: int) -> Any:
+def around(v: mpf, kappa: mpf, order: int) -> mpf:
     """An iterate in many digits."""
     for _ in range(order):
         v = step(v, kappa)
@@ -89,21 +88,23 @@ def around(v: Any, kappa: Any, order: int) -> Any:
 def special(order: int, multiplier: int, v: float, kappa: float) -> float:
     """The gain near a guess at which a cycle has a multiplier, from its two equations."""
 
-    def equations(v: Any, kappa: Any) -> list[Any]:
+    def equations(v: mpf, kappa: mpf) -> list[mpf]:
         slope = mpmath.diff(lambda s: around(s, kappa, order), v)
         return [around(v, kappa, order) - v, slope - multiplier]
 
-    return float(mpmath.findroot(equations, (v, kappa))[1])
+    with mpmath.workdps(DIGITS):
+        return float(mpmath.findroot(equations, (v, kappa))[1])
 
 
 def saturation(kappa: float) -> float:
     """The gain near a guess at which the upper point of the 2-cycle has duty ratio 0."""
 
-    def residual(kappa: Any) -> Any:
+    def residual(kappa: mpf) -> mpf:
         upper = 25 + mpmath.mpmathify(sympy.N(DUTY, 40)) / kappa
         return around(upper, kappa, 2) - upper
 
-    return float(mpmath.findroot(residual, kappa))
+    with mpmath.workdps(DIGITS):
+        return float(mpmath.findroot(residual, kappa))
 
 
 def largest_difference(diagram: Diagram, kinds: dict[PointKind, int]) -> float:
@@ -115,48 +116,45 @@ def largest_difference(diagram: Diagram, kinds: dict[PointKind, int]) -> float:
     )
 
 
-def saturations(network: Network, order: int) -> tuple[list[list[float]], set[BorderKind]]:
-    """Between which gains cycles change their word, and what the map does there."""
-    marked = [
-        (sorted(curve.parameter[mark.sample : mark.sample + 2].tolist()), mark.kind)
-        for curve in network.curves
-        for mark in curve.marks
-        if curve.order == order
-    ]
-    return [between for between, _ in marked], {kind for _, kind in marked}
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Compare, and give the headline numbers.
 
+    Parameters
+    ----------
+    fast
+        Orders 1 and 2 only.
+    out
+        Not used: there are no pictures.
 
-def miscounted(
-    map_: FormulaMap, diagram: Diagram, orders: Sequence[int], gains: Sequence[float]
-) -> int:
-    """How often the number of fixed points is not that of the changes of sign."""
-    count: Callable[[int, float], tuple[int, int]] = lambda n, p: signs(  # noqa: E731
-        map_, diagram, n, p, GRID
-    )
-    return sum(one != other for n in orders for p in gains for one, other in [count(n, p)])
-
-
-@mpmath.workdps(30)
-def main(fast: bool, out: Path | None = None) -> Results:
-    """Compare, and give the headline numbers."""
+    Returns
+    -------
+    dict
+        ``kappa_c``, ``first_flip_error``; ``special_points``: flips and folds, and the
+        ``largest_difference`` of those of iterates from their equations; ``saturation``: the gain,
+        how far it lies ``_outside`` of the marks of the branch, how far these are apart
+        (``_within``), whether it ``_is_smooth``; ``border_collisions``: how many; ``miscounted``:
+        slices of iterates in which changes of sign say something else.
+    """
     orders = (1, 2) if fast else (1, 2, 3, 4)
     map_ = boost_map()
     network = searched(map_, SETTINGS, orders, Search(slices=15, finest=5e-3))
     diagram = network.diagram("kappa", "v")
     first = [p for p in diagram.points if p.kind is PointKind.PD and p.order == 1]
-    between, kinds = saturations(network, 2)
-    saturates = saturation(between[0][0])
+    gains = np.linspace(0.0213, 0.2477, 12).tolist()
+    saturated = changes(network, 2)
+    (low, high), _ = saturated[0]
+    saturates = saturation(low)
     return {
         "kappa_c": float(CRITICAL),
         "first_flip_error": max(abs(p.parameter - float(CRITICAL)) for p in first),
         "special_points": sum(p.kind in (PointKind.PD, PointKind.LP) for p in diagram.points),
         "largest_difference": largest_difference(diagram, {PointKind.PD: -1, PointKind.LP: 1}),
         "saturation": saturates,
-        "saturation_outside": max(between[0][0] - saturates, saturates - between[0][1]),
-        "saturation_within": between[0][1] - between[0][0],
-        "saturation_is_smooth": kinds == {BorderKind.SMOOTH},
+        "saturation_outside": max(low - saturates, saturates - high),
+        "saturation_within": high - low,
+        "saturation_is_smooth": {kind for _, kind in saturated} == {BorderKind.SMOOTH},
         "border_collisions": sum(p.kind is PointKind.BC for p in diagram.points),
-        "miscounted": miscounted(map_, diagram, orders, np.linspace(0.0213, 0.2477, 12).tolist()),
+        "miscounted": miscounted(map_, diagram, orders, gains, GRID),
     }
 
 

@@ -1,4 +1,4 @@
-"""What the studies of maps of the literature share: cycles near a guess, and where branches end."""
+"""What the studies of maps share: branches from a guess or a search, and what they are held to."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
+from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.explorer import Explorer
@@ -90,3 +91,21 @@ def signs(map_: FormulaMap, diagram: Diagram, order: int, p: float, x: Floats) -
     divisors = [n for n in range(1, order + 1) if order % n == 0]
     hits = [hit for hit in diagram.at(p) if hit.branch.order in divisors]
     return int((above[1:] != above[:-1]).sum()), len(hits)
+
+
+def miscounted(
+    map_: FormulaMap, diagram: Diagram, orders: Sequence[int], at: Sequence[float], x: Floats
+) -> int:
+    """For how many of some orders and parameters the two counts of :func:`signs` differ."""
+    counts = (signs(map_, diagram, order, p, x) for order in orders for p in at)
+    return sum(one != other for one, other in counts)
+
+
+def changes(network: Network, order: int) -> list[tuple[list[float], BorderKind]]:
+    """Between which parameters cycles change their word, and what the map does there."""
+    return [
+        (sorted(curve.parameter[mark.sample : mark.sample + 2].tolist()), mark.kind)
+        for curve in network.curves
+        for mark in curve.marks
+        if curve.order == order
+    ]

@@ -131,8 +131,26 @@ def two_impacts() -> tuple[list[Curve], float]:
     return curves, abs(ends_of(curves, PointKind.PD)[-1].p - 0.75)
 
 
-def main(fast: bool, out: Path | None = None) -> Results:
-    """Compare, and give the headline numbers."""
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Compare, and give the headline numbers.
+
+    Parameters
+    ----------
+    fast
+        Periods up to 5, and a search of few slices.
+    out
+        Not used: there are no pictures.
+
+    Returns
+    -------
+    dict
+        ``windows``: how many maximal cycles, up to ``largest_period``; ``largest_error`` of their
+        flips and grazings, relative; ``neighbours_overlap``, ``attract``: of the largest periods,
+        by case; ``ratio_over_alpha_squared`` of the last two grazings, by case;
+        ``two_impacts_error`` of that branch's flip; ``searched_branches``, ``searched_missing``,
+        ``searched_others``: how many a search finds, and how many of its special points are missing
+        or unknown to the formulas.
+    """
     windows = {
         name: [window(alpha, m) for m in range(2, (FAST if fast else LARGEST[name]) + 1)]
         for name, alpha in CASES.items()

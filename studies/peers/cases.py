@@ -1,8 +1,8 @@
 """What is measured: named scenes, a sample of the map and the cycle, each with thirty digits.
 
 The decimals come from :mod:`studies.peers.reference_mpmath`, which shares no code with the
-packages, and start from the doubles written here; ``tests/test_work_precision.py`` computes them
-again.
+packages, and start from the doubles written here; they are computed again by
+``tests/studies/test_work_precision.py``.
 
 Everything here is under Coulomb's law contact by contact (``expansion_friction="separate"``), the
 only one that the other programs know. Returns without an impact at two contacts, the cycle among
@@ -23,6 +23,7 @@ import numpy as np
 from mpmath import mp, mpf, nstr
 
 from studies.common.laws import CONTACT_BY_CONTACT
+from studies.common.places import WINDOW
 from studies.peers.ode import IMAGE, PERIOD, PHI_S
 from studies.peers.reference_mpmath import first_return
 from woodpecker import Toy, parameters
@@ -94,7 +95,6 @@ TWO_SWINGS = Scene(
 )
 SCENES = (CYCLE, DOUBLE, TWO_SWINGS)
 
-WINDOW = (-2.5, -0.24)  # rad
 POINTS = 1000
 SAMPLED = slice(41, None, 83)  # twelve of the thousand, evenly spread
 SAMPLE_IMAGES = (
@@ -112,7 +112,6 @@ SAMPLE_IMAGES = (
     "-0.751333190881099319118027702958",
 )
 
-GUESS = -0.53  # rad, where the search for the fixed point starts
 FIXED_POINT = Cycle(
     phi_s="-0.529471967110851035675129603749",
     multiplier="-0.839155653047585473340097603648",
@@ -165,8 +164,8 @@ def numbers(toy: Toy) -> dict[str, float | str]:
 
 def recomputed(scene: Scene) -> tuple[str, str, str]:
     """Image, period and word of a scene by the thirty-digit program."""
-    lap = first_return(scene.phi_s, numbers(scene.toy), DIGITS)
-    return nstr(lap.phi_s, DIGITS), nstr(lap.period, DIGITS), plain(lap.word)
+    once = first_return(scene.phi_s, numbers(scene.toy), DIGITS)
+    return nstr(once.phi_s, DIGITS), nstr(once.period, DIGITS), plain(once.word)
 
 
 def recomputed_sample() -> tuple[str, ...]:
@@ -175,7 +174,7 @@ def recomputed_sample() -> tuple[str, ...]:
     return tuple(nstr(first_return(float(x), toy).phi_s, DIGITS) for x in sample())
 
 
-def recomputed_fixed_point(laps: int = 4) -> Cycle:
+def recomputed_fixed_point(steps: int = 4) -> Cycle:
     """Newton's method on the thirty-digit program.
 
     The slope is a central difference over 1e-16 rad, so its error is of the order of 1e-32.
@@ -183,7 +182,7 @@ def recomputed_fixed_point(laps: int = 4) -> Cycle:
     toy = numbers(CONTACT_BY_CONTACT)
     with mp.workdps(2 * DIGITS):
         x, h = mpf(PHI_S), mpf(10) ** -16
-        for _ in range(laps):
+        for _ in range(steps):
             low, here, high = (first_return(x + k * h, toy, PLACES) for k in (-1, 0, 1))
             slope = (high.phi_s - low.phi_s) / (2 * h)
             x += (here.phi_s - x) / (1 - slope)

@@ -1,7 +1,7 @@
 """The kernel dressed as a peer: compiled, as plain Python in another process, and in mpmath.
 
 Plain Python is a choice made when :mod:`woodpecker` is imported, so it needs a process of its own;
-:class:`PlainPython` keeps one open and asks it for laps. The mpmath twin is the independent
+:class:`PlainPython` keeps one open and asks it for returns. The mpmath twin is the independent
 program of :mod:`studies.peers.reference_mpmath`.
 """
 
@@ -45,19 +45,19 @@ class Precise(NamedTuple):
 
 def first_return_kernel(toy: Toy, phi_s: float) -> PeerReturn:
     """One return by the kernel, as a user calls it; ``evaluations`` counts the events."""
-    lap = first_return(toy, phi_s)
-    if not lap.status.success:
-        raise LostError(lap.status.value)
-    return PeerReturn(lap.phi_s, lap.period, lap.drop, lap.word, len(lap.word.split()))
+    once = first_return(toy, phi_s)
+    if not once.status.success:
+        raise LostError(once.status.value)
+    return PeerReturn(once.phi_s, once.period, once.drop, once.word, len(once.word.split()))
 
 
 def first_return_mpmath(toy: Toy, phi_s: float, digits: int) -> Precise:
     """One return with about ``digits`` digits by :mod:`studies.peers.reference_mpmath`."""
-    lap = reference_mpmath.first_return(phi_s, numbers(toy), digits)
-    if lap.status != "returned":
-        raise LostError(lap.status)
-    image, period = (Decimal(nstr(x, digits + 10)) for x in (lap.phi_s, lap.period))
-    return Precise(image, period, lap.word)
+    once = reference_mpmath.first_return(phi_s, numbers(toy), digits)
+    if once.status != "returned":
+        raise LostError(once.status)
+    image, period = (Decimal(nstr(x, digits + 10)) for x in (once.phi_s, once.period))
+    return Precise(image, period, once.word)
 
 
 class PlainPython:
@@ -104,7 +104,7 @@ def served(count: int, factory: str, *arguments: Any) -> tuple[Any, Seconds]:
     return kept[-1], seconds
 
 
-def laps(toy: dict[str, Any], x: list[float]) -> Work:
+def returns(toy: dict[str, Any], x: list[float]) -> Work:
     """Work for another process: images and words of these starts."""
     subject, begin = Toy(**toy), np.array(x)
 

@@ -598,10 +598,10 @@ def convergence(steps: tuple[float, ...], scheme: SchemeName, solver: SolverName
     for step in steps:
         first_return_moreau(toy, PHI_S, step, scheme, solver)  # compiles
         start = time.process_time()
-        laps = [first_return_moreau(toy, PHI_S, step * s, scheme, solver) for s in NEIGHBOURS]
-        seconds = (time.process_time() - start) / len(laps)
-        nominal = laps[len(laps) // 2]
-        errors = np.array([lap.phi_s for lap in laps]) - float(IMAGE)
+        returns = [first_return_moreau(toy, PHI_S, step * s, scheme, solver) for s in NEIGHBOURS]
+        seconds = (time.process_time() - start) / len(returns)
+        nominal = returns[len(returns) // 2]
+        errors = np.array([once.phi_s for once in returns]) - float(IMAGE)
         table["error"].append(float(np.sqrt(np.mean(errors**2))))
         table["steps"].append(nominal.evaluations)
         table["cpu_ms"].append(1e3 * seconds)

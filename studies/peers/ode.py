@@ -106,6 +106,7 @@ def first_return_ode(
     z[1], z[2] = -toy.phi_m_max, phi_s
     states[:] = Contact.OPEN, Contact.STICK, Contact.OPEN
     fired, evaluations, modes = -1, 0, dict[int, _Mode]()
+    solver = _Solver(method, rtol, atol, max_step)
     while fired != SECTION:
         measure(numbers, z, room.gaps)
         status = arrive(numbers, fired, codes, counts, room)
@@ -114,26 +115,21 @@ def first_return_ode(
         mode = mode_index(*states)
         if mode not in modes:
             modes[mode] = _motion(numbers, mode, states)
-        motion = modes[mode]
-        _step_off(motion, z)
-        solution = solve_ivp(
-            motion.derivative,
-            (z[6], z[6] + LONGEST_PHASE),
-            z[:6],
-            method=method,
-            events=motion.guards,
-            rtol=rtol,
-            atol=atol,
-            max_step=max_step,
-        )
-        evaluations += solution.nfev
-        hits = [k for k, times in enumerate(solution.t_events or ()) if len(times)]
-        if not hits:
-            raise LostError(f"the toy does not return: {solution.message}")
-        fired, z[:6], z[6] = motion.names[hits[0]], solution.y[:, -1], solution.t[-1]
+        _step_off(modes[mode], z)
+        fired, spent = _to_next_event(modes[mode], z, solver)
+        evaluations += spent
     return PeerReturn(
         float(z[2]), float(z[6]), float(-z[0]), word(codes[: counts[0]].tolist()), evaluations
     )
+
+
+class _Solver(NamedTuple):
+    """Options of ``solve_ivp``."""
+
+    method: str
+    rtol: float
+    atol: float | Sequence[float]
+    max_step: float
 
 
 class _Mode(NamedTuple):
@@ -202,6 +198,17 @@ def _guard(numbers: Floats, mode: int, states: Ints, name: int) -> Guard:
     return guard
 
 
+def _to_next_event(motion: _Mode, z: Floats, solver: _Solver) -> tuple[int, int]:
+    """Move the state to the next event: its guard, and the evaluations that this took."""
+    span = z[6], z[6] + LONGEST_PHASE
+    solution = solve_ivp(motion.derivative, span, z[:6], events=motion.guards, **solver._asdict())
+    hits = [k for k, times in enumerate(solution.t_events or ()) if len(times)]
+    if not hits:
+        raise LostError(f"the toy does not return: {solution.message}")
+    z[:6], z[6] = solution.y[:, -1], solution.t[-1]
+    return motion.names[hits[0]], solution.nfev
+
+
 def _step_off(motion: _Mode, z: Floats) -> None:
     """Move the state to where every guard is positive, by one short Taylor step."""
     acceleration, jerk, snap = motion.rates(z)
@@ -225,11 +232,11 @@ def main(fast: bool = False) -> dict[str, dict[str, float]]:
             seconds = []
             for _ in range(2 if fast else 5):
                 start = time.process_time()
-                lap = first_return_ode(toy, PHI_S, method, rtol, 1e-2 * rtol)
+                once = first_return_ode(toy, PHI_S, method, rtol, 1e-2 * rtol)
                 seconds.append(time.process_time() - start)
             rows[f"{method} {rtol:.0e}"] = {
-                "error": float(abs(Decimal(lap.phi_s) - reference)),
-                "evaluations": lap.evaluations,
+                "error": float(abs(Decimal(once.phi_s) - reference)),
+                "evaluations": once.evaluations,
                 "cpu_ms": 1e3 * min(seconds),
             }
     return rows

@@ -205,9 +205,9 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     steps = (1e-4, 2e-5) if fast else (1e-3, 3e-4, 1e-4, 3e-5, 2e-5, 1e-5, 3e-6)
     returns = {}
     for step in steps:
-        lap = first_return_siconos(CONTACT_BY_CONTACT, PHI_S, step)
-        error = abs(lap.phi_s - float(IMAGE))
-        returns[f"{step:.0e}"] = {"error": error, "steps": lap.evaluations, "word": lap.word}
+        once = first_return_siconos(CONTACT_BY_CONTACT, PHI_S, step)
+        error = abs(once.phi_s - float(IMAGE))
+        returns[f"{step:.0e}"] = {"error": error, "steps": once.evaluations, "word": once.word}
     return {"cycle": {f"{step:.0e}": _cycle(step) for step in (1e-4, 2e-5)}, "return": returns}
 
 

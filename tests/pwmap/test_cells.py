@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import copy
 import pickle
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 import sympy
+from pickles import Way, pickled
 from sympy import Rational, sqrt
 
 from pwmap import (
@@ -35,19 +34,13 @@ def words(points: tuple[FixedPoint, ...]) -> list[str]:
     return sorted(point.word for point in points)
 
 
-def pickled(map_: PiecewiseLinearMap) -> Any:
-    return pickle.loads(pickle.dumps(map_))
-
-
 WAYS = pytest.mark.parametrize("way", [lambda map_: map_, copy.copy, pickled])
 BOTH = pytest.mark.parametrize("map_", [NUMERIC, P1L], ids=["numeric", "symbolic"])
 
 
 @WAYS
 @BOTH
-def test_an_order_that_the_cells_were_not_cut_for(
-    map_: PiecewiseLinearMap, way: Callable[[Any], Any]
-) -> None:
+def test_an_order_that_the_cells_were_not_cut_for(map_: PiecewiseLinearMap, way: Way) -> None:
     """For r > 2 the third iterate changes at 5/2 and elsewhere; at 21/10 it has four."""
     cell = last_cell(map_)
     assert (cell.lower, cell.upper) == (2, sympy.oo)

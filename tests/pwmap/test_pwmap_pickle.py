@@ -6,11 +6,10 @@ import copy
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 import sympy
+from pickles import Way, pickled
 from sympy import Rational
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram, parameter_cells, parameter_plane
@@ -19,14 +18,9 @@ PLAIN = sympy.symbols("x a r")
 ASSUMED = sympy.Symbol("x", real=True), *sympy.symbols("a r", positive=True)
 
 
-def pickled(value: Any) -> Any:
-    return pickle.loads(pickle.dumps(value))
-
-
 WAYS = pytest.mark.parametrize("way", [pickled, copy.deepcopy, copy.copy])
 SYMBOLS = pytest.mark.parametrize("symbols", [PLAIN, ASSUMED], ids=["plain", "assumed"])
 Symbols = tuple[sympy.Symbol, sympy.Symbol, sympy.Symbol]
-Way = Callable[[Any], Any]
 
 
 def paper(symbols: Symbols, *given: sympy.Basic) -> PiecewiseLinearMap:

@@ -11,9 +11,9 @@ from typing import Any
 import networkx as nx
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
-from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
@@ -31,7 +31,6 @@ from woodpecker.toypieces import ToyPieces
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 PRINTED = 5.1e-5  # reference values are known to four decimals
 AT_ONCE = "the beak and the upper sleeve strike at once"
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
-from woodpecker.base.compiled import COMPILED
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.corners import leaving
@@ -17,7 +17,6 @@ from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
 
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 START = -0.53  # rad, near the stable motion
 
 

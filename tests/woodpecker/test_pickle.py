@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import copy
-import pickle
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
 import pytest
 import sympy
 from maps import logistic, paper, two_lines
+from pickles import Way, pickled
 
 from pwmap import PiecewiseLinearMap
 from woodpecker import (
@@ -26,12 +24,6 @@ from woodpecker import (
     local_model,
 )
 
-
-def pickled(value: Any) -> Any:
-    return pickle.loads(pickle.dumps(value))
-
-
-Way = Callable[[Any], Any]
 WAYS = pytest.mark.parametrize("way", [pickled, copy.deepcopy])
 X = np.linspace(-2.4, 0.05, 20)
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
-from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
@@ -30,7 +30,6 @@ from woodpecker.toypieces import ToyPieces
 
 MASSES, INERTIAS = ("m_m", "m_s"), ("j_m", "j_s")
 LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 UNITS = {  # factors of masses, lengths and gravity
     "heavier": (1000.0, 1.0, 1.0),
     "larger": (1.0, 1000.0, 1.0),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
-from woodpecker.base.compiled import COMPILED
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import shoot
@@ -22,7 +22,7 @@ def diagram() -> Diagram:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
     """Straight lines are off by some 1e-5; solutions by the rounding of a return."""
     furthest = 0.0
@@ -41,7 +41,7 @@ def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
     assert 1e-6 < furthest < 1e-3
 
 
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_wrong_values_are_refused(diagram: Diagram) -> None:
     with pytest.raises(ValueError, match=r"eps_n1 must lie in \[0, 1\], got 2.0"):
         solutions(TOY, diagram, 2.0)

@@ -6,15 +6,14 @@ import math
 from pathlib import Path
 
 import pytest
+from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker import BranchState
-from woodpecker.base.compiled import COMPILED
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import PeriodicOrbit, shoot
 
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 ASKED = "stopped as asked"
 pytestmark = [NEEDS_NUMBA, pytest.mark.slow]
 

@@ -9,14 +9,14 @@ from __future__ import annotations
 import networkx as nx
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
 from pwmap import BranchKind, Diagram, PointKind
 from woodpecker import ExpansionFriction, Search, Toy, bifurcation_diagram, first_return, shoot
-from woodpecker.base.compiled import COMPILED
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(not COMPILED, reason="takes minutes without numba"),
+    NEEDS_NUMBA,
 ]
 SEARCH = Search(slices=16)
 SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
+from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
 from pwmap import read_graph
@@ -235,7 +236,7 @@ def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes a minute without numba")
+@NEEDS_NUMBA
 def test_a_motion_that_ends_at_the_event_limit_fails_after_it_was_written(tmp_path: Path) -> None:
     """Eleven events in 0.146 s: 20000 of them take 265 s."""
     status, text = run("simulate", "--t-end", "300", "--out", str(tmp_path))
@@ -298,7 +299,7 @@ def left_open(text: str) -> int:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -436,7 +437,7 @@ def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes a minute without numba")
+@NEEDS_NUMBA
 def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     """A, B and C by default, others on request; the words of samples are those of stretches."""
     status, text = run("diagram", "--span", "0.1", "0.5", "--words", "--out", str(tmp_path))
@@ -464,7 +465,7 @@ def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes a minute without numba")
+@NEEDS_NUMBA
 def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:
     arguments = ("diagram", "--span", "0.1", "0.5", "--out", str(tmp_path))
     status, text = run(*arguments)
@@ -480,7 +481,7 @@ def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_every_branch_with_pictures_of_each_order_and_of_fold_flips(tmp_path: Path) -> None:
     """Order 1 and 2 next to A: diagram, one picture for each order, and A beside its model."""
     arguments = [

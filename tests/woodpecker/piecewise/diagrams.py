@@ -137,18 +137,6 @@ def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
     ]  # fmt: skip
 
 
-def assert_alike(one: Diagram, other: Diagram, within: float) -> None:
-    """Two diagrams agree in all that is said, and in their numbers up to rounding."""
-    for a, b in zip(one.branches, other.branches, strict=True):
-        assert (a.id, a.kind, a.order, a.words, a.ends) == (b.id, b.kind, b.order, b.words, b.ends)
-        assert a.parameter == pytest.approx(b.parameter, abs=within)
-        assert a.x == pytest.approx(b.x, abs=within)
-    for p, q in zip(one.points, other.points, strict=True):
-        assert (p.id, p.kind, p.branches, p.order) == (q.id, q.kind, q.branches, q.order)
-        assert (p.note, p.cause, p.status) == (q.note, q.cause, q.status)
-        assert (p.parameter, p.x) == pytest.approx((q.parameter, q.x), abs=within)
-
-
 def chained(cycles: Cycles, orbit: Orbit) -> list[Curve]:
     """The branch through a cycle, and those that continue it, of a chain that is not closed."""
     found, todo = list[Curve](), [cycles.through(orbit)]

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from diagrams import assert_graph, assert_places, chain
 from maps import grazing, skew_tent
+from needs import NEEDS_NUMBA
 from test_jumps import divided, jump_at, places
 from test_partition import fixed, rising, shown
 
 from woodpecker import Settings, Toy, ToyPieces, connected, slices_at
-from woodpecker.base.compiled import COMPILED
-
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="plain Python would take minutes")
 
 
 def test_a_grazing_met_from_its_root() -> None:

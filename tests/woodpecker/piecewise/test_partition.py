@@ -25,6 +25,7 @@ from maps import (
     two_lines,
     two_pieces,
 )
+from needs import NEEDS_NUMBA
 
 from woodpecker import (
     BorderKind,
@@ -41,14 +42,12 @@ from woodpecker import (
     nearest_border,
     slices_at,
 )
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.partition import partition
 from woodpecker.piecewise.pieces import Image
 from woodpecker.piecewise.settings import Settings
 
 NEAR = 1e-15  # a few roundings at 1
 WIDE = Settings(window=(-3.0, 3.0))
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 
 
 def steps() -> FormulaMap:

@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 from diagrams import to_the_last_bit
 from maps import moving, paper
+from needs import NEEDS_NUMBA
 
 from pwmap import Diagram
 from woodpecker import (
@@ -36,7 +37,6 @@ from woodpecker import (
     whole_diagram,
 )
 from woodpecker.base.checkpoint import Entry
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.checkpoint import VERSION, Record, check_entry, read_record, restore
 from woodpecker.piecewise.formulas import FormulaPiece
 from woodpecker.piecewise.network import Network
@@ -46,7 +46,6 @@ from woodpecker.piecewise.search import Past
 SEARCH = Search(slices=5, finest=0.05)
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
 ABOUT: Entry = {"parameter": "p", "span": [-1.0, 2.5]}
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 
 
 def searched(

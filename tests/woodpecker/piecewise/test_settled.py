@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from maps import logistic, paper
+from needs import NEEDS_NUMBA
 
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker import (
@@ -18,7 +19,6 @@ from woodpecker import (
     orbit_diagram,
     unexplained,
 )
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.settled import period_of
 
@@ -138,7 +138,7 @@ def test_a_map_is_asked_for_many_points_at_once_if_it_can() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_the_toy_settles_on_its_stable_branches() -> None:
     """The nominal cycle beside a chaotic attractor, which most starts reach at eps_N1 = 0.5."""
     window = (-1.2, -0.3)

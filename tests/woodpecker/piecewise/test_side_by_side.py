@@ -12,12 +12,11 @@ from typing import Any
 import pytest
 import rounding
 from diagrams import to_the_last_bit
+from needs import NEEDS_NUMBA
 
 from woodpecker import Search, Toy, bifurcation_diagram, continuation, find_all, shoot
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.settings import Settings
 
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 FRICTIONS = (0.30, 0.31, 0.32, 0.33)
 Shown = list[tuple[object, ...]]
 

@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 import pytest
 from maps import logistic
+from needs import NEEDS_NUMBA
 
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.monotone import branches_of
 from woodpecker.piecewise.partition import beside_diagonal, partition
 from woodpecker.piecewise.pieces import Image
@@ -19,7 +19,6 @@ from woodpecker.piecewise.slices import Slice, slices_at
 
 WINDOW = (-2.5, -0.24)
 SETTINGS = Settings(span=(0.012, 1.0), window=WINDOW)
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 POINTS = 60_000  # 4e-5 rad apart
 
 

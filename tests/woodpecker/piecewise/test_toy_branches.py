@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind
-from woodpecker.base.compiled import COMPILED
 from woodpecker.base.executors import Serial
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.borders import BorderKind
@@ -28,7 +28,6 @@ AT_ONCE = "the beak and the upper sleeve strike at once"
 # Points are found by two independent engines, from words and from halvings, within 1e-13; published
 # facts have ten digits [Leine2001 with the summed law].
 DIGITS = 1e-10
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 
 
 @pytest.fixture(scope="module")

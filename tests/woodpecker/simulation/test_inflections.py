@@ -6,14 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
 from woodpecker import Toy, ToyPieces, return_map
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import slices_at
 from woodpecker.simulation.roots import root_at_inflection
-
-NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="plain Python would take minutes")
 
 
 @pytest.mark.parametrize("distance", [1e-3, 1e-9, 1e-15, 0.0, -1e-15, -1e-9, -1e-3])

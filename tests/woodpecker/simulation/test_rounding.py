@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 from rounding import OTHER, is_other
 from scenes import in_another_process
 
 from woodpecker import Toy, bifurcation_diagram, continuation, return_map, shoot
-from woodpecker.base.compiled import COMPILED
 from woodpecker.piecewise.search import Search
 
 Graph = dict[str, Any]
@@ -47,7 +47,7 @@ def last_bits() -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="plain Python would take minutes")
+@NEEDS_NUMBA
 def test_graphs_do_not_depend_on_rounding(request: pytest.FixtureRequest, tmp_path: Path) -> None:
     others = dict.fromkeys(OTHER, "") if is_other() else OTHER
     cache = request.config.cache

@@ -1,39 +1,29 @@
 """The paper's Figures 4 to 8, the sensitivities and the table of its numbers."""
 
-import importlib
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pytest
-from short_runs import short_run
+from needs import NEEDS_NUMBA
+from short_runs import is_picture, short_run
 
-mpl.use("Agg")
-from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot
-from woodpecker.base.compiled import COMPILED
+from studies import paper_numbers, sensitivities
+from studies.common import motion
+from studies.figures import fig04_time_history as fig04
+from studies.figures import fig05_phase_woodpecker as fig05
+from studies.figures import fig06_phase_others as fig06
+from studies.figures import fig07_frames as fig07
+from studies.figures import fig08_return_map as fig08
+from studies.figures import fig08_vertices as vertices
+from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot, simulate
 from woodpecker.plot.figures import plot_phase_portrait
-
-fig04, fig05, fig06, fig07, fig08, vertices, sensitivities, paper_numbers = (
-    importlib.import_module(f"studies.{name}")
-    for name in (
-        "figures.fig04_time_history", "figures.fig05_phase_woodpecker",
-        "figures.fig06_phase_others", "figures.fig07_frames", "figures.fig08_return_map",
-        "figures.fig08_vertices", "sensitivities", "paper_numbers",
-    )
-)  # fmt: skip
 
 PERIOD, PHI_S = 0.14597607, -0.52947197  # s, rad: the independent programs' values, to 8 digits
 NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
 EIGHT = 5e-9  # half a unit of the eighth digit
 SIX = 5e-7  # s; half a unit of the sixth digit of the event times
 LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")
-needs_speed = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
-
-
-def is_picture(path: Path) -> bool:
-    """Whether it is a PNG with something on it: an empty one of this size has 5 kB."""
-    return path.read_bytes()[:4] == b"\x89PNG" and path.stat().st_size > 20_000
 
 
 @pytest.mark.slow
@@ -83,14 +73,14 @@ def test_frames(tmp_path: Path) -> None:
 
 
 def test_frames_refuse_another_motion() -> None:
-    _, motion = fig07.cycle()
+    _, nominal = motion.cycle()
     with pytest.raises(ValueError, match="no S2 for frame 1"):
-        fig07.frames(fig07.simulate(Toy(), -0.23, 0.01))
-    assert len(fig07.frames(motion)) == 8
+        motion.frames(simulate(Toy(), -0.23, 0.01))
+    assert len(motion.frames(nominal)) == 8
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_return_map(tmp_path: Path) -> None:
     results = fig08.main(fast=True, out=tmp_path)
     assert is_picture(tmp_path / "fig08.png")
@@ -110,7 +100,7 @@ def test_return_map(tmp_path: Path) -> None:
     assert stable == pytest.approx((PHI_S, -0.83916), abs=5e-6)
 
 
-@needs_speed
+@NEEDS_NUMBA
 @pytest.mark.parametrize(("law", "seen"), [("summed", False), ("separate", True)])
 def test_the_jump_of_a_and_b_hardly_shows_in_figure_8(law: Any, seen: bool) -> None:
     """The paper names two jumps of its Figure 8, and not the one on which A and B lie."""
@@ -129,7 +119,7 @@ def figure_8(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_the_sum_gives_figure_8_to_its_resolution(figure_8: dict[str, Any]) -> None:
     """3e-4 is half a unit of the graphic upwards; rounding alone leaves a quarter in the median."""
     summed, separate = figure_8["laws"]["summed"], figure_8["laws"]["separate"]
@@ -146,7 +136,7 @@ def test_the_sum_gives_figure_8_to_its_resolution(figure_8: dict[str, Any]) -> N
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_every_vertex_of_figure_8_is_counted(figure_8: dict[str, Any]) -> None:
     counts = [figure_8["laws"]["summed"][kind]["count"] for kind in ("double", "single", "jammed")]
     line = figure_8["line"]
@@ -168,7 +158,7 @@ def test_the_distance_to_a_curve_is_measured_across_it() -> None:
     assert distance == pytest.approx(h / np.hypot(1.0, slope), rel=1e-3)  # curvature 14 times h
 
 
-@needs_speed
+@NEEDS_NUMBA
 def test_ends_of_the_return_map() -> None:
     """The band of centres is the mirror image of the starts that stay jammed."""
     toy = Toy()
@@ -199,7 +189,7 @@ def cone(toy: Toy) -> float:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_sensitivities(tmp_path: Path) -> None:
     results = sensitivities.main(fast=True, out=tmp_path)
     assert is_picture(tmp_path / "sensitivities.png")
@@ -241,7 +231,7 @@ def test_the_unit_of_the_last_digit() -> None:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_paper_numbers() -> None:
     results = paper_numbers.main(fast=True)
     rows: dict[str, dict[str, Any]] = {row["quantity"]: row for row in results["rows"]}
@@ -273,7 +263,7 @@ def test_the_last_digit_decides() -> None:
 
 
 @pytest.mark.slow
-@needs_speed
+@NEEDS_NUMBA
 def test_the_points_of_figure_10() -> None:
     found = {law: paper_numbers.between_a_and_b(law) for law in paper_numbers.LAWS}
     rows = {row.quantity: row for row in paper_numbers.special_points(found)}
@@ -303,6 +293,6 @@ def test_labels_are_spread_without_changing_their_order() -> None:
 
 
 def test_a_phase_portrait_names_what_it_cannot_draw() -> None:
-    _, motion = fig07.cycle()
+    _, nominal = motion.cycle()
     with pytest.raises(ValueError, match="unknown quantity 'phi'"):
-        plot_phase_portrait(motion, "phi", "dy")
+        plot_phase_portrait(nominal, "phi", "dy")

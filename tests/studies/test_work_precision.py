@@ -2,17 +2,23 @@
 
 from decimal import Decimal
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
+from short_runs import is_picture
 
-from studies import work_precision as study
 from studies.common.laws import CONTACT_BY_CONTACT
 from studies.peers import cases, kernel
 from studies.peers.ode import first_return_ode
+from studies.precision import work_precision as study
+from studies.precision.comparing import ahead, compared, order_of
+from studies.precision.measuring import measured
+from studies.precision.methods import KERNEL, TWIN, Setting
+from studies.precision.tasks import FIXED, MAP, Answer, Entry, newton
 from woodpecker import Toy, first_return
-from woodpecker.base.compiled import COMPILED
 
 LAST_DIGITS = Decimal("1e-28")  # thirty digits were asked for; two are left to rounding
 ROUNDING = 1e-13  # rad; some spacings of doubles, times slopes up to ten, over twenty events
@@ -48,10 +54,10 @@ def test_the_fixed_point_is_right_to_thirty_digits() -> None:
 
 @pytest.mark.parametrize("scene", cases.SCENES, ids=lambda scene: scene.name)
 def test_the_kernel_meets_the_references(scene: cases.Scene) -> None:
-    lap = kernel.first_return_kernel(scene.toy, scene.phi_s)
-    assert cases.distance(lap.phi_s, scene.image) < ROUNDING
-    assert cases.distance(lap.period, scene.period) < ROUNDING
-    assert cases.plain(lap.word) == scene.word
+    once = kernel.first_return_kernel(scene.toy, scene.phi_s)
+    assert cases.distance(once.phi_s, scene.image) < ROUNDING
+    assert cases.distance(once.period, scene.period) < ROUNDING
+    assert cases.plain(once.word) == scene.word
 
 
 def test_the_kernel_meets_the_sample_of_the_map() -> None:
@@ -66,18 +72,18 @@ def test_words_are_compared_by_their_events() -> None:
 
 
 def test_the_twin_keeps_more_digits_than_a_double() -> None:
-    lap = kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
-    error = abs(lap.phi_s - Decimal(cases.DOUBLE.image))
+    once = kernel.first_return_mpmath(cases.DOUBLE.toy, cases.DOUBLE.phi_s, 10)
+    error = abs(once.phi_s - Decimal(cases.DOUBLE.image))
     assert 0 < error < Decimal("1e-19")  # printed to twenty digits
 
 
-def setting(peer: Any, noise: float) -> study.Setting:
-    return study.Setting("RK45", "", "rtol", noise, peer)
+def setting(peer: Any, noise: float) -> Setting:
+    return Setting("RK45", "", "rtol", noise, peer)
 
 
 def test_newton_finds_the_cycle_with_difference_quotients() -> None:
     """h = 1e-5 rad: the quotient errs by h^2 P'''/6, where P''' / 6 is some hundreds."""
-    x, multiplier, spent = study.newton(setting(kernel.first_return_kernel, 1e-12))
+    x, multiplier, spent = newton(setting(kernel.first_return_kernel, 1e-12))
     assert cases.distance(x, cases.FIXED_POINT.phi_s) < 1e-11  # Newton stops at 1e-12
     assert cases.distance(multiplier, cases.FIXED_POINT.multiplier) < 1e-6
     assert spent == len(cases.CYCLE.word.split()) * (spent // 11)
@@ -88,9 +94,9 @@ def test_fixed_steps_converge_with_the_order_of_the_formula(method: str, order: 
     """Where an event falls within its step changes the error, so orders scatter by one or so."""
     ladder = []
     for step in (4e-3, 2e-3, 1e-3, 5e-4):
-        lap = first_return_ode(Toy(), cases.CYCLE.phi_s, method, 1e3, 1e3, step)
-        ladder.append((step, cases.distance(lap.phi_s, cases.CYCLE.image)))
-    line = study._order("cycle", method, "", ladder)
+        once = first_return_ode(Toy(), cases.CYCLE.phi_s, method, 1e3, 1e3, step)
+        ladder.append((step, cases.distance(once.phi_s, cases.CYCLE.image)))
+    line = order_of("cycle", method, "", ladder)
     assert line["expected"] == order
     assert line["fitted"] == pytest.approx(order, abs=1.2)
     assert line["converges"]
@@ -98,10 +104,10 @@ def test_fixed_steps_converge_with_the_order_of_the_formula(method: str, order: 
 
 def test_an_order_is_the_slope_and_a_plateau_does_not_converge() -> None:
     exact = [(h, 3.0 * h) for h in (1e-3, 1e-4, 1e-5)]
-    line = study._order("", "Moreau, theta", "lcp", exact)
+    line = order_of("", "Moreau, theta", "lcp", exact)
     assert line["fitted"] == pytest.approx(1.0, abs=1e-12)
     plateau = [(h, 1e-4 + h) for h in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
-    assert not study._order("", "Moreau, theta", "lcp", plateau)["converges"]
+    assert not order_of("", "Moreau, theta", "lcp", plateau)["converges"]
 
 
 def row(method: str, error: float | None, cpu: float | None) -> dict[str, Any]:
@@ -110,15 +116,15 @@ def row(method: str, error: float | None, cpu: float | None) -> dict[str, Any]:
 
 
 def test_verdicts_follow_from_the_rows() -> None:
-    kernel, twin = row(study.KERNEL, 1e-16, 1.0), row(study.TWIN, 0.0, 0.1)
+    kernel, twin = row(KERNEL, 1e-16, 1.0), row(TWIN, 0.0, 0.1)
     rough, fine = row("RK45", 1e-2, 0.5), row("DOP853", 1e-7, 3.0)
     rows = [kernel, twin, rough, fine, row("LSODA", None, None)]
-    assert study.ahead(rows)
-    lines = study.compared(rows)
+    assert ahead(rows)
+    lines = compared(rows)
     assert [line["ratio"] for line in lines] == [3.0, 3.0, None, None]
     assert lines[-1]["reason"]
-    assert not study.ahead([*rows, row("Radau", 1e-4, 0.9)])
-    assert not study.ahead([row(study.KERNEL, 1e-11, 1.0), fine])
+    assert not ahead([*rows, row("Radau", 1e-4, 0.9)])
+    assert not ahead([row(KERNEL, 1e-11, 1.0), fine])
 
 
 @pytest.mark.slow
@@ -127,7 +133,9 @@ def test_another_process_runs_the_plain_kernel() -> None:
         start = cases.DOUBLE.phi_s
         for toy in (Toy(), CONTACT_BY_CONTACT):  # the law goes with the numbers
             arguments = cases.numbers(toy), [start]
-            (images, words), seconds = other.ask("studies.peers.kernel:laps", *arguments, count=2)
+            (images, words), seconds = other.ask(
+                "studies.peers.kernel:returns", *arguments, count=2
+            )
             # the same numbers up to rounding: complex quotients are formed in other ways
             assert images == pytest.approx([first_return(toy, start).phi_s], abs=1e-14)
             assert words == [first_return(toy, start).word]
@@ -142,25 +150,25 @@ def test_every_scene_is_under_the_law_that_all_methods_know() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
-def test_the_study_runs_and_nothing_is_unmarked(tmp_path: Any) -> None:
+@NEEDS_NUMBA
+def test_the_study_runs_and_nothing_is_unmarked(tmp_path: Path) -> None:
     results = study.main(fast=True, out=tmp_path)
-    assert (tmp_path / "work_precision.png").stat().st_size > 20_000
-    assert set(results["tasks"]) == {s.name for s in cases.SCENES} | {study.MAP, study.FIXED}
+    assert is_picture(tmp_path / "work_precision.png")
+    assert set(results["tasks"]) == {s.name for s in cases.SCENES} | {MAP, FIXED}
     for task, rows in results["tasks"].items():
-        assert rows[0]["method"] == study.KERNEL
+        assert rows[0]["method"] == KERNEL
         assert rows[0]["error"] < ROUNDING, task
         assert not rows[0]["scaled"]
         for line in rows:
             assert line["lost"] is None or line["error"] is None
-            assert task == study.MAP or not line["scaled"]
+            assert task == MAP or not line["scaled"]
     fitted = [line["fitted"] for line in results["orders"] if line["reason"] is None]
     assert np.isfinite(fitted).all()
 
 
 def test_a_method_that_gets_lost_is_recorded() -> None:
     peer = partial(first_return_ode, Toy(eps_n1=0.1), -0.7)  # its impacts accumulate
-    entry = study.Entry("RK45", "", "rtol", 1e-6, peer, lambda lap: study.Answer(0.0, True, 1))
-    (line,) = study.measured([entry], 1)
+    entry = Entry("RK45", "", "rtol", 1e-6, peer, lambda once: Answer(0.0, True, 1))
+    (line,) = measured([entry], 1)
     assert "closer than" in line["lost"]
     assert line["error"] is None

@@ -1,50 +1,32 @@
 """The paper's Figures 9 to 12: the diagrams of P_1 and P_2, the maps near A and the local model."""
 
-import importlib
 from dataclasses import replace
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pytest
-from short_runs import ShortRun, short_run
+from needs import NEEDS_NUMBA
+from short_runs import ShortRun, is_picture, short_run
 
-mpl.use("Agg")
 from pwmap import Branch, BranchKind, Diagram, SpecialPoint
-from woodpecker import (
-    Found,
-    Start,
-    Toy,
-    ToyPieces,
-    local_model,
-    shoot,
-)
-from woodpecker.base.compiled import COMPILED
+from studies import order_three
+from studies.common import whole
+from studies.figures import fig09_order_one as fig09
+from studies.figures import fig10_order_two as fig10
+from studies.figures import fig11_maps_near_a as fig11
+from studies.figures import fig12_local_model as fig12
+from woodpecker import Found, Start, Toy, ToyPieces, local_model, shoot
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import slices_at
 
-fig09, fig10, fig11, fig12, order_three, whole = (
-    importlib.import_module(f"studies.{name}")
-    for name in (
-        "figures.fig09_order_one", "figures.fig10_order_two", "figures.fig11_maps_near_a",
-        "figures.fig12_local_model", "order_three", "common.whole",
-    )
-)  # fmt: skip
-pytestmark = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+pytestmark = NEEDS_NUMBA
 
 A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S; sign change and 30 digits
 C = (0.1851269509, -0.7577872573)
 SLOPE = -1.304911075  # of P_1 right of A
 CYCLE_ENDS = ((0.17505760, -0.66792646), (0.18345841, -0.75778726))  # of period 2, between A and C
 PHI_S = -0.52947197  # rad: the cycle at eps_N1 = 0.5
-
-
 WINDOW = (-2.5, -0.24)  # rad
-
-
-def is_picture(path: Path) -> bool:
-    """Whether it is a PNG with something on it: an empty one of this size has 5 kB."""
-    return path.read_bytes()[:4] == b"\x89PNG" and path.stat().st_size > 20_000
 
 
 def flat(branch_id: str, order: int, x: list[float], eps_n1: float = 0.5) -> Branch:
@@ -75,6 +57,35 @@ def test_a_table_has_a_column_at_every_parameter(spacing: float, points: int) ->
     assert cost.parameters == 2
     assert abs(cost.evaluations - 2 * points) <= 2  # floor of a quotient of doubles
     assert cost.ratio == cost.evaluations / 100
+
+
+@pytest.mark.slow
+def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
+    results = fig09.main(fast=True, out=tmp_path)
+    above = [found for found in results["collisions"] if found[3] > -1.2]  # rad: steep ones below
+    kinds = sorted(kind for kind, *_ in above)
+    assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
+    at = sorted(p for _, _, p, _ in above)
+    assert at == pytest.approx([0.29152171, 0.34192345, 0.38834959], abs=5e-9)
+    other = results["separate"]
+    assert other["law"] == "separate"
+    at = [
+        p
+        for kind, note, p, x in other["collisions"]
+        if (kind, note, x > -1.2) == ("BC", "fold", True)
+    ]
+    assert at == pytest.approx([0.32103615], abs=5e-9)
+    assert results["unexplained"] == []
+    assert results["orbits"] + results["lost"] == 10 * 12
+    for name in ("fig09.png", "fig09_laws.png"):
+        assert is_picture(tmp_path / name)
+    assert results["not_followed"] == []
+    assert results["slices"] >= 8  # and more where these show something new
+    fine, coarse = results["tables"]
+    assert fine["parameters"] == coarse["parameters"] <= results["samples"]
+    assert (fine["spacing"], coarse["spacing"]) == (1e-6, 2e-3)
+    assert fine["evaluations"] == fine["parameters"] * 2_260_001  # 2.26 rad and both ends
+    assert fine["ratio"] == pytest.approx(fine["evaluations"] / results["evaluations"])
 
 
 # --- Figure 10 ------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 from scenes import plain
 
 from studies.peers import moreau
@@ -46,19 +47,19 @@ PER_STEP = 60.0
 
 @pytest.mark.parametrize(("scheme", "solver"), EVERY_WAY)
 def test_one_return_of_the_nominal_cycle(scheme: str, solver: str) -> None:
-    lap, kernel = (
+    once, kernel = (
         first_return_moreau(TOY, PHI_S, FINE, scheme, solver),
         first_return(TOY, PHI_S),
     )
-    assert lap.word == plain(kernel.word)
-    assert lap.phi_s == pytest.approx(float(IMAGE), abs=PER_STEP * FINE)
-    assert lap.period == pytest.approx(float(PERIOD), abs=PER_STEP * FINE)
-    assert lap.drop == pytest.approx(kernel.drop, abs=PER_STEP * FINE)
-    assert lap.evaluations == np.ceil(lap.period / FINE)
+    assert once.word == plain(kernel.word)
+    assert once.phi_s == pytest.approx(float(IMAGE), abs=PER_STEP * FINE)
+    assert once.period == pytest.approx(float(PERIOD), abs=PER_STEP * FINE)
+    assert once.drop == pytest.approx(kernel.drop, abs=PER_STEP * FINE)
+    assert once.evaluations == np.ceil(once.period / FINE)
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 @pytest.mark.parametrize(("scheme", "solver"), EVERY_WAY)
 def test_the_order_is_one(scheme: str, solver: str) -> None:
     """The rms over nine steps scatters by 1/sqrt(18) = 24 %, 0.1 in the order over 1.5 decades."""
@@ -150,11 +151,11 @@ def test_the_minimum_is_found_within_the_step(scheme: str, step: float) -> None:
     toy, phi_s = TOY, -0.23
     omega = np.sqrt(toy.c_phi / (toy.j_s + toy.m_s * toy.l_g**2))
     amplitude = equilibrium(toy).phi_s - phi_s
-    lap = first_return_moreau(toy, phi_s, step, scheme)
-    assert lap.word == ""
-    assert lap.phi_s == pytest.approx(phi_s, abs=amplitude * (omega * step) ** 4)
-    assert lap.period == pytest.approx(2.0 * np.pi / omega, rel=(omega * step) ** 2)
-    assert lap.drop == pytest.approx(0.0, abs=1e-15)
+    once = first_return_moreau(toy, phi_s, step, scheme)
+    assert once.word == ""
+    assert once.phi_s == pytest.approx(phi_s, abs=amplitude * (omega * step) ** 4)
+    assert once.period == pytest.approx(2.0 * np.pi / omega, rel=(omega * step) ** 2)
+    assert once.drop == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize("contacts", [(0,), (1,), (2,), (0, 1), (0, 2)])
@@ -198,36 +199,36 @@ def _solve(way: str, numbers: Floats, z: Floats, states: Floats, part: Floats) -
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_the_beak_strikes_while_the_upper_contact_is_closed() -> None:
     """P1(-0.8) at eps_N1 = 0.125 is -0.52034 by an independent program."""
-    lap = first_return_moreau(TOY.replace(eps_n1=0.125), -0.8, 2e-6)
-    assert lap.phi_s == pytest.approx(-0.52034, abs=PER_STEP * 2e-6)
-    assert lap.word == "S2 D2 I3 D3 I3 I1+3 D3 I2 D2 I2 J2"
+    once = first_return_moreau(TOY.replace(eps_n1=0.125), -0.8, 2e-6)
+    assert once.phi_s == pytest.approx(-0.52034, abs=PER_STEP * 2e-6)
+    assert once.word == "S2 D2 I3 D3 I3 I1+3 D3 I2 D2 I2 J2"
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 @pytest.mark.parametrize("eps_n1", [0.9, 0.5])
 def test_images_agree_with_the_kernel_over_the_window(eps_n1: float) -> None:
     """All these starts have one contact at most in an impact of the beak, or one that slides."""
     toy, step = TOY.replace(eps_n1=eps_n1), 1e-5
     for phi_s in (-2.0, -1.1, -0.95, -0.85, -0.7, -0.6, -0.3):
-        lap, kernel = first_return_moreau(toy, phi_s, step), first_return(toy, phi_s)
+        once, kernel = first_return_moreau(toy, phi_s, step), first_return(toy, phi_s)
         allowed = 2.0 * PER_STEP * step * max(1.0, abs(kernel.slope))
-        assert lap.phi_s == pytest.approx(kernel.phi_s, abs=allowed)
+        assert once.phi_s == pytest.approx(kernel.phi_s, abs=allowed)
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+@NEEDS_NUMBA
 def test_newton_and_poisson_differ_where_the_beak_begins_to_stick() -> None:
     """No step makes up for another impact law: 6.9e-3 rad remain, a hundred times the error."""
     eps_n1, phi_s = LAWS
     image = first_return(TOY.replace(eps_n1=eps_n1), phi_s).phi_s
     assert "I1-s" in first_return(TOY.replace(eps_n1=eps_n1), phi_s).word
     for step in (1e-5, 1e-6):
-        lap = first_return_moreau(TOY.replace(eps_n1=eps_n1), phi_s, step)
-        assert lap.phi_s - image == pytest.approx(6.87e-3, abs=2.0 * PER_STEP * step)
+        once = first_return_moreau(TOY.replace(eps_n1=eps_n1), phi_s, step)
+        assert once.phi_s - image == pytest.approx(6.87e-3, abs=2.0 * PER_STEP * step)
 
 
 def test_friction_bounded_by_a_sum_is_refused() -> None:

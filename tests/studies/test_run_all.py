@@ -5,18 +5,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from needs import NEEDS_NUMBA
 
 from studies import readme, run_all
 from studies.common import record
-from woodpecker.base.compiled import COMPILED
+from studies.common.record import ROOT
 
-ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GIVEN = ("3.11", "0.5")  # the version of Python, the eps_N1 of the paper's data set
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="takes long without numba")
+@NEEDS_NUMBA
 @pytest.mark.parametrize("name", run_all.STUDIES)
 def test_study_runs_in_its_small_version(name: str, tmp_path: Path) -> None:
     results = run_all.run_all(True, tmp_path, [name])[name]
