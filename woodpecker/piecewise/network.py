@@ -33,7 +33,7 @@ class Node:
     flips: bool
     branches: list[str] = field(default_factory=list)
 
-    def take(self, end: End, order: int) -> None:
+    def take(self, end: End, x: float, order: int) -> None:
         """Take in another end that lies there: it names the point if it says more.
 
         A collision says more than what it goes with; a cycle more than the same cycle passed twice,
@@ -43,7 +43,7 @@ class Node:
         collides = end.kind in COLLISIONS and self.end.kind not in COLLISIONS
         folds = order == self.order and (end.kind, self.end.kind) == (PointKind.LP, PointKind.PD)
         if order < self.order or collides or folds:
-            self.end, self.order = end, min(order, self.order)
+            self.end, self.x, self.order = end, x, min(order, self.order)
 
     def as_point(self, name: str) -> SpecialPoint:
         """The same as a diagram keeps it."""
@@ -184,7 +184,7 @@ class Network:
             for x in end.x[:columns].tolist():
                 node = self._found(end, x, curve.order)
                 if node is not None:
-                    node.take(end.at(x), curve.order)
+                    node.take(end.at(x), x, curve.order)
 
     def _joins_the_same(self, known: Curve, curve: Curve) -> bool:
         """Whether two branches that are points lead from the same special point to the same."""
@@ -287,7 +287,7 @@ class Network:
             self.nodes.append(node)
             self._places.add(end.p, node)
         else:
-            node.take(end, order)
+            node.take(end, x, order)
         return node
 
     def _found(self, end: End, x: float, order: int) -> Node | None:

@@ -108,6 +108,30 @@ def test_a_steep_branch_is_followed(peak: float, width: float) -> None:
     assert_curve(diagram.branches[0], lambda p: p)
 
 
+@pytest.mark.parametrize("arm", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("bend", "names"), [(1e6, ["LP", "PD"]), (1e8, ["LP", "PD"]), (1e10, ["LP"]), (1e11, ["LP"])]
+)
+def test_a_flip_beside_a_fold_is_a_point_unless_it_cannot_be_told(
+    bend: float, names: list[str], arm: float
+) -> None:
+    """p - k x^2: the fold at x = -1/2k, the flip 1/k beside it and 1/k above, resolved to 1e-9.
+
+    What they are called does not depend on the arm from which they are met.
+    """
+    map_ = one_piece(
+        Smooth(lambda x, p: p - bend * x * x, lambda x, _: -2.0 * bend * x, lambda _x, _p: 1.0)
+    )
+    x = 0.5 * (-1.0 + 3.0 * arm) / bend
+    diagram = connected(map_, [x], 2.0 / bend, Settings(span=(-1.0, 1.0), window=(-1.0, 1.0)))
+    met = sorted((q for q in diagram.points if q.kind.value != "EP"), key=lambda q: q.kind.value)
+    assert [q.kind.value for q in met] == names
+    places = {"LP": (-0.25 / bend, -0.5 / bend), "PD": (0.75 / bend, 0.5 / bend)}
+    for q in met:
+        assert (q.parameter, q.x) == pytest.approx(places[q.kind.value], abs=LOCATED)
+        assert len(q.branches) == 2
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("bend", [1e12, 1e13, 1e14, 3e14])
 def test_a_fold_sharper_than_the_shortest_step_is_passed(bend: float, side: float) -> None:
