@@ -161,4 +161,9 @@ def _root(before: float, after: float, rise: float, rise_there: float) -> float:
     cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
     if not math.isfinite(cubic):
         return before / (before - after)
-    return float(brentq(lambda s: before + s * (rise + s * (square + s * cubic)), 0.0, 1.0))
+
+    def value(s: float) -> float:
+        """The cubic, at 1 without rounding: where it is steep that might change its sign."""
+        return after if s == 1.0 else before + s * (rise + s * (square + s * cubic))
+
+    return float(brentq(value, 0.0, 1.0))

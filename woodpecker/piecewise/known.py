@@ -109,8 +109,13 @@ class Known:
             return found
 
         target = (orbit.p - ends[0].p) / self.settings.p_scale
-        if target * (target - chord[-1]) < 0.0:  # between the samples
-            s = float(brentq(lambda s: away(s)[-1] - target, 0.0, 1.0))
+
+        def past(s: float) -> float:
+            """How far beyond the orbit's parameter; at the end without rounding."""
+            return float((chord if s == 1.0 else away(s))[-1]) - target
+
+        if past(0.0) * past(1.0) < 0.0:  # between the samples
+            s = float(brentq(past, 0.0, 1.0))
             yield ends[0].x + away(s)[:-1] * scale[:-1]
 
     def _leads(self, x: Floats, orbit: Orbit, closing: Condition) -> bool:
