@@ -31,7 +31,7 @@ from woodpecker.piecewise.search import Past
 from woodpecker.piecewise.settings import Settings
 
 CURVES, DONE, SWITCHED, SLICE = "curves", "done", "switched", "slice"  # kinds of entries
-VERSION = 4  # of the lines below; raised when older code would misread them
+VERSION = 5  # of the lines below; raised when older code would misread them
 Rebuild = Callable[[Entry], Collision | None]
 
 
@@ -131,6 +131,7 @@ def _slice(data: Entry) -> Seen:
     return Seen(
         p=checked_number(data["p"]), new=tuple(data["new"]), left=left,
         unresolved=checked_number(data["unresolved"]), evaluations=data["evaluations"],
+        then=tuple(map(checked_number, data["then"])),
     )  # fmt: skip
 
 

@@ -63,6 +63,8 @@ class Seen(NamedTuple):
         (order, x) of what it shows and no branch goes through, though one was followed from there.
     evaluations
         How often the map was evaluated for it.
+    then
+        Where more slices were called for after it.
     """
 
     p: float
@@ -70,6 +72,7 @@ class Seen(NamedTuple):
     unresolved: float
     left: tuple[tuple[int, float], ...]
     evaluations: int
+    then: tuple[float, ...] = ()
 
 
 class Recorder(Protocol):
@@ -247,10 +250,13 @@ class Explorer:
                 left.append((place.order, float(place.orbit.x[0])))
         unresolved = max(each.unresolved for each in done.value)
         p = done.value[0].p
-        seen = Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
+        return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
+
+    def has_seen(self, found: Seen) -> Seen:
+        """Keep what a slice came to."""
         if self.recorder is not None:
-            self.recorder.seen(seen)
-        return seen
+            self.recorder.seen(found)
+        return found
 
     # --- In turn ----------------------------------------------------------------------------------
 

@@ -2,16 +2,20 @@
 
 A slice lists all cycles and jumps at one parameter; what lies on no branch known so far is followed
 too. First slices fill the span evenly; where one of them shows something new two more are taken,
-halfway to its neighbours, until nothing is new or the gaps are as small as was asked: how thin an
-island can be and stay unseen is known. At last branches are switched to at flips and branch points:
-what slices were too coarse to show.
+halfway to its neighbours, and one in each gap with many special points, for islands begin and end
+in such: until nothing is new or the gaps are as small as was asked. How thin an island can be and
+stay unseen is known. At last branches are switched to at flips and branch points: what slices were
+too coarse to show.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left, insort
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
+
+import numpy as np
 
 from woodpecker.piecewise.explorer import Explorer, Seen
 from woodpecker.piecewise.settings import Settings
@@ -27,21 +31,26 @@ class Search:
         How many slices are taken first.
     finest
         Smallest gap between slices, as a part of the span.
+    crowded
+        A gap that holds more special points than this is looked into.
 
     Raises
     ------
     ValueError
-        If there is no slice, or the gap is no part of the span.
+        If there is no slice, the gap is no part of the span, or no special point may lie in one.
     """
 
     slices: int = 63
     finest: float = 5e-4
+    crowded: int = 64
 
     def __post_init__(self) -> None:
         if self.slices < 1:
             raise ValueError(f"slices must be at least 1, got {self.slices}")
         if not 0.0 < self.finest < 1.0:
             raise ValueError(f"finest must lie in (0, 1), got {self.finest}")
+        if self.crowded < 1:
+            raise ValueError(f"crowded must be at least 1, got {self.crowded}")
 
 
 class Past(NamedTuple):
@@ -80,45 +89,71 @@ def complete(
     All slices.
     """
     past = past or Past()
-    plan, seen, since = _Plan(search), list(past.slices), past.since
+    plan, seen, since = _Plan(search, settings.span), list(past.slices), past.since
     for each in seen:
-        plan.took(bool(each.new))
+        plan.took()
+        plan.add(each.then)
     known = len(explorer.network.curves)
     explorer.go_on()
     since += tuple(curve.order for curve in explorer.network.curves[known:])
-    low, high = settings.span
     while plan.done < len(plan.places):
         ready = plan.done + len(explorer.coming)
-        for place in plan.places[ready : plan.done + explorer.scheduler.spare]:
-            explorer.look(low + (high - low) * place)
+        for p in plan.places[ready : plan.done + explorer.scheduler.spare]:
+            explorer.look(p)
         explorer.slices = plan.done + 1
-        seen.append(explorer.see(since))
-        plan.took(bool(seen[-1].new))
+        found = explorer.see(since)
+        place = plan.took()
+        then = plan.beside(place) if found.new else []
+        plan.add(then)
+        if plan.done == len(plan.places):
+            crowded = plan.crowded([node.end.p for node in explorer.network.nodes])
+            plan.add(crowded)
+            then += crowded
+        seen.append(explorer.has_seen(found._replace(then=tuple(then))))
         since = ()
     explorer.finish()
     return seen
 
 
 class _Plan:
-    """Where slices are taken, as parts of the span; it grows where they show something new."""
+    """Where slices are taken; it grows where they show something new, and where much begins."""
 
-    def __init__(self, search: Search) -> None:
+    def __init__(self, search: Search, span: tuple[float, float]) -> None:
+        low, high = span
         self.search, self.done = search, 0
-        self.places = first_places(search)
-        self._sorted = sorted([0.0, *self.places, 1.0])
+        self.places = [low + (high - low) * part for part in first_places(search)]
+        self._sorted = sorted([low, *self.places, high])
+        self._least = 2.0 * search.finest * (high - low)
 
-    def took(self, new: bool) -> None:
-        """The next slice was taken; whether it showed something new."""
-        place = self.places[self.done]
+    def took(self) -> float:
+        """The next slice was taken; where."""
         self.done += 1
-        if not new or self.done <= self.search.slices // 4:
-            return
+        return self.places[self.done - 1]
+
+    def add(self, places: Sequence[float]) -> None:
+        """Slices to be taken after those that are planned."""
+        for place in places:
+            insort(self._sorted, place)
+            self.places.append(place)
+
+    def beside(self, place: float) -> list[float]:
+        """Halfway from a slice that shows something new to its neighbours, but for the first ones.
+
+        Of these nearly all do.
+        """
+        if self.done <= self.search.slices // 4:
+            return []
         i = bisect_left(self._sorted, place)
-        for other in (self._sorted[i - 1], self._sorted[i + 1]):
-            if abs(other - place) >= 2.0 * self.search.finest:
-                middle = 0.5 * (place + other)
-                insort(self._sorted, middle)
-                self.places.append(middle)
+        gaps = ((other, place) for other in (self._sorted[i - 1], self._sorted[i + 1]))
+        return [0.5 * (a + b) for a, b in gaps if abs(a - b) >= self._least]
+
+    def crowded(self, points: Sequence[float]) -> list[float]:
+        """The middles of gaps with many special points, of which the parameters are given."""
+        ends = np.array(self._sorted)
+        counts = np.diff(np.searchsorted(np.sort(points), ends))
+        wide = (counts > self.search.crowded) & (np.diff(ends) >= self._least)
+        middles: list[float] = (0.5 * (ends[1:] + ends[:-1]))[wide].tolist()
+        return middles
 
 
 def first_places(search: Search) -> list[float]:

@@ -201,6 +201,8 @@ def collided(curve: Any) -> Any:
         ("slice", lambda e: e["slice"].update(left=[1.0])),
         ("slice", lambda e: e["slice"].update(left=[["a", 1.0]])),
         ("slice", lambda e: e["slice"].update(evaluations=1.5)),
+        ("slice", lambda e: e["slice"].update(then=["0.5"])),
+        ("slice", lambda e: e["slice"].pop("then")),
         ("slice", lambda e: e["slice"].pop("unresolved")),
         ("slice", lambda e: e.update(slice=0.5)),
         ("curves", lambda e: e.update(curves=1)),

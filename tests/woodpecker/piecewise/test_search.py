@@ -124,28 +124,48 @@ def test_slices_fill_the_span_evenly(slices: int) -> None:
 
 def test_slices_gather_where_something_new_shows() -> None:
     """Two more halfway to its neighbours, but not for the first, which always show something."""
-    plan = _Plan(Search(slices=7, finest=0.01))
+    plan = _Plan(Search(slices=7, finest=0.01), (0.0, 1.0))
     first = list(plan.places)
-    for k in range(9):
-        plan.took(new=k in (0, 4))
     around = sorted([0.0, *first, 1.0])
-    i = around.index(first[4])
-    halfway = [0.5 * (first[4] + around[i + side]) for side in (-1, 1)]
+    assert plan.beside(plan.took()) == []
+    for _ in range(4):
+        place = plan.took()
+    i = around.index(place)
+    halfway = [0.5 * (place + around[i + side]) for side in (-1, 1)]
+    assert plan.beside(place) == halfway
+    plan.add(halfway)
     assert plan.places[9:] == halfway
-    plan.took(new=True)
-    beside = 0.5 * (halfway[0] + around[i - 1]), 0.5 * (halfway[0] + first[4])
-    assert plan.places[11:] == list(beside)
+    beside = 0.5 * (halfway[0] + around[i - 1]), 0.5 * (halfway[0] + place)
+    assert plan.beside(halfway[0]) == list(beside)
 
 
-def test_gaps_between_slices_have_an_end() -> None:
-    search = Search(slices=3, finest=0.05)
-    plan = _Plan(search)
+@pytest.mark.parametrize("span", [(0.0, 1.0), (-3.0, 5.0)])
+def test_gaps_between_slices_have_an_end(span: tuple[float, float]) -> None:
+    """New is found in every slice, and a special point every 1e-4 of the span."""
+    search, length = Search(slices=3, finest=0.05, crowded=2), span[1] - span[0]
+    points = np.linspace(*span, 10001).tolist()
+    plan = _Plan(search, span)
     first = len(plan.places)
     while plan.done < len(plan.places):
-        plan.took(new=True)
-    gaps = np.diff(sorted(plan.places))
+        plan.add(plan.beside(plan.took()))
+        if plan.done == len(plan.places):
+            plan.add(plan.crowded(points))
+    gaps = np.diff(sorted(plan.places)) / length
     assert gaps[1:-1].min() >= search.finest  # the first and last were taken next to the ends
+    assert gaps.max() < 2.0 * search.finest
     assert first < len(plan.places) <= 1.0 / search.finest
+
+
+def test_slices_gather_where_special_points_do() -> None:
+    """Gaps with more of them than are wanted are halved, until none is."""
+    plan = _Plan(Search(slices=3, finest=1e-4, crowded=10), (0.0, 1.0))
+    points = [0.31 + 1e-3 * k for k in range(40)]
+    while more := plan.crowded(points):
+        plan.add(more)
+    ends = np.array(sorted([0.0, *plan.places, 1.0]))
+    counts = np.diff(np.searchsorted(points, ends))
+    assert counts.max() <= 10
+    assert np.diff(ends)[counts == 0].max() > 0.1  # nothing is added elsewhere
 
 
 def test_what_each_slice_came_to_is_told() -> None:
