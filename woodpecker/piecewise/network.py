@@ -14,6 +14,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.curves import Curve, agree, from_point, words_between
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.nearby import Nearby
+from woodpecker.piecewise.orbits import shifts
 from woodpecker.piecewise.records import precision, stretches
 from woodpecker.piecewise.settings import Settings
 
@@ -170,15 +171,24 @@ class Network:
         )
 
     def _goes_round(self, curve: Curve) -> bool:
-        """Whether all cycles of a branch have a smaller period than it says."""
+        """Whether the cycles of a branch go round others of smaller period, or cannot be told from.
+
+        At an end they need not: there rounding may part points that are one, and a step may have
+        led from another branch. Then all others are one to rounding: on a branch that doubles they
+        part as it goes on.
+        """
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
-        points, same = np.array(curve.points), self.settings.same
-        return any(
-            bool(np.abs(np.roll(points, d, axis=1) - points).max() <= same * self.settings.x_scale)
-            for d in range(1, curve.order)
-            if curve.order % d == 0
-        )
+        points = np.array(curve.points) / self.settings.x_scale
+        samples = np.column_stack([points, curve.parameter / self.settings.p_scale])
+        length = float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
+        for d in shifts(curve.order)[:-1]:
+            off = np.abs(np.roll(points, d, axis=1) - points).max(axis=1)
+            if off.max() <= self.settings.same:
+                return True
+            if len(off) > 2 and off[1:-1].max() <= self.settings.kink * length:
+                return True
+        return False
 
     def _draws(self, known: Curve, curve: Curve) -> bool:
         """Whether a branch has the ends of another, and its middle lies on that in the same pieces.
