@@ -11,8 +11,10 @@ from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.cycle_branches import PASSED_OVER
+from woodpecker.piecewise.diagrams import connected
 from woodpecker.piecewise.jump_branches import LIMIT_LOST
 from woodpecker.piecewise.settings import Settings
+from woodpecker.runs import WINDOW
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
@@ -145,3 +147,29 @@ def test_two_jumps_with_a_narrow_piece_between_them() -> None:
             and (np.diff(np.sign(np.diff(branch.parameter))) != 0.0).any()
         ]
         assert turning
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow  # the kernel is compiled
+def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
+    """P_1 flips 3e-8 below its fold, the doubled cycle 1.2e-8 below that; its points are as close.
+
+    Between its two flips the branch of P_2 is shorter than a step, and beyond the upper one there
+    is none: the step led to the cycle of P_1, passed twice, and on to its fold.
+    """
+    map_, p = ToyPieces(Toy()), 0.4125
+    settings = Settings(span=(0.412, 0.4135), window=WINDOW)
+    single = connected(map_, -1.30073, p, settings, orders=(1,))
+    (flip,) = [point for point in single.points if point.kind is PointKind.PD]
+    (fold,) = [point for point in single.points if point.kind is PointKind.LP]
+    assert fold.parameter - flip.parameter == pytest.approx(2.75e-8, rel=1e-3)
+    doubled = connected(map_, [-1.30075, -1.30071], p, settings, orders=(2,))
+    assert len(doubled.branches) == 4  # two of P_2, each seen from both points of the cycle
+    for one, other in (doubled.branches[:2], doubled.branches[2:]):
+        apart = np.abs(one.x - other.x)
+        assert apart[:-1].min() > 1e-8  # where it doubles, at the end of the second, they are one
+    flips = sorted(point.parameter for point in doubled.points if point.kind is PointKind.PD)
+    # the multiplier at both is -1 to rounding, a few 1e-8 where it falls by 1 within 1e-8
+    assert flips[0] == pytest.approx(0.413280988766, abs=1e-12)
+    assert flips[-1] == pytest.approx(flip.parameter, abs=1e-12)
+    assert not any(point.kind is PointKind.LP for point in doubled.points)

@@ -182,11 +182,12 @@ class Network:
         points = np.array(curve.points) / self.settings.x_scale
         samples = np.column_stack([points, curve.parameter / self.settings.p_scale])
         length = float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
+        same = self.settings.same
         for d in shifts(curve.order)[:-1]:
             off = np.abs(np.roll(points, d, axis=1) - points).max(axis=1)
-            if off.max() <= self.settings.same:
-                return True
-            if len(off) > 2 and off[1:-1].max() <= self.settings.kink * length:
+            inner = off[1:-1].max(initial=0.0)
+            one = len(off) > 2 and inner <= min(same, self.settings.kink * length)
+            if one or off.max() <= same:
                 return True
         return False
 
