@@ -9,6 +9,7 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.compiled import COMPILED
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.accumulations import ENDLESS
 from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.cycle_branches import PASSED_OVER
 from woodpecker.piecewise.diagrams import connected
@@ -79,7 +80,7 @@ def test_jumps_go_round_corners() -> None:
         assert other.parameter == pytest.approx(0.2822399954081972, abs=1e-12)
         assert any(abs(p - 0.2832280737670356) < 1e-12 for p in jump.parameter)
         for end in found.points:  # what is open lies where special points accumulate
-            assert end.status is PointStatus.LOCATED or end.note == PASSED_OVER
+            assert end.status is PointStatus.LOCATED or end.note in (PASSED_OVER, ENDLESS)
             if end.kind is PointKind.FALL:
                 assert end.cause == LIMIT_LOST
                 assert 0.0 < end.precision < 1e-6
@@ -173,3 +174,25 @@ def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
     assert flips[0] == pytest.approx(0.413280988766, abs=1e-12)
     assert flips[-1] == pytest.approx(flip.parameter, abs=1e-12)
     assert not any(point.kind is PointKind.LP for point in doubled.points)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_infinitely_many_fold_flips() -> None:
+    """mu_2: each return of a chain goes round a motion without a return once more than the last.
+
+    With a span and a window that resolve seven points on either side their distances shrink by
+    0.15445, 0.15785, 0.15841, 0.15852, 0.15851 on the left and by 0.17331, 0.19478, 0.20018,
+    0.20155, 0.20188 on the right; the rest of that series leads to the limit asserted here, with
+    1e-14 in mu_2 and 1e-12 rad left of it. Four points tell the limit to 1 % of the rest.
+    """
+    found = continuation(Toy(), shoot(Toy(), START), "mu_2", span=(0.2, 0.5))
+    assert len(found.branches) == 29
+    (limit,) = [point for point in found.points if point.status is PointStatus.OPEN]
+    assert limit.kind is PointKind.EP
+    assert "infinitely many fold-flip points accumulate" in limit.cause
+    assert limit.parameter == pytest.approx(0.282434518307155, abs=6e-12)
+    assert limit.x == pytest.approx(-0.4446071627814, abs=2e-9)
+    assert limit.precision == pytest.approx(6.0e-10, rel=0.01)
+    (last,) = (found.branch(name) for name in limit.branches)
+    assert np.abs(last.parameter[[0, -1]] - limit.parameter).min() <= limit.precision

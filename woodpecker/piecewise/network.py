@@ -11,6 +11,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.accumulations import limit_of
 from woodpecker.piecewise.curves import Curve, agree, from_point, words_between
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.nearby import Nearby
@@ -64,6 +65,7 @@ class Network:
         widest = 2.0 * max(settings.same, numerics.drawn, numerics.at_flip**2) * settings.p_scale
         self._by_low_end = Nearby[Curve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
+        self._reached = Nearby[tuple[End, End]](widest)
         self._places = Nearby[Node](widest)
         self._collisions = Nearby[Collision](widest)
         self._switches = Nearby[End](widest)
@@ -116,9 +118,15 @@ class Network:
         )
 
     def add(self, curve: Curve) -> None:
-        """Keep a branch, as many as its cycle has points."""
+        """Keep a branch, as many as its cycle has points.
+
+        If it is one of a chain without end, which has been seen at P_1 only, it ends in the limit.
+        """
+        limit = limit_of(self._chain(curve), self.settings) if curve.order == 1 else None
+        curve = curve if limit is None else replace(curve, ends=(curve.ends[0], limit))
         self.curves.append(curve)
         self._by_low_end.add(_low_end(curve), curve)
+        self._reached.add(curve.ends[1].p, curve.ends)
         for end in curve.ends:
             self._ends.add(end.p, (end, curve.order))
         for end in curve.ends:
@@ -138,9 +146,10 @@ class Network:
         columns = 1 if curve.kind is BranchKind.JUMP else curve.order
         for column in range(columns):
             x = np.array([points[column] for points in curve.points])
+            places = [float(x[0]), float(x[-1] if limit is None else limit.x[0])]
             ends = tuple(
-                self._node(end.at(float(x[k])), float(x[k]), curve.order)
-                for end, k in zip(located, (0, -1), strict=True)
+                self._node(end.at(place), place, curve.order)
+                for end, place in zip(located, places, strict=True)
             )
             name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
@@ -158,6 +167,27 @@ class Network:
             )
             for node in ends:
                 node.branches.append(name)
+
+    def _chain(self, curve: Curve) -> list[End]:
+        """Special points from the end of a branch back, along those that each began at the next."""
+        chain = list(reversed(curve.ends))
+        while len(chain) < self.settings.numerics.linked and all(
+            end.kind is PointKind.FF for end in chain
+        ):
+            near = self._reached.near(chain[-1].p)
+            before = [ends for ends in near if self._is_one(ends[1], chain[-1])]
+            if len(before) != 1:
+                break
+            chain.append(before[0][0])
+        return chain
+
+    def _is_one(self, end: End, other: End) -> bool:
+        """Whether two ends are one special point."""
+        same = self.settings.same
+        return (
+            abs(end.p - other.p) <= same * self.settings.p_scale
+            and abs(float(end.x[0] - other.x[0])) <= same * self.settings.x_scale
+        )
 
     def _joins_the_same(self, known: Curve, curve: Curve) -> bool:
         """Whether two branches that are points lead from the same special point to the same."""
