@@ -9,10 +9,13 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
+from woodpecker.piecewise.accumulations import ENDLESS
 from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.cycle_branches import PASSED_OVER
+from woodpecker.piecewise.diagrams import connected
 from woodpecker.piecewise.jump_branches import LIMIT_LOST
 from woodpecker.piecewise.settings import Settings
+from woodpecker.runs import WINDOW
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
@@ -76,7 +79,7 @@ def test_jumps_go_round_corners() -> None:
         assert other.parameter == pytest.approx(0.2822399954081972, abs=1e-12)
         assert any(abs(p - 0.2832280737670356) < 1e-12 for p in jump.parameter)
         for end in found.points:  # what is open lies where special points accumulate
-            assert end.status is PointStatus.LOCATED or end.note == PASSED_OVER
+            assert end.status is PointStatus.LOCATED or end.note in (PASSED_OVER, ENDLESS)
             if end.kind is PointKind.FALL:
                 assert end.cause == LIMIT_LOST
                 assert 0.0 < end.precision < 1e-6
@@ -144,3 +147,51 @@ def test_two_jumps_with_a_narrow_piece_between_them() -> None:
             and (np.diff(np.sign(np.diff(branch.parameter))) != 0.0).any()
         ]
         assert turning
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow  # the kernel is compiled
+def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
+    """P_1 flips 3e-8 below its fold, the doubled cycle 1.2e-8 below that; its points are as close.
+
+    Between its two flips the branch of P_2 is shorter than a step, and beyond the upper one there
+    is none: the step led to the cycle of P_1, passed twice, and on to its fold.
+    """
+    map_, p = ToyPieces(Toy()), 0.4125
+    settings = Settings(span=(0.412, 0.4135), window=WINDOW)
+    single = connected(map_, -1.30073, p, settings, orders=(1,))
+    (flip,) = [point for point in single.points if point.kind is PointKind.PD]
+    (fold,) = [point for point in single.points if point.kind is PointKind.LP]
+    assert fold.parameter - flip.parameter == pytest.approx(2.75e-8, rel=1e-3)
+    doubled = connected(map_, [-1.30075, -1.30071], p, settings, orders=(2,))
+    assert len(doubled.branches) == 4  # two of P_2, each seen from both points of the cycle
+    for one, other in (doubled.branches[:2], doubled.branches[2:]):
+        apart = np.abs(one.x - other.x)
+        assert apart[:-1].min() > 1e-8  # where it doubles, at the end of the second, they are one
+    flips = sorted(point.parameter for point in doubled.points if point.kind is PointKind.PD)
+    # the multiplier at both is -1 to rounding, a few 1e-8 where it falls by 1 within 1e-8
+    assert flips[0] == pytest.approx(0.413280988766, abs=1e-12)
+    assert flips[-1] == pytest.approx(flip.parameter, abs=1e-12)
+    assert not any(point.kind is PointKind.LP for point in doubled.points)
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_infinitely_many_fold_flips() -> None:
+    """mu_2: each return of a chain goes round a motion without a return once more than the last.
+
+    With a span and a window that resolve seven points on either side their distances shrink by
+    0.15445, 0.15785, 0.15841, 0.15852, 0.15851 on the left and by 0.17331, 0.19478, 0.20018,
+    0.20155, 0.20188 on the right; the rest of that series leads to the limit asserted here, with
+    1e-14 in mu_2 and 1e-12 rad left of it. Four points tell the limit to 1 % of the rest.
+    """
+    found = continuation(Toy(), shoot(Toy(), START), "mu_2", span=(0.2, 0.5))
+    assert len(found.branches) == 29
+    (limit,) = [point for point in found.points if point.status is PointStatus.OPEN]
+    assert limit.kind is PointKind.EP
+    assert "infinitely many fold-flip points accumulate" in limit.cause
+    assert limit.parameter == pytest.approx(0.282434518307155, abs=6e-12)
+    assert limit.x == pytest.approx(-0.4446071627814, abs=2e-9)
+    assert limit.precision == pytest.approx(6.0e-10, rel=0.01)
+    (last,) = (found.branch(name) for name in limit.branches)
+    assert np.abs(last.parameter[[0, -1]] - limit.parameter).min() <= limit.precision

@@ -11,9 +11,11 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.accumulations import limit_of
 from woodpecker.piecewise.curves import Curve, agree, from_point, words_between
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.nearby import Nearby
+from woodpecker.piecewise.orbits import shifts
 from woodpecker.piecewise.records import precision, stretches
 from woodpecker.piecewise.settings import Settings
 
@@ -76,6 +78,7 @@ class Network:
         widest = 2.0 * max(settings.same, numerics.drawn, numerics.at_flip**2) * settings.p_scale
         self._by_low_end = Nearby[Curve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
+        self._reached = Nearby[tuple[End, End]](widest)
         self._places = Nearby[Node](widest)
         self._collisions = Nearby[Collision](widest)
         self._switches = Nearby[End](widest)
@@ -128,12 +131,18 @@ class Network:
         )
 
     def add(self, curve: Curve) -> None:
-        """Keep a branch, as many as its cycle has points; one that is a point is not kept."""
+        """Keep a branch, as many as its cycle has points; one that is a point is not kept.
+
+        If it is one of a chain without end, which has been seen at P_1 only, it ends in the limit.
+        """
         if self.is_a_point(curve):
             self._pass_over(curve)
             return
+        limit = limit_of(self._chain(curve), self.settings) if curve.order == 1 else None
+        curve = curve if limit is None else replace(curve, ends=(curve.ends[0], limit))
         self.curves.append(curve)
         self._by_low_end.add(_low_end(curve), curve)
+        self._reached.add(curve.ends[1].p, curve.ends)
         for end in curve.ends:
             self._ends.add(end.p, (end, curve.order))
         for end in curve.ends:
@@ -153,9 +162,10 @@ class Network:
         columns = 1 if curve.kind is BranchKind.JUMP else curve.order
         for column in range(columns):
             x = np.array([points[column] for points in curve.points])
+            places = [float(x[0]), float(x[-1] if limit is None else limit.x[0])]
             ends = tuple(
-                self._node(end.at(float(x[k])), float(x[k]), curve.order)
-                for end, k in zip(located, (0, -1), strict=True)
+                self._node(end.at(place), place, curve.order)
+                for end, place in zip(located, places, strict=True)
             )
             name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
@@ -186,6 +196,27 @@ class Network:
                 if node is not None:
                     node.take(end.at(x), x, curve.order)
 
+    def _chain(self, curve: Curve) -> list[End]:
+        """Special points from the end of a branch back, along those that each began at the next."""
+        chain = list(reversed(curve.ends))
+        while len(chain) < self.settings.numerics.linked and all(
+            end.kind is PointKind.FF for end in chain
+        ):
+            near = self._reached.near(chain[-1].p)
+            before = [ends for ends in near if self._is_one(ends[1], chain[-1])]
+            if len(before) != 1:
+                break
+            chain.append(before[0][0])
+        return chain
+
+    def _is_one(self, end: End, other: End) -> bool:
+        """Whether two ends are one special point."""
+        same = self.settings.same
+        return (
+            abs(end.p - other.p) <= same * self.settings.p_scale
+            and abs(float(end.x[0] - other.x[0])) <= same * self.settings.x_scale
+        )
+
     def _joins_the_same(self, known: Curve, curve: Curve) -> bool:
         """Whether two branches that are points lead from the same special point to the same."""
         near = self.settings.nearest * self.settings.x_scale, self.settings.nearest
@@ -198,15 +229,25 @@ class Network:
         )
 
     def _goes_round(self, curve: Curve) -> bool:
-        """Whether all cycles of a branch have a smaller period than it says."""
+        """Whether the cycles of a branch go round others of smaller period, or cannot be told from.
+
+        At an end they need not: there rounding may part points that are one, and a step may have
+        led from another branch. Then all others are one to rounding: on a branch that doubles they
+        part as it goes on.
+        """
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
-        points, same = np.array(curve.points), self.settings.same
-        return any(
-            bool(np.abs(np.roll(points, d, axis=1) - points).max() <= same * self.settings.x_scale)
-            for d in range(1, curve.order)
-            if curve.order % d == 0
-        )
+        points = np.array(curve.points) / self.settings.x_scale
+        samples = np.column_stack([points, curve.parameter / self.settings.p_scale])
+        length = float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
+        same = self.settings.same
+        for d in shifts(curve.order)[:-1]:
+            off = np.abs(np.roll(points, d, axis=1) - points).max(axis=1)
+            inner = off[1:-1].max(initial=0.0)
+            one = len(off) > 2 and inner <= min(same, self.settings.kink * length)
+            if one or off.max() <= same:
+                return True
+        return False
 
     def _draws(self, known: Curve, curve: Curve) -> bool:
         """Whether a branch has the ends of another, and its middle lies on that in the same pieces.

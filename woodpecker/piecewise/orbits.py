@@ -99,9 +99,16 @@ def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
 def minimal_period(orbit: Orbit, settings: Settings, within: float | None = None) -> int:
     """The smallest shift that maps a cycle to itself, within a distance in scaled units."""
     within = settings.numerics.doubled if within is None else within
-    n, same = len(orbit), within * settings.x_scale
-    divisors = (d for d in range(1, n + 1) if n % d == 0)
-    return next(d for d in divisors if np.abs(np.roll(orbit.x, -d) - orbit.x).max() <= same)
+    same = within * settings.x_scale
+    return next(
+        d for d in shifts(len(orbit)) if np.abs(np.roll(orbit.x, -d) - orbit.x).max() <= same
+    )
+
+
+@lru_cache
+def shifts(n: int) -> tuple[int, ...]:
+    """The periods that a cycle of n points may have: the divisors of n, ascending."""
+    return tuple(d for d in range(1, n + 1) if n % d == 0)
 
 
 class Condition(Protocol):

@@ -41,10 +41,10 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
     At a flip by how far its multiplier is from -1, at all else by what rounding of the map makes of
     its equations; where that is not known yet, of those of a collision.
     """
-    if end.status is PointStatus.OPEN:
-        return math.inf
     if end.precision > 0.0:
         return end.precision
+    if end.status is PointStatus.OPEN:
+        return math.inf
     least = settings.converged * settings.p_scale
     if end.collision is not None:
         conditions = (Closed(), end.collision.margin)

@@ -12,10 +12,13 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
+import numpy as np
+
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.jumps import Jump
-from woodpecker.piecewise.orbits import Margin, Orbit
+from woodpecker.piecewise.orbits import Margin, Orbit, shifts
+from woodpecker.piecewise.settings import Settings
 
 
 class Stop(Enum):
@@ -131,3 +134,22 @@ class Arc:
 def angle(one: Floats, other: Floats) -> float:
     """Angle [rad] between two unit vectors."""
     return math.acos(min(1.0, max(-1.0, float(one @ other))))
+
+
+def falls(one: Sample, other: Sample, settings: Settings) -> bool:
+    """Whether a step leads from a cycle to one of smaller period, passed several times over.
+
+    Where a cycle doubles, or meets a border with one of smaller period, its points come together
+    too, but at the rate at which they did before. On a branch of smaller period they stay together.
+    """
+    x, same = other.orbit.x, settings.same * settings.x_scale
+    for d in shifts(len(x))[:-1]:
+        if np.abs(np.roll(x, -d) - x).max() > same:
+            continue
+        before, after = (
+            float(np.abs(np.roll(along, -d) - along).max())
+            for along in (one.tangent[:-1], other.tangent[:-1])
+        )
+        if before > settings.kink and after <= settings.numerics.together * before:
+            return True
+    return False

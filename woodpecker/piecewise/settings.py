@@ -36,6 +36,17 @@ class Numerics:
     at_flip
         In x, a part of the window: a flip and the fold of the doubled cycle this close are one
         point, if their parameters are as close as its square. As far again above ``doubled``.
+    together
+        Part of the rate at which points of a cycle come together to which it may drop in a step at
+        whose end they coincide: on its own branch it hardly changes, on that of a cycle of smaller
+        period, passed several times over, rounding is left of it.
+    linked
+        Fold-flip points in a chain that tell that it has no end: four at each of the two places
+        that they approach, so that three distances shrink by two ratios.
+    alike
+        Part by which ratios of successive distances differ at most that make a geometric series: of
+        the first that count, where the map is not linear yet, by an eighth, then four times less
+        with each.
     drawn
         Ends of branches this close, scaled, are the same: the ends of steep branches are located so
         well.
@@ -177,6 +188,9 @@ class Numerics:
     blur: float = 20.0 * 2.0**-52
     doubled: float = 1e-5
     at_flip: float = 1e-4
+    together: float = 0.1
+    linked: int = 8
+    alike: float = 0.25
     drawn: float = 1e-8
     nearer: float = 0.1
     restart: float = 0.01

@@ -15,7 +15,7 @@ from woodpecker.piecewise.border_stops import at_border, is_first
 from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.hairpins import round_hairpin
 from woodpecker.piecewise.limit_stops import at_diagonal, at_tails, still_crosses
-from woodpecker.piecewise.samples import Arc, Sample, Stop, StopRule, angle
+from woodpecker.piecewise.samples import Arc, Sample, Stop, StopRule, angle, falls
 from woodpecker.piecewise.stops import (
     FOLD,
     Ending,
@@ -143,13 +143,16 @@ class Stepper:
         """Ends between two samples; UnclearError if a shorter step is needed to tell."""
         corrector = self.corrector
         found = [*at_border(corrector, a, b, step), *at_ends(corrector, a, b, step)]
-        crosses = a.forward != b.forward and not self.order
+        fell = not self.order and falls(a, b, self.settings)
+        crosses = fell or (a.forward != b.forward and not self.order)
         for test in (FOLD, *self.tests):
             if test.stop is not skipped and not (crosses and test.stop is Stop.FOLD):
                 found += at_test(corrector, a, b, step, test)
         if crosses and skipped is not Stop.BRANCHING:
-            with suppress(UnclearError) if found else nullcontext():
+            with suppress(UnclearError) if found and not fell else nullcontext():
                 found += at_branch_point(corrector, a, b, step)
+        if fell and not any(each.stop is Stop.BRANCHING for each in found):
+            raise UnclearError  # a branch leads to cycles of smaller period through that point only
         found += at_tails(corrector, a, b, step)
         if skipped is not Stop.LIMIT:
             found += at_diagonal(corrector, a, self._until(found, b), step)

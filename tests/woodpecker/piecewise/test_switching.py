@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import networkx as nx
@@ -227,6 +228,23 @@ def test_a_branch_of_a_cycle_passed_twice_is_not_kept_as_one_of_period_two() -> 
     twice = orbit_of(map_.pieces * 2, np.array([x, x]), 2.5)
     network = Network(settings)
     assert all(network.has(curve) for curve in chained(Cycles(map_, settings), twice))
+
+
+def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
+    """An end may lie on another branch, or rounding part its points; those in between are one.
+
+    A branch that doubles a flip may be as short, and its points as close all along: it is kept.
+    """
+    map_, settings = logistic(), Settings(span=(2.2, 2.9))
+    twice = orbit_of(map_.pieces * 2, np.array([0.6, 0.6]), 2.5)
+    curve = chained(Cycles(map_, settings), twice)[0]
+    apart = 20.0 * settings.same * np.array([1.0, 0.0])
+    torn = replace(curve, points=(*curve.points[:-1], curve.points[-1] + apart))
+    assert Network(settings).has(torn)
+    parting = np.linspace(0.0, 1.0, len(curve.points))
+    doubled = tuple(curve.points[0] + part * apart for part in parting)
+    short = replace(curve, points=doubled, parameter=2.5 + 1e-8 * parting)
+    assert not Network(settings).has(short)
 
 
 def test_a_doubled_cycle_knows_its_birth() -> None:
