@@ -194,10 +194,11 @@ def sign_changes(map_: ToyPieces, part: Part, order: int, eps_n1: float) -> Floa
 
 
 def orbit(toy: Toy, x: float, count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The first points of an orbit."""
+    """The first points of an orbit; nan once the toy does not return."""
     points = [x]
     while len(points) < count:
-        points.append(first_return(toy, points[-1]).phi_s)
+        there = points[-1]
+        points.append(first_return(toy, there).phi_s if math.isfinite(there) else math.nan)
     return np.array(points)
 
 
@@ -229,6 +230,9 @@ def residual(branch: Branch, k: int, part: Part) -> Residual:
     """|P_j(x) - x|, and the most that rounding of one point x_i of the orbit can contribute."""
     toy, order = part.toy(float(branch.parameter[k])), branch.order
     points = orbit(toy, float(branch.x[k]), order)
+    if not np.isfinite(points).all():  # so steep that rounding leads to where the toy falls
+        steep = abs(float(branch.multiplier[k]))
+        return Residual(toy.eps_n1, float(points[0]), math.nan, steep, math.inf)
     left = [first_return(toy, x, order=order - i) for i, x in enumerate(points)]
     grown = [ROUNDING * abs(x * once.slope) for x, once in zip(points, left, strict=True)]
     slope = max(abs(left[0].slope), abs(float(branch.multiplier[k])))

@@ -250,9 +250,10 @@ class Network:
         return False
 
     def _draws(self, known: Curve, curve: Curve) -> bool:
-        """Whether a branch has the ends of another, and its middle lies on that in the same pieces.
+        """Whether a branch has the ends of another, and lies on that in the same pieces in between.
 
-        A cycle may be followed from another of its points.
+        A cycle may be followed from another of its points. Where one of the two has passed over
+        pieces too thin to be seen they may differ: somewhere they agree if they are one.
         """
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False
@@ -271,7 +272,16 @@ class Network:
         drawn = self.settings.numerics.drawn
         if min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max()) > drawn:
             return False
-        k = len(curve.parameter) // 2
+        count = self.settings.numerics.compared
+        places = {max(1, len(curve.parameter) * k // (count + 1)) for k in range(1, count + 1)}
+        return any(self._passes(known, shift, samples, curve, k) for k in sorted(places))
+
+    def _passes(self, known: Curve, shift: int, samples: Floats, curve: Curve, k: int) -> bool:
+        """Whether a known branch goes through what lies before sample k of another.
+
+        ``samples`` are those of the known one as the chosen point of its cycle sees them, scaled.
+        """
+        units = np.array([self.settings.p_scale, self.settings.x_scale])
         middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
         run = np.diff(samples, axis=0)
         length = np.linalg.norm(run, axis=1)

@@ -50,6 +50,9 @@ class Numerics:
     drawn
         Ends of branches this close, scaled, are the same: the ends of steep branches are located so
         well.
+    compared
+        Places at which two branches with the same ends are compared: one may have passed over a
+        piece that the other has at some of them.
     nearer
         Part of a distance from a border at which the piece was not found that is tried next; the
         same factor widens a distance from a place where borders accumulate.
@@ -192,6 +195,7 @@ class Numerics:
     linked: int = 8
     alike: float = 0.25
     drawn: float = 1e-8
+    compared: int = 7
     nearer: float = 0.1
     restart: float = 0.01
     thin: float = 1e-3

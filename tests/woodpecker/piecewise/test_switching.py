@@ -247,6 +247,24 @@ def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
     assert not Network(settings).has(short)
 
 
+def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
+    """The other way, with a piece in its middle that the first one has not seen."""
+    map_, settings = logistic(), Settings(span=(2.2, 2.9))
+    curve = chained(Cycles(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    (word,) = curve.words
+    middle = len(curve.points) // 2
+    thin = replace(word, first=middle - 1, keys=("thin",)), replace(word, first=middle + 1)
+    back = replace(
+        curve, parameter=curve.parameter[::-1], points=curve.points[::-1],
+        multiplier=curve.multiplier[::-1], ends=curve.ends[::-1], words=(word, *thin),
+    )  # fmt: skip
+    other = replace(back, words=(replace(word, keys=("other",)),))
+    network = Network(settings)
+    network.add(curve)
+    assert network.has(back)
+    assert not network.has(other)
+
+
 def test_a_doubled_cycle_knows_its_birth() -> None:
     """Found alone, without the fixed point: p = 3 to the precision that it states, and 1e-12."""
     settings = Settings(span=(2.5, 3.4))
