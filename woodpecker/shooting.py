@@ -134,7 +134,7 @@ def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAUL
         points.append(map_.at(points[-1], p).value)
     found, closes = _corrected(map_, _taken(map_, np.array(points), p), settings)
     if closes:
-        return _closed(toy, found, settings)
+        return periodic_orbit(toy, found, settings)
     jump = _jump_near(map_, first, settings) if order == 1 else None
     if jump is not None and jump.crosses:
         return _orbit(toy, order, jump.head, ShootingStatus.AT_JUMP, f"at {jump.x:.9g}")
@@ -183,7 +183,7 @@ def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None
     return jump_of(map_, head, Margin(0, nearest.code), 1, settings)
 
 
-def _closed(toy: Toy, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
+def periodic_orbit(toy: Toy, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
     """What a cycle is whose returns close: a periodic solution, a centre, or one without slope."""
     order, period = len(cycle), minimal_period(cycle, settings)
     if not any(cycle.words):  # no event: the sleeve stays jammed

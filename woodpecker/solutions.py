@@ -9,11 +9,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.toy import Toy
-from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.piecewise.crossings import is_inside
+from woodpecker.piecewise.orbits import (
+    Closed,
+    Coordinate,
+    Orbit,
+    moved,
+    scales,
+    solve,
+    tangent,
+)
+from woodpecker.shooting import DEFAULT, PeriodicOrbit, periodic_orbit, shoot
 from woodpecker.simulation.returns import first_return
+from woodpecker.toypieces import ToyPieces
 
 
 class OnBranch(NamedTuple):
@@ -27,7 +38,8 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     """The periodic solutions at a value of a diagram's parameter, each solved for.
 
     A diagram lists samples of its branches, and :meth:`pwmap.Diagram.at` what lies on straight
-    lines between them; from there Newton's method finds the solutions themselves.
+    lines between them; from there Newton's method finds the solutions themselves, for all points of
+    a cycle at once and with the pieces of a sample beside it: steep cycles too.
 
     Parameters
     ----------
@@ -52,12 +64,89 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
         If the toy cannot have this value.
     """
     there = toy.replace(**{diagram.parameter_name: float(value)})
+    map_ = ToyPieces(there, diagram.parameter_name)
     return tuple(
-        OnBranch(hit.branch, shoot(there, hit.x, hit.branch.order))
+        OnBranch(hit.branch, _solution(there, map_, diagram, hit, float(value)))
         for hit in diagram.at(value)
         if hit.branch.kind is BranchKind.FIXED_POINT
     )
 
+
+def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: float) -> PeriodicOrbit:
+    """The solution at a value from the samples on both sides, or from where a branch seems to be.
+
+    The nearer sample first: its pieces are likelier those at the value.
+    """
+    for k in _beside(hit, value):
+        found = _led(_cycle(map_, diagram, hit.branch, k), value)
+        if found is not None and is_inside(found, Closed()):
+            return periodic_orbit(toy, found, DEFAULT)
+    return shoot(toy, hit.x, hit.branch.order)
+
+
+def _beside(hit: Hit, value: float) -> list[int]:
+    """The samples between which a branch is at a value, the nearer one first."""
+    p, x = hit.branch.parameter, hit.branch.x
+    (ends,) = np.nonzero((p[1:] != p[:-1]) & ((p[:-1] - value) * (p[1:] - value) <= 0.0))
+    if not len(ends):
+        return []
+    part = (value - p[ends]) / (p[ends + 1] - p[ends])
+    off = np.abs(x[ends] + part * (x[ends + 1] - x[ends]) - hit.x)
+    k = int(ends[off.argmin()])
+    return sorted((k, k + 1), key=lambda i: abs(float(p[i]) - value))
+
+
+def _led(start: Orbit, value: float) -> Orbit | None:
+    """The cycle to which one leads at another value, with the same pieces; None if it is lost.
+
+    Along the tangent, in steps that are halved until Newton's method goes no further than a part of
+    the step.
+    """
+    orbit, step = start, value - start.p
+    least = SHORTEST * abs(step)
+    while orbit.defined and orbit.p != value:
+        step = min(step, value - orbit.p, key=abs)
+        p = value if step == value - orbit.p else orbit.p + step
+        along = tangent(orbit, Closed(), DEFAULT) * scales(len(orbit), DEFAULT)
+        guess = moved(orbit, along / along[-1] * (p - orbit.p))
+        conditions = Closed(), Coordinate(-1, p)
+        found = solve(guess, conditions, DEFAULT, contracts=True) if guess.defined else None
+        if found is not None and found.converged:
+            off, way = (np.abs(found.orbit.x - x).max() for x in (guess.x, orbit.x))
+            if off <= OFF * max(float(way), abs(step)):
+                orbit, step = found.orbit, 2.0 * step
+                continue
+        step *= 0.5
+        if abs(step) < least:
+            return None
+    return orbit if orbit.defined else None
+
+
+def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
+    """The cycle of a sample: its other points are samples of the branches that go round with it.
+
+    An orbit would be carried away by its rounding if it is steep.
+    """
+    p = float(branch.parameter[k])
+    others = [
+        other
+        for other in diagram.branches
+        if (other.kind, other.order) == (branch.kind, branch.order)
+        and np.array_equal(other.parameter, branch.parameter)
+    ]
+    x = np.array([float(other.x[k]) for other in others])
+    points, images = [float(branch.x[k])], [map_.at(float(branch.x[k]), p)]
+    while len(points) < branch.order:
+        to = images[-1].value
+        near = float(x[np.abs(x - to).argmin()])
+        points.append(near if abs(near - to) <= NEAR * max(1.0, abs(images[-1].slope)) else to)
+        images.append(map_.at(points[-1], p))
+    return Orbit(np.array(points), p, tuple(images))
+
+
+SHORTEST = 1e-6  # of the way to a solution: the shortest step towards it
+OFF = 0.25  # of a step: how far Newton's method may lead from where the step did
+NEAR = 1e-12  # rad: times the slope, how far from a sample its image is expected at most
 
 OF_A_RETURN = ("period", "drop")  # attributes of woodpecker.Return, by name
 Observable = Callable[[Toy, float], float]

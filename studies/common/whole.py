@@ -8,7 +8,7 @@ every sample of every branch of fixed points is simulated once more.
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -193,51 +193,54 @@ def sign_changes(map_: ToyPieces, part: Part, order: int, eps_n1: float) -> Floa
     return found
 
 
-def orbit(toy: Toy, x: float, count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The first points of an orbit; nan once the toy does not return."""
-    points = [x]
-    while len(points) < count:
-        there = points[-1]
-        points.append(first_return(toy, there).phi_s if math.isfinite(there) else math.nan)
-    return np.array(points)
-
-
 # --- Residuals ------------------------------------------------------------------------------------
 
 
 class Residual(NamedTuple):
-    """|P_j(x) - x| of one sample of a branch, simulated once more."""
+    """|P_1(x_i) - x_(i+1)| of one sample of a branch, each return simulated once more: the largest.
+
+    Of P_j itself nothing could be told: slopes are up to 1e23.
+    """
 
     eps_n1: float
     phi_s: float
     size: float  # rad
-    slope: float  # of P_j, the larger one if the branch and the simulation differ
-    rounding: float  # what rounding of one point of the orbit grows to [rad]
+    slope: float  # of the steepest return
+    rounding: float  # what rounding of one point of the orbit grows to in a return [rad]
 
 
 def residuals(diagram: Diagram, part: Part, ends: bool) -> list[Residual]:
     """The first and last samples of all branches of fixed points, or all others."""
-    found = []
+    rounds = defaultdict[tuple[int, bytes], list[Branch]](list)  # branches that one cycle makes
     for branch in diagram.branches:
         if branch.kind is BranchKind.FIXED_POINT:
-            last = len(branch) - 1
-            chosen = sorted({0, last}) if ends else range(1, last)
-            found += [residual(branch, k, part) for k in chosen]
+            rounds[branch.order, branch.parameter.tobytes()].append(branch)
+    found = []
+    for own in rounds.values():
+        last = len(own[0]) - 1
+        for k in sorted({0, last}) if ends else range(1, last):
+            x = np.array([float(branch.x[k]) for branch in own])
+            toy = part.toy(float(own[0].parameter[k]))
+            found += [residual(toy, own[0].order, start, x) for start in x.tolist()]
     return found
 
 
-def residual(branch: Branch, k: int, part: Part) -> Residual:
-    """|P_j(x) - x|, and the most that rounding of one point x_i of the orbit can contribute."""
-    toy, order = part.toy(float(branch.parameter[k])), branch.order
-    points = orbit(toy, float(branch.x[k]), order)
-    if not np.isfinite(points).all():  # so steep that rounding leads to where the toy falls
-        steep = abs(float(branch.multiplier[k]))
-        return Residual(toy.eps_n1, float(points[0]), math.nan, steep, math.inf)
-    left = [first_return(toy, x, order=order - i) for i, x in enumerate(points)]
-    grown = [ROUNDING * abs(x * once.slope) for x, once in zip(points, left, strict=True)]
-    slope = max(abs(left[0].slope), abs(float(branch.multiplier[k])))
-    size = abs(left[0].phi_s - points[0])
-    return Residual(toy.eps_n1, float(points[0]), float(size), slope, float(max(grown)))
+def residual(toy: Toy, order: int, start: float, points: Floats) -> Residual:
+    """How far the returns from the points of a cycle are from its next points."""
+    x, sizes, slopes, grown = start, [], [], []
+    for i in range(order):
+        once = first_return(toy, x)
+        if not once.status.success:
+            return Residual(toy.eps_n1, start, math.nan, math.inf, math.inf)
+        last = i == order - 1
+        to = start if last else float(points[np.abs(points - once.phi_s).argmin()])
+        sizes.append(abs(once.phi_s - to))
+        if math.isfinite(once.slope):
+            slopes.append(abs(once.slope))
+            grown.append(ROUNDING * abs(x * once.slope))
+        x = to
+    steepest, most = max(slopes, default=math.inf), max(grown, default=math.inf)
+    return Residual(toy.eps_n1, start, max(sizes), steepest, most)
 
 
 def summary(found: list[Residual]) -> Results:

@@ -185,10 +185,11 @@ def test_a_wrong_sample_is_seen() -> None:
     assert whole.summary(whole.residuals(diagram_of(branch), fig10.FULL, ends=True))["above"] == 0
 
 
-def test_rounding_grows_with_the_slopes_that_are_left() -> None:
-    """For P_2 of the same cycle: slope m**2 from the first point, m from the second."""
+def test_each_return_is_simulated_for_itself() -> None:
+    """For P_2 of the same cycle: no product of slopes, and rounding of one return."""
     x = shoot(Toy(), PHI_S).phi_s
     (there,) = whole.residuals(diagram_of(flat("F1", 2, [x] * 3)), fig10.FULL, ends=False)
+    assert there.slope == pytest.approx(0.83916, rel=1e-4)
     assert there.rounding == pytest.approx(2.0**-52 * 0.52947 * 0.83916, rel=1e-4, abs=0.0)
     assert there.size < 1e-14
 
