@@ -13,7 +13,7 @@ from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.iterates import Iterate
 from woodpecker.piecewise.orbits import Orbit, orbit_of
-from woodpecker.shooting import DEFAULT, ShootingStatus, _closed, shoot
+from woodpecker.shooting import DEFAULT, ShootingStatus, periodic_orbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.simulation.status import Status
 from woodpecker.toypieces import ToyPieces
@@ -167,7 +167,7 @@ def test_a_solution_without_a_finite_slope_is_no_success() -> None:
     """Whatever makes it so: a multiplier that is nan says nothing of stability."""
     (image,) = orbit_of([ToyPieces(TOY).at(-0.53, 0.5).piece], np.array([-0.53]), 0.5).images
     nowhere = image._replace(value=-0.53, slope=math.nan)
-    orbit = _closed(TOY, Orbit(np.array([-0.53]), 0.5, (nowhere,)), DEFAULT)
+    orbit = periodic_orbit(TOY, Orbit(np.array([-0.53]), 0.5, (nowhere,)), DEFAULT)
     assert (orbit.status, orbit.success) == (ShootingStatus.NO_SLOPE, False)
     assert orbit.message == "the returns close, but the return map has no finite slope here: nan"
 
