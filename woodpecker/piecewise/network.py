@@ -257,20 +257,28 @@ class Network:
         """
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False
-        drawn = self.settings.numerics.drawn
         p, q = (sorted(each.parameter[[0, -1]].tolist()) for each in (known, curve))
-        if max(abs(a - b) for a, b in zip(p, q, strict=True)) > drawn * self.settings.p_scale:
+        far = self._apart(curve) * self.settings.p_scale
+        if max(abs(a - b) for a, b in zip(p, q, strict=True)) > far:
             return False
         shifts = known.order if known.kind is BranchKind.FIXED_POINT else 1
         return any(self._draws_from(known, shift, curve) for shift in range(shifts))
+
+    def _apart(self, curve: Curve) -> float:
+        """How far the ends of a branch may be from those of one that is the same, scaled."""
+        extent = max(
+            float(np.ptp(curve.parameter)) / self.settings.p_scale,
+            float(np.ptp([points[0] for points in curve.points])) / self.settings.x_scale,
+        )
+        return min(self.settings.numerics.drawn, self.settings.numerics.apart * extent)
 
     def _draws_from(self, known: Curve, shift: int, curve: Curve) -> bool:
         """The same if a cycle of the known branch is seen from one of its points."""
         units = np.array([self.settings.p_scale, self.settings.x_scale])
         samples = np.column_stack([known.parameter, [x[shift] for x in known.points]]) / units
         ends, there = np.array([_place(curve, k) / units for k in (0, -1)]), samples[[0, -1]]
-        drawn = self.settings.numerics.drawn
-        if min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max()) > drawn:
+        off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
+        if off > self._apart(curve):
             return False
         count = self.settings.numerics.compared
         places = {max(1, len(curve.parameter) * k // (count + 1)) for k in range(1, count + 1)}

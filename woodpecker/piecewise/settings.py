@@ -48,8 +48,10 @@ class Numerics:
         the first that count, where the map is not linear yet, by an eighth, then four times less
         with each.
     drawn
-        Ends of branches this close, scaled, are the same: the ends of steep branches are located so
-        well.
+        Ends of branches this close, scaled, are the same: a flip that ends one of them may be taken
+        for a border beside it.
+    apart
+        And this close as a part of the branch: short ones that follow each other are not the same.
     compared
         Places at which two branches with the same ends are compared: one may have passed over a
         piece that the other has at some of them.
@@ -194,7 +196,8 @@ class Numerics:
     together: float = 0.1
     linked: int = 8
     alike: float = 0.25
-    drawn: float = 1e-8
+    drawn: float = 1e-7
+    apart: float = 0.01
     compared: int = 7
     nearer: float = 0.1
     restart: float = 0.01

@@ -35,6 +35,7 @@ from maps import (
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, slices_at, solutions
 from woodpecker.piecewise.branch_points import closes, saddle
+from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.diagrams import cycle_near, whole_diagram
 from woodpecker.piecewise.network import Network
@@ -263,6 +264,26 @@ def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
     network.add(curve)
     assert network.has(back)
     assert not network.has(other)
+
+
+@pytest.mark.parametrize(("length", "short_of", "same"), [
+    (0.1, 3e-8, True), (0.1, 3e-7, False), (1e-5, 3e-8, True), (1e-7, 3e-8, False),
+])  # fmt: skip
+def test_branches_with_the_same_ends_are_one(length: float, short_of: float, same: bool) -> None:
+    """A part of the span apart at one end: a border may be taken there for the flip beside it."""
+    map_, settings = logistic(), Settings(span=(2.2, 2.9))
+    curve = chained(Cycles(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    part = np.linspace(0.0, 1.0, 12)
+
+    def between(first: float, last: float) -> Curve:
+        p = first + (last - first) * part
+        points = tuple(np.array([1.0 - 1.0 / each]) for each in p)
+        return replace(curve, parameter=p, points=points, multiplier=2.0 - p)
+
+    unit = settings.p_scale
+    network = Network(settings)
+    network.add(between(2.5, 2.5 + length * unit))
+    assert network.has(between(2.5, 2.5 + (length - short_of) * unit)) is same
 
 
 def test_a_doubled_cycle_knows_its_birth() -> None:
