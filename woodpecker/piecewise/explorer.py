@@ -244,9 +244,10 @@ class Explorer:
             if not self._follow(_Candidate(place)):
                 continue
             self.go_on()
-            new += [curve.order for curve in self.network.curves[known:]]
-            known = len(self.network.curves)
-            if not self._is_explained(place):
+            grown = self.network.curves[known:]
+            known += len(grown)
+            new += [curve.order for curve in grown]
+            if grown and not self._is_explained(place):  # else the branch through it is known
                 left.append((place.order, float(place.orbit.x[0])))
         unresolved = max(each.unresolved for each in done.value)
         p = done.value[0].p
