@@ -177,6 +177,31 @@ def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
 
 @NEEDS_NUMBA
 @pytest.mark.slow
+def test_a_border_right_before_the_flip_that_ends_a_doubled_branch() -> None:
+    """The cycle of P_2 meets a border where its points are 2.5e-8 apart, 3e-8 before P_1 flips.
+
+    Beyond it the branch goes on; an orbit 1e-6 from the border is the cycle of P_1, passed twice.
+    """
+    settings = Settings(span=(0.3001, 0.3021), window=WINDOW)
+    start, p = [-1.46590769798, -1.46580830841], 0.300233852927
+    diagram = connected(ToyPieces(Toy()), start, p, settings, orders=(1, 2))
+    places = {
+        (point.kind, point.order): point.parameter
+        for point in diagram.points
+        if point.kind is not PointKind.EP
+    }
+    # both multipliers fall by 1 within 1e-9 of the parameter: a flip is as sharp as that
+    assert places == {
+        (PointKind.PD, 2): pytest.approx(0.302079956152, abs=1e-12),
+        (PointKind.PD, 1): pytest.approx(0.302079956588, abs=1e-12),
+        (PointKind.LP, 1): pytest.approx(0.302079957504, abs=1e-12),
+    }
+    (flip,) = [q for q in diagram.points if q.kind is PointKind.PD and q.order == 1]
+    assert sorted(diagram.branch(name).order for name in flip.branches) == [1, 1, 2, 2]
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
 def test_infinitely_many_fold_flips() -> None:
     """mu_2: each return of a chain goes round a motion without a return once more than the last.
 

@@ -17,6 +17,7 @@ from woodpecker.piecewise.orbits import (
     Distance,
     Margin,
     Orbit,
+    minimal_period,
     moved,
     orbit_of,
     residuals,
@@ -136,6 +137,8 @@ def restart(
     away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
     while away >= settings.nearest * settings.x_scale:
         there = _restarted(orbit, closing, border, index, away, settings)
+        if there is not None and _period(there.orbit, settings) < _period(orbit, settings):
+            there = None  # a flip that ends the branch lies closer
         if there is not None and _sides(there.orbit.multiplier) == _sides(at_border):
             step = math.inf if found is None else _distance(orbit, there, settings)
             return Restart(there, step)
@@ -145,6 +148,11 @@ def restart(
         away *= settings.numerics.restart
     found = found or _ahead(orbit, closing, border, index, settings)
     return None if found is None else Restart(found)
+
+
+def _period(orbit: Orbit, settings: Settings) -> int:
+    """The minimal period, of points that are one to rounding."""
+    return minimal_period(orbit, settings, settings.same)
 
 
 def _distance(orbit: Orbit, there: Sample, settings: Settings) -> float:
