@@ -23,7 +23,9 @@ from woodpecker.mechanics.modes import (
     EPS,
     EPSILONS,
     FIXED,
+    FORCE,
     LIMIT,
+    POLE,
     STEP,
     Numbers,
     model,
@@ -45,6 +47,11 @@ TOO_FAR = "the path does not reach so far"
 NO_MARGINS, NO_GRADIENTS, NO_TIMES = np.zeros(0), np.zeros((0, 2)), np.zeros(0)
 NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
 
+Held = tuple[tuple[str, float], ...]
+"""Parameters of a toy, by name, that have other values than the toy's own."""
+
+NOTHING_HELD: Held = ()
+
 
 class _Table:
     """The kernel's numbers over one parameter of the toy, and their derivatives.
@@ -52,35 +59,54 @@ class _Table:
     Attributes
     ----------
     numbers, change
-        As :func:`woodpecker.simulation.calls.sweep` takes them, for the value of the last
+        As :func:`woodpecker.simulation.calls.sweep` takes them, for the values of the last
         :meth:`at`.
     seed
         (1, 3), derivatives of the restitution coefficients.
     """
 
     def __init__(self, toy: Toy, parameter: str) -> None:
-        self._toy, self._parameter = toy, parameter
+        self._toy, self._parameter, self._held = toy, parameter, NOTHING_HELD
         self._low, self._high = limits(toy, parameter)
         self.numbers: Floats = model(toy)
-        self.change: Floats = np.zeros(CHANGE) if parameter in Numbers._fields else FIXED
+        self._rates: Floats = np.zeros(CHANGE)
+        self.change: Floats = self._rates if parameter in Numbers._fields else FIXED
         self.seed: Floats = np.zeros((1, 3))
         if parameter in EPSILONS:
             self.seed[0, EPSILONS.index(parameter)] = 1.0
         self._complex = parameters_of(toy, parameter)
         self._value = math.nan
 
-    def at(self, p: float) -> None:
-        """Take the numbers of another value; ValueError says why the toy cannot have it."""
-        if p == self._value:
+    def at(self, p: float, held: Held) -> None:
+        """Take the numbers of other values; ValueError says why the toy cannot have them."""
+        if held != self._held:
+            self._hold(p, held)
+        elif p == self._value:
             return
         if not self._low * (1.0 + CLEAR) < p < self._high * (1.0 - CLEAR):
             self._toy.replace(**{self._parameter: p})
-        if self._parameter in EPSILONS:
-            self.numbers[CONTACT + EPSILONS.index(self._parameter), EPS] = p
-        elif self._parameter in Numbers._fields:
-            self._complex[Numbers._fields.index(self._parameter)] = complex(p, STEP)
-            refill(self._complex, self.numbers, self.change)
+        if self._put(self._parameter, complex(p, STEP)):
+            refill(self._complex, self.numbers, self._rates)
         self._value = p
+
+    def _hold(self, p: float, held: Held) -> None:
+        """Take other values of the other parameters."""
+        self._toy = self._toy.replace(**dict(held) | {self._parameter: p})
+        self._low, self._high = limits(self._toy, self._parameter)
+        if any([self._put(name, complex(value)) for name, value in held]):
+            refill(self._complex, self.numbers, self._rates)
+        self._held = held
+
+    def _put(self, name: str, value: complex) -> bool:
+        """Take another value of a parameter; whether the table is to be filled again."""
+        if name in Numbers._fields:
+            self._complex[Numbers._fields.index(name)] = value
+            return True
+        if name in EPSILONS:
+            self.numbers[CONTACT + EPSILONS.index(name), EPS] = value.real
+        else:
+            self.numbers[FORCE, POLE] = value.real
+        return False
 
 
 class _Room:
@@ -90,19 +116,19 @@ class _Room:
         self._table = _Table(toy, parameter)
         self.follower = Follower(self._table.numbers, self._table.change, self._table.seed)
 
-    def obstacle(self, x: float, p: float) -> str:
-        """Take the numbers of p; why the toy cannot start from there, or nothing."""
+    def obstacle(self, x: float, p: float, held: Held) -> str:
+        """Take the numbers of these values; why the toy cannot start from there, or nothing."""
         try:
-            self._table.at(p)
+            self._table.at(p, held)
         except ValueError as error:
             return str(error)
         if not math.isfinite(x):
             return f"phi_s must be finite, got {x}"
         return "" if x < self._table.numbers[CONTACT, LIMIT] else "the beak touches the pole"
 
-    def sweep(self, x: Floats, p: float) -> Sweep:
+    def sweep(self, x: Floats, p: float, held: Held) -> Sweep:
         """Images and slopes at points (n,), nan where there is none; ValueError as of the table."""
-        self._table.at(p)
+        self._table.at(p, held)
         out, words = np.empty((len(x), 5)), np.empty((len(x), EVENT_LIMIT), dtype=np.int16)
         codes, lengths = np.empty((2, len(x)), dtype=np.int64)
         announce(compute)
@@ -139,18 +165,38 @@ class ToyPieces:
 
     toy: Toy
     parameter: str = "eps_n1"
+    _held: Held = field(default=NOTHING_HELD, init=False, repr=False)
     _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         known_parameter(self.parameter)
 
-    def __reduce__(self) -> tuple[Callable[[Toy, str], ToyPieces], tuple[Toy, str]]:
-        return _same, (self.toy, self.parameter)
+    def __reduce__(self) -> tuple[Callable[[Toy, str, Held], ToyPieces], tuple[Toy, str, Held]]:
+        return _same, (self.toy, self.parameter, self._held)
+
+    def holding(self, **values: float) -> ToyPieces:
+        """The map of a toy with other values of other parameters; it shares this one's tables.
+
+        The values are looked at where the map is asked for an image: it has none if the toy cannot
+        have them.
+
+        Raises
+        ------
+        TypeError
+            If a parameter is unknown, or is the one that varies.
+        """
+        for name in values:
+            if known_parameter(name) == self.parameter:
+                raise TypeError(f"{name} varies: it cannot be held at {values[name]}")
+        map_ = ToyPieces(self.toy, self.parameter)
+        object.__setattr__(map_, "_held", tuple(values.items()))
+        object.__setattr__(map_, "_cache", self._cache)
+        return map_
 
     def at(self, x: float, p: float) -> Image:
         """The return from phi_S = x [rad] along the path that the toy takes there."""
         room = self.room()
-        obstacle = room.obstacle(x, p)
+        obstacle = room.obstacle(x, p, self._held)
         if obstacle:
             return _undefined(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
         status, path, _ = room.follower.trace(x)
@@ -162,7 +208,7 @@ class ToyPieces:
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
         """The key of the piece that the toy takes there, and its image as the search finds it."""
         room = self.room()
-        if room.obstacle(x, p):
+        if room.obstacle(x, p, self._held):
             return NO_PATH.tobytes(), math.nan
         status, path, value = room.follower.trace(x)
         return (path.steps if status.success else NO_PATH).tobytes(), value
@@ -175,7 +221,7 @@ class ToyPieces:
         ValueError
             If the toy cannot have this value of the parameter.
         """
-        return self.room().sweep(x, p)
+        return self.room().sweep(x, p, self._held)
 
     @property
     def evaluations(self) -> int:
@@ -191,9 +237,9 @@ class ToyPieces:
 
 
 @lru_cache(maxsize=KEPT)
-def _same(toy: Toy, parameter: str) -> ToyPieces:
+def _same(toy: Toy, parameter: str, held: Held) -> ToyPieces:
     """The one copy of a map in this process: pieces that come one by one share its tables."""
-    return ToyPieces(toy, parameter)
+    return ToyPieces(toy, parameter).holding(**dict(held))
 
 
 class ToyPiece(NamedTuple):
@@ -224,7 +270,7 @@ class ToyPiece(NamedTuple):
     def at(self, x: float, p: float) -> Image:
         """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
         room = self.whole.room()
-        obstacle = room.obstacle(x, p)
+        obstacle = room.obstacle(x, p, self.whole._held)
         if obstacle or not len(self.path.steps):
             return _undefined(self, obstacle or self.word)
         return _image(self, room, x, p)

@@ -19,6 +19,7 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.newton import newton
 from woodpecker.piecewise.pieces import Image, Piece
 from woodpecker.piecewise.settings import Numerics, Settings
 
@@ -292,32 +293,19 @@ def solve(
 ) -> Solution:
     """Newton's method for an orbit with the pieces of ``start`` that obeys two conditions.
 
-    A step that leads where a piece has no value is halved. The last step is so short that the next,
-    if it shrinks no faster than the last one, would be rounding. If the method ``contracts``, as
-    it does near a solution, it is given up as soon as a step is much longer than the one before.
+    If the method ``contracts``, as it does near a solution, it is given up as soon as a step is
+    much longer than the one before; see :func:`woodpecker.piecewise.newton.newton`.
     """
-    orbit, scale, numerics = start, scales(len(start), settings).tolist(), settings.numerics
-    before, halvings = 0.0, 0
-    for k in range(settings.newton):
-        move = _scaled_step(orbit, conditions, scale)
-        if not all(map(math.isfinite, move)):
-            return Solution(orbit, False, k)
-        length = max(map(abs, move))
-        if 0.0 < before <= length <= settings.stalled and is_rounded(orbit, conditions, numerics):
-            return Solution(orbit, True, k)
-        if contracts and before > 0.0 and length > numerics.contraction * before:
-            return Solution(orbit, False, k)
-        trial = _shifted(orbit, move, scale)
-        while not trial.defined and halvings < settings.newton:
-            move, halvings = [0.5 * each for each in move], halvings + 1
-            trial = _shifted(orbit, move, scale)
-        if not trial.defined:
-            return Solution(orbit, False, k)
-        orbit = trial
-        if length <= settings.converged or length**2 <= settings.converged * before:
-            return Solution(orbit, True, k + 1)
-        before = length
-    return Solution(orbit, before <= numerics.noise * settings.converged, settings.newton)
+    scale = scales(len(start), settings).tolist()
+    orbit, converged, steps = newton(
+        start,
+        lambda orbit: _scaled_step(orbit, conditions, scale),
+        lambda orbit, move: _shifted(orbit, move, scale),
+        lambda orbit: is_rounded(orbit, conditions, settings.numerics),
+        settings,
+        contracts=contracts,
+    )
+    return Solution(orbit, converged, steps)
 
 
 def is_rounded(orbit: Orbit, conditions: Sequence[Condition], numerics: Numerics) -> bool:

@@ -51,34 +51,26 @@ class SymbolicPiece:
         The formula.
     bounds
         Its margins, each with its sentence.
+    held
+        Other symbols, each with its value.
     """
 
     word: str
     symbols: Symbols
     value: sympy.Expr
     bounds: tuple[Bound, ...] = ()
-    _everything: Compiled = field(init=False, repr=False)
-    _inside: Compiled = field(init=False, repr=False)
-    _causes: Ints = field(init=False, repr=False)
+    held: tuple[tuple[sympy.Symbol, float], ...] = ()
+    _functions: _Functions = field(init=False, repr=False)
+    _values: tuple[float, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        relations = [bound.relation for bound in self.bounds]
-        for name, value in (
-            ("_everything", compiled(self.symbols, self._expressions())),
-            ("_inside", compiled(self.symbols, sympy.And(*relations, evaluate=False))),
-            ("_causes", codes(len(self.bounds))),
-        ):
-            object.__setattr__(self, name, value)
+        others = tuple(symbol for symbol, _ in self.held)
+        functions = _functions(self.symbols, others, self.value, self.bounds)
+        object.__setattr__(self, "_functions", functions)
+        object.__setattr__(self, "_values", tuple(value for _, value in self.held))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return SymbolicPiece, (self.word, self.symbols, self.value, self.bounds)
-
-    def _expressions(self) -> tuple[sympy.Expr, ...]:
-        """Value and derivatives; the margins; their derivatives in x and p."""
-        margins = [bound.margin for bound in self.bounds]
-        gradients = (sympy.diff(margin, s) for margin in margins for s in self.symbols)
-        slopes = (sympy.diff(self.value, s) for s in self.symbols)
-        return (self.value, *slopes, *margins, *gradients)
+        return SymbolicPiece, (self.word, self.symbols, self.value, self.bounds, self.held)
 
     @property
     def key(self) -> str:
@@ -88,26 +80,28 @@ class SymbolicPiece:
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside."""
         try:
-            value, slope, d_parameter, *rest = self._everything(x, p)
+            value, slope, d_parameter, *rest = self._functions.everything(x, p, *self._values)
             value, slope, d_parameter = float(value), float(slope), float(d_parameter)
             bounds = np.array(rest, dtype=float)
         except (*NOT_REAL, TypeError):  # one of the expressions has no real value
             value, slope, d_parameter, *rest = self._one_by_one(x, p)
             bounds = np.array(rest)
-        n = len(self._causes)
+        causes = self._functions.causes
+        n = len(causes)
         return Image(
-            value, slope, d_parameter, bounds[:n], bounds[n:].reshape(n, 2), self._causes, self,
+            value, slope, d_parameter, bounds[:n], bounds[n:].reshape(n, 2), causes, self,
             "" if math.isfinite(value) else no_value(self.word, x, p),
         )  # fmt: skip
 
     def _one_by_one(self, x: float, p: float) -> list[float]:
-        singly = (compiled(self.symbols, (each,)) for each in self._expressions())
-        return [real(lambda x, p, f=f: f(x, p)[0], x, p) for f in singly]  # type: ignore[misc]
+        arguments = self._functions.arguments
+        singly = (compiled(arguments, (each,)) for each in self._functions.expressions)
+        return [real(lambda x, p, f=f: f(x, p, *self._values)[0], x, p) for f in singly]  # type: ignore[misc]
 
     def holds(self, x: float, p: float) -> bool:
         """Whether the relations hold, strict ones strictly."""
         try:
-            return bool(self._inside(x, p))
+            return bool(self._functions.inside(x, p, *self._values))
         except (*NOT_REAL, TypeError):  # a margin has no real value
             return False
 
@@ -124,9 +118,9 @@ class SymbolicPiece:
         return held
 
     def _on_array(self, expression: sympy.Expr, x: Floats, p: float) -> Floats:
-        function = compiled(self.symbols, (expression,), "numpy")
+        function = compiled(self._functions.arguments, (expression,), "numpy")
         with np.errstate(all="ignore"):
-            (found,) = function(x, np.float64(p))
+            (found,) = function(x, np.float64(p), *self._values)
         values: Floats = np.broadcast_to(np.asarray(found, dtype=float), x.shape).copy()
         return values
 
@@ -135,12 +129,50 @@ class SymbolicPiece:
         return self.bounds[code].cause
 
 
+class _Functions(NamedTuple):
+    """What is compiled of a piece.
+
+    Attributes
+    ----------
+    arguments
+        Of all functions: x, p, and symbols that are held.
+    expressions
+        Value and derivatives; the margins; their derivatives in x and p.
+    everything, inside
+        The expressions; whether the relations hold.
+    causes
+        The codes of the margins.
+    """
+
+    arguments: tuple[sympy.Symbol, ...]
+    expressions: tuple[sympy.Expr, ...]
+    everything: Compiled
+    inside: Compiled
+    causes: Ints
+
+
+@lru_cache(maxsize=1024)
+def _functions(
+    symbols: Symbols, others: tuple[sympy.Symbol, ...], value: sympy.Expr, bounds: tuple[Bound, ...]
+) -> _Functions:
+    margins = [bound.margin for bound in bounds]
+    gradients = (sympy.diff(margin, s) for margin in margins for s in symbols)
+    slopes = (sympy.diff(value, s) for s in symbols)
+    expressions, arguments = (value, *slopes, *margins, *gradients), (*symbols, *others)
+    relations = sympy.And(*(bound.relation for bound in bounds), evaluate=False)
+    return _Functions(
+        arguments, expressions, compiled(arguments, expressions), compiled(arguments, relations),
+        codes(len(bounds)),
+    )  # fmt: skip
+
+
 @lru_cache(maxsize=1024)
 def compiled(
-    symbols: Symbols, expressions: tuple[sympy.Expr, ...] | sympy.And, module: str = "math"
-) -> Compiled:
-    """A function of (x, p) that returns the values of expressions, or the truth of relations."""
-    function: Compiled = sympy.lambdify(list(symbols), expressions, module, cse=True)
+    arguments: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...] | sympy.And,
+    module: str = "math",
+) -> Compiled:  # fmt: skip
+    """A function that returns the values of expressions, or the truth of relations."""
+    function: Compiled = sympy.lambdify(list(arguments), expressions, module, cse=True)
     return function
 
 
@@ -179,10 +211,18 @@ def from_sympy(
         For text, unknown symbols, functions that are not smooth, conditions with Or, Not, == or !=,
         and overlaps with an earlier condition of several relations: write such conditions out.
     """
-    symbols = _symbols(x, p)
+    symbols = known_symbols(x=x, p=p)
+    return FormulaMap(pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words))
+
+
+def pieces_from_sympy(
+    piecewise: sympy.Expr, symbols: tuple[sympy.Symbol, ...], first: Symbols,
+    values: Mapping[sympy.Symbol, Any], words: Sequence[str] | None,
+) -> list[SymbolicPiece]:  # fmt: skip
+    """The pieces of a formula in some symbols, two of which vary at first, the others are zero."""
     if not isinstance(piecewise, sympy.Expr):
         raise TypeError(f"a map must be an expression of sympy, got {piecewise!r}")
-    given = _numbers(values or {}, symbols)
+    given, held = _numbers(values, symbols), tuple((s, 0.0) for s in symbols if s not in first)
     whole = isinstance(piecewise, sympy.Piecewise)
     parts = piecewise.args if whole else ((piecewise, sympy.true),)
     formulas = [_exact(formula).xreplace(given) for formula, _ in parts]
@@ -192,27 +232,34 @@ def from_sympy(
     for word, formula, bounds in pieces:
         if bounds is not None:
             _check(formula, symbols)
-            found.append(SymbolicPiece(word, symbols, formula, bounds))
-    return FormulaMap(found)
+            found.append(SymbolicPiece(word, first, formula, bounds, held))
+    return found
 
 
-def _bounds(conditions: Sequence[sympy.Basic], symbols: Symbols) -> list[tuple[Bound, ...] | None]:
+def _bounds(
+    conditions: Sequence[sympy.Basic], symbols: tuple[sympy.Symbol, ...]
+) -> list[tuple[Bound, ...] | None]:
     for condition in conditions:
         for bound in bounds_of(condition) or ():
             _check(bound.margin, symbols)
     return bounds_of_pieces(conditions)
 
 
-def _symbols(x: object, p: object) -> Symbols:
-    for name, symbol in (("x", x), ("p", p)):
+def known_symbols(**named: object) -> tuple[sympy.Symbol, ...]:
+    """The variable and the parameters, by what they are called here."""
+    for name, symbol in named.items():
         if not isinstance(symbol, sympy.Symbol):
             raise TypeError(f"{name} must be a symbol of sympy, got {symbol!r}")
-    if x == p:
-        raise ValueError(f"the variable and the parameter must be two symbols, got {x} twice")
-    return Symbols(x, p)
+    symbols = tuple(named.values())
+    twice = next((symbol for symbol in symbols if symbols.count(symbol) > 1), None)
+    if twice is not None:
+        raise ValueError(f"the variable and the parameters must differ, got {twice} twice")
+    return symbols
 
 
-def _numbers(values: Mapping[Any, Any], symbols: Symbols) -> dict[sympy.Symbol, sympy.Expr]:
+def _numbers(
+    values: Mapping[Any, Any], symbols: tuple[sympy.Symbol, ...]
+) -> dict[sympy.Symbol, sympy.Expr]:
     """What is put in for other symbols, exactly."""
     found = {}
     for symbol, value in values.items():
@@ -232,7 +279,7 @@ def _exact(expression: sympy.Basic) -> sympy.Basic:
     return expression.xreplace({f: sympy.Rational(f) for f in expression.atoms(sympy.Float)})
 
 
-def _check(expression: sympy.Expr, symbols: Symbols) -> None:
+def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
     """Refuse unknown symbols and what is not smooth or not real."""
     unknown = sorted(expression.free_symbols - set(symbols), key=str)
     for symbol in unknown:
@@ -294,20 +341,25 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
     TypeError
         If it is no map of pwmap.
     """
+    return FormulaMap(pieces_from_pwmap(map_, (str(parameter),)))
+
+
+def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> list[SymbolicPiece]:
+    """The pieces of a piecewise-linear map; of its parameters the first varies at first."""
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"the map must be a pwmap.PiecewiseLinearMap, got {map_!r}")
-    names = [str(symbol) for symbol in map_.parameters]
-    if names != [str(parameter)]:
-        listed = ", ".join(names) or "none"
-        raise ValueError(f"the parameters of the map must be {parameter} alone, got {listed}")
-    symbols = Symbols(map_.x, map_.parameters[0])
-    return FormulaMap(
-        [
-            SymbolicPiece(piece.word, symbols, piece.expression, _ends(piece))
-            for piece in map_.pieces
-            if not piece.cylinder.is_point
-        ]
-    )
+    named = {str(symbol): symbol for symbol in map_.parameters}
+    if sorted(named) != sorted(parameters):
+        wanted, listed = " and ".join(parameters), ", ".join(named) or "none"
+        alone = " alone" if len(parameters) == 1 else ""
+        raise ValueError(f"the parameters of the map must be {wanted}{alone}, got {listed}")
+    first, *others = (named[name] for name in parameters)
+    symbols, held = Symbols(map_.x, first), tuple((symbol, 0.0) for symbol in others)
+    return [
+        SymbolicPiece(piece.word, symbols, piece.expression, _ends(piece), held)
+        for piece in map_.pieces
+        if not piece.cylinder.is_point
+    ]
 
 
 def _ends(piece: Piece) -> tuple[Bound, ...]:

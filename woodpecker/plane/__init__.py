@@ -1,0 +1,1 @@
+"""Piecewise-smooth maps over two parameters: curves of special points, and regions between them."""

@@ -1,0 +1,243 @@
+"""What following a special point over two parameters comes to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+
+from pwmap.diagrams.diagram import PointKind, PointStatus
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.borders import BorderKind
+from woodpecker.plane.families import Pair
+
+
+class PlaneKind(StrEnum):
+    """A special point of codimension two, or why a curve ends; the value is its code."""
+
+    CUSP = "CP"
+    GENERALISED_FLIP = "GPD"
+    FOLD_BORDER = "LPB"
+    FLIP_BORDER = "PDB"
+    JUMP_CLOSES = "JC"
+    TWO_BORDERS = "BB"
+    DOMAIN = "DL"
+    END = "EP"
+
+    @property
+    def meaning(self) -> str:
+        """One phrase that says what it is."""
+        return _MEANINGS[self.value]
+
+    @property
+    def label(self) -> str:
+        """A name for a legend or a table."""
+        return _MEANINGS[self.value].partition(":")[0]
+
+
+_MEANINGS = {
+    "CP": "cusp: two folds meet, and the second derivative is zero",
+    "GPD": "generalised flip: the cubic coefficient of a flip is zero",
+    "LPB": "fold-border collision: multiplier +1 right at a border",
+    "PDB": "flip-border collision: multiplier -1 right at a border",
+    "JC": "jump closes: the limits on both sides of a border meet",
+    "BB": "two borders meet: a cycle lies on both",
+    "DL": "limit of the domain: beyond, the return is lost",
+    "EP": "end point: end of a span or of the window, or given up",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneStretch:
+    """A part of a curve along which words do not change.
+
+    Attributes
+    ----------
+    first
+        Its first sample; it ends where the next stretch begins.
+    word
+        Of the returns, separated by bars; where a border is met that of the piece on its inner
+        side.
+    beyond
+        Where a border is met, the word of the piece beyond it; else empty.
+    cause
+        A sentence on what happens where it begins; empty at the start of a curve.
+    """
+
+    first: int
+    word: str
+    beyond: str = ""
+    cause: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlanePoint:
+    """A special point of codimension two, or an end, of a curve.
+
+    Attributes
+    ----------
+    id
+        Its code with a number, unique in its curve.
+    kind
+        Its code.
+    values
+        Both parameters.
+    x
+        The points of the orbit.
+    sample
+        Which sample of the curve it is.
+    cause
+        A sentence on what happens there.
+    precision
+        How well both parameters are located; infinite if it is open.
+    status
+        Whether it was located, or the curve was given up here.
+    starts
+        Kinds of other curves that start here, for :func:`woodpecker.continuation` to follow.
+    """
+
+    id: str
+    kind: PlaneKind
+    values: Pair
+    x: tuple[float, ...]
+    sample: int
+    cause: str = ""
+    precision: Pair = (0.0, 0.0)
+    status: PointStatus = PointStatus.LOCATED
+    starts: tuple[PointKind, ...] = ()
+    seed: object = field(default=None, repr=False, compare=False, hash=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve:
+    """A curve of special points over two parameters.
+
+    Attributes
+    ----------
+    kind
+        LP, PD or BC: a fold, a flip, or a cycle on a border. What a BC is along the curve, FF
+        among others, ``codes`` say.
+    names
+        Of both parameters.
+    order
+        Period n of the cycle.
+    values
+        (k, 2) parameters.
+    x
+        (k, n) points of the cycle; of a BC the point on the border is ``border_index``.
+    border_index
+        Which point lies on a border; -1 if none does.
+    multipliers
+        (k, 2) multiplier of the cycle, and, at a border, with the piece beyond in place of the one
+        inside; nan if it has no value there, and if no border is met.
+    gaps
+        (k,) at a border the difference of the limits of the iterate; else 0.
+    borders
+        What the map does at the border, sample by sample; empty if none is met.
+    codes, notes
+        (k,) codes of the special point over one parameter, and what they leave open, as in a
+        diagram.
+    words
+        Stretches of one word.
+    points
+        Special points along the curve and its two ends, in order.
+    closed
+        Whether it ends where it begins.
+    cause
+        At a border, what happens there.
+    given
+        Under which conditions it holds.
+    """
+
+    kind: PointKind
+    names: tuple[str, str]
+    order: int
+    values: Floats
+    x: Floats
+    border_index: int
+    multipliers: Floats
+    gaps: Floats
+    borders: tuple[BorderKind, ...]
+    codes: tuple[PointKind, ...]
+    notes: tuple[str, ...]
+    words: tuple[PlaneStretch, ...]
+    points: tuple[PlanePoint, ...]
+    closed: bool = False
+    cause: str = ""
+    given: tuple[str, ...] = ()
+    columns: Mapping[str, Floats] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("values", "x", "multipliers", "gaps"):
+            array: Floats = np.array(getattr(self, name), dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __repr__(self) -> str:
+        first, last = self.ends
+        over = ", ".join(self.names)
+        return (
+            f"Curve({self.kind} over {over}: {len(self)} samples, from {first.id} to {last.id}, "
+            f"{len(self.points) - 2} special points)"
+        )
+
+    @property
+    def ends(self) -> tuple[PlanePoint, PlanePoint]:
+        """Where it starts and where it ends."""
+        return self.points[0], self.points[-1]
+
+    def point(self, name: str) -> PlanePoint:
+        """A special point by its id; KeyError lists those there are."""
+        for each in self.points:
+            if each.id == name:
+                return each
+        raise KeyError(f"no point {name!r} on this curve, it has {[p.id for p in self.points]}")
+
+    def word_at(self, sample: int) -> str:
+        """The word of a sample; IndexError if there is no such sample."""
+        if not 0 <= sample < len(self):
+            raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
+        return [each for each in self.words if each.first <= sample][-1].word
+
+    def stretches(self) -> list[tuple[PointKind, str, int, int]]:
+        """Runs of one code and note: with their first sample, and the last, included."""
+        found = list[tuple[PointKind, str, int, int]]()
+        for k, (code, note) in enumerate(zip(self.codes, self.notes, strict=True)):
+            if found and found[-1][:2] == (code, note):
+                found[-1] = (*found[-1][:3], k)
+            else:
+                found.append((code, note, k, k))
+        return found
+
+    def crossings(self, axis: int, value: float) -> list[Pair]:
+        """Where the curve has a value of one of its parameters, by the straight line in between."""
+        found = []
+        along = self.values[:, axis] - value
+        for k in range(len(self) - 1):
+            a, b = along[k], along[k + 1]
+            if a == 0.0 or a * b < 0.0:
+                part = 0.0 if a == 0.0 else a / (a - b)
+                here = self.values[k] + part * (self.values[k + 1] - self.values[k])
+                found.append((float(here[0]), float(here[1])))
+        if len(self) and along[-1] == 0.0:
+            found.append((float(self.values[-1, 0]), float(self.values[-1, 1])))
+        return found
+
+
+def numbered(kinds: Sequence[PlaneKind]) -> list[str]:
+    """Ids of points: their codes with numbers."""
+    count: dict[PlaneKind, int] = {}
+    names = []
+    for kind in kinds:
+        count[kind] = count.get(kind, 0) + 1
+        names.append(f"{kind}{count[kind]}")
+    return names
+
+
+OPEN = (math.inf, math.inf)

@@ -1,0 +1,139 @@
+"""Families of maps: a piecewise-smooth map with two parameters, seen along each of them.
+
+Whatever is known of maps with one parameter is used as it is: a family gives the map over one of
+its parameters while the other one is held, and tells which of its pieces is which of another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, runtime_checkable
+
+import sympy
+
+from pwmap import PiecewiseLinearMap
+from woodpecker.piecewise.formulas import FormulaMap
+from woodpecker.piecewise.pieces import Piece, PiecewiseMap
+from woodpecker.piecewise.symbolic import (
+    SymbolicPiece,
+    Symbols,
+    known_symbols,
+    pieces_from_pwmap,
+    pieces_from_sympy,
+)
+
+Pair = tuple[float, float]
+"""The values of two parameters."""
+
+
+@runtime_checkable
+class Family(Protocol):
+    """A piecewise-smooth map of the line with two parameters."""
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Its parameters."""
+
+    def over(self, axis: int, values: Pair) -> PiecewiseMap:
+        """The map over the parameter of an axis, 0 or 1, the other one held at its value.
+
+        Where the family has no map with these values, that map has no images.
+        """
+
+    def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
+        """The piece of one of its maps that is the same as one of another."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SymbolicFamily:
+    """A family whose pieces are formulas; made by :func:`family_from_sympy` or ``_from_pwmap``.
+
+    Attributes
+    ----------
+    pieces
+        As pieces over the first parameter.
+    symbols
+        The variable and both parameters.
+    """
+
+    pieces: tuple[SymbolicPiece, ...]
+    symbols: tuple[sympy.Symbol, sympy.Symbol, sympy.Symbol]
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The names of its parameters."""
+        return str(self.symbols[1]), str(self.symbols[2])
+
+    def over(self, axis: int, values: Pair) -> FormulaMap:
+        """The map over one of the parameters."""
+        x, *parameters = self.symbols
+        first, held = Symbols(x, parameters[axis]), ((parameters[1 - axis], values[1 - axis]),)
+        return FormulaMap([replace(piece, symbols=first, held=held) for piece in self.pieces])
+
+    def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
+        """The piece of that name."""
+        assert isinstance(map_, FormulaMap)
+        return map_.piece(piece.word)
+
+
+def family_from_sympy(
+    piecewise: sympy.Expr,
+    x: sympy.Symbol,
+    parameters: tuple[sympy.Symbol, sympy.Symbol],
+    values: Mapping[sympy.Symbol, Any] | None = None,
+    words: Sequence[str] | None = None,
+) -> SymbolicFamily:
+    """A family from a ``sympy.Piecewise``, or from one smooth expression.
+
+    Parameters
+    ----------
+    piecewise, x, values, words
+        As :func:`woodpecker.from_sympy` takes them.
+    parameters
+        The two symbols that vary.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As :func:`woodpecker.from_sympy` does; ValueError unless there are two parameters.
+    """
+    p, q = _two(parameters)
+    symbols = known_symbols(x=x, p=p, q=q)
+    pieces = pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words)
+    return SymbolicFamily(tuple(pieces), (x, p, q))
+
+
+def family_from_pwmap(
+    map_: PiecewiseLinearMap, parameters: tuple[sympy.Symbol | str, sympy.Symbol | str]
+) -> SymbolicFamily:
+    """A family from an exact piecewise-linear map with two symbolic parameters.
+
+    The order of the breaks is known just where the assumptions of the map hold, and so is the
+    family; see :func:`woodpecker.from_pwmap`.
+
+    Parameters
+    ----------
+    map_
+        The map.
+    parameters
+        Its parameters in the order that is wanted, symbols or names.
+
+    Raises
+    ------
+    ValueError
+        If these are not the parameters of the map.
+    TypeError
+        If it is no map of pwmap.
+    """
+    wanted = tuple(str(each) for each in _two(parameters))
+    pieces = pieces_from_pwmap(map_, wanted)
+    named = {str(symbol): symbol for symbol in map_.parameters}
+    return SymbolicFamily(tuple(pieces), (map_.x, named[wanted[0]], named[wanted[1]]))
+
+
+def _two(parameters: Any) -> tuple[Any, Any]:
+    if isinstance(parameters, str) or len(parameters) != 2:
+        raise ValueError(f"expected two parameters, got {parameters!r}")
+    first, second = parameters
+    return first, second

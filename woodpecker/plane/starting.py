@@ -1,0 +1,166 @@
+"""From a special point over one parameter to a place on its curve over two."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pwmap.diagrams.diagram import PointKind, SpecialPoint
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.borders import BorderKind
+from woodpecker.piecewise.branch_points import Multiplier
+from woodpecker.piecewise.crossings import border_at
+from woodpecker.piecewise.margins import nearest_code
+from woodpecker.piecewise.orbits import (
+    Closed,
+    Condition,
+    Margin,
+    Orbit,
+    minimal_period,
+    scales,
+    solve,
+)
+from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+from woodpecker.plane.places import Locus, Place, Plane
+
+MULTIPLIERS = {PointKind.LP: 1.0, PointKind.PD: -1.0}
+COLLISIONS = (PointKind.BC, PointKind.FF)
+PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LOST,
+             BorderKind.SMOOTH)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Candidate:
+    """An orbit that might be the cycle that collides, and where it might lie on a border."""
+
+    orbit: Orbit
+    margin: Margin
+
+
+def located(plane: Plane, point: SpecialPoint, second: float) -> tuple[Place, Locus]:
+    """The place of a special point, found anew, and what its curve obeys.
+
+    Parameters
+    ----------
+    point
+        Of a diagram over the first parameter.
+    second
+        The value of the other one.
+
+    Raises
+    ------
+    ValueError
+        If it is of a kind that has no curve, or there is no such point.
+    """
+    if point.kind not in (*MULTIPLIERS, *COLLISIONS):
+        raise ValueError(
+            f"a curve starts at LP, PD, BC or FF, got {point.id}, {point.kind.label}"
+        )
+    values = (point.parameter, second)
+    map_, p = plane.map(values), point.parameter
+    if point.kind in MULTIPLIERS:
+        found = _turning(map_, point, plane.first)
+    else:
+        found = _colliding(map_, point, plane.first)
+    if found is None:
+        names = plane.family.names
+        raise ValueError(
+            f"there is no {point.kind} near {names[0]} = {p:.12g}, x = {point.x:.12g} at "
+            f"{names[1]} = {second:.12g}: expected a special point of a diagram over {names[0]} "
+            "with all other parameters as they are now"
+        )
+    orbit, locus = found
+    return plane.place(orbit.pieces, orbit.x, (orbit.p, second)), locus
+
+
+def _turning(
+    map_: PiecewiseMap, point: SpecialPoint, settings: Settings
+) -> tuple[Orbit, Locus] | None:
+    """The cycle of a fold or a flip."""
+    x, images = [point.x], [map_.at(point.x, point.parameter)]
+    while len(images) < point.order and not images[-1].reason:
+        x.append(images[-1].value)
+        images.append(map_.at(x[-1], point.parameter))
+    if images[-1].reason:
+        return None
+    guess, value = Orbit(np.array(x), point.parameter, tuple(images)), MULTIPLIERS[point.kind]
+    found = _solved(guess, (Closed(), Multiplier(value, settings)), settings)
+    return None if found is None else (found, Locus(value))
+
+
+def _colliding(
+    map_: PiecewiseMap, point: SpecialPoint, settings: Settings
+) -> tuple[Orbit, Locus] | None:
+    """The cycle of a border collision, and the margin that vanishes; as the diagram names it."""
+    best, rank = None, (2, len(PREFERRED), 0.0)
+    away = settings.beside
+    while best is None and away >= settings.nearest:
+        for each in _candidates(map_, point, away * settings.x_scale, settings):
+            found = _solved(each.orbit, (Closed(), each.margin), settings)
+            if found is None:
+                continue
+            border = border_at(map_, found, each.margin, settings)
+            named = border.cause == point.cause
+            own = (
+                0 if named else 1,
+                PREFERRED.index(border.kind(settings)),
+                abs(found.images[each.margin.index].slope),
+            )
+            if own < rank:
+                best, rank = (found, Locus(each.margin)), own
+        away *= settings.numerics.restart
+    return best
+
+
+def _solved(
+    guess: Orbit, conditions: tuple[Condition, Condition], settings: Settings
+) -> Orbit | None:
+    """The orbit near a guess that obeys two conditions, with its minimal period; None if none."""
+    solution = solve(guess, conditions, settings)
+    way = (solution.orbit.point - guess.point) / scales(len(guess), settings)
+    near = float(np.abs(way[[0, -1]]).max()) <= settings.beside
+    if not (solution.converged and near):
+        return None
+    return solution.orbit if minimal_period(solution.orbit, settings) == len(guess) else None
+
+
+def _candidates(
+    map_: PiecewiseMap, point: SpecialPoint, away: float, settings: Settings
+) -> Iterator[_Candidate]:
+    """Orbits from a point that come back to it, by all pieces that meet next to theirs."""
+    p = point.parameter
+
+    def extended(x: list[float], images: list[Image], sides: list[int]) -> Iterator[_Candidate]:
+        left, right = (map_.at(x[-1] + side * away, p) for side in (-1, 1))
+        on_border = left.piece.key != right.piece.key
+        for piece_of, side in ((left, 1), (right, -1))[: 2 if on_border else 1]:
+            image = piece_of.piece.at(x[-1], p) if not piece_of.reason else piece_of
+            if image.reason:
+                continue
+            own, met = [*images, image], [*sides, side if on_border else 0]
+            if abs(image.value - x[0]) <= _slack(own, settings):
+                orbit = Orbit(np.array(x), p, tuple(own))
+                for i, towards in enumerate(met):
+                    code = nearest_code(orbit.images[i], towards) if towards else -1
+                    if code >= 0:
+                        yield _Candidate(orbit, Margin(i, code))
+            elif len(own) < point.order:
+                yield from extended([*x, image.value], own, met)
+
+    yield from extended([point.x], [], [])
+
+
+def _slack(images: list[Image], settings: Settings) -> float:
+    """How far from its start an orbit may come back: its start is known to rounding only."""
+    steepest = 1.0
+    for image in images:
+        steepest *= max(1.0, min(abs(image.slope), settings.numerics.steep))
+    return min(settings.beside * steepest, settings.near) * settings.x_scale
+
+
+def kept_points(orbit: Orbit) -> Floats:
+    """The points of an orbit, to be kept."""
+    return orbit.x.copy()
