@@ -20,10 +20,23 @@ from woodpecker.piecewise.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class Multiplier:
-    """The multiplier of an orbit has a value."""
+    """The multiplier of an orbit has a value.
+
+    Attributes
+    ----------
+    value
+        The value.
+    settings
+        Scales.
+    finest
+        Shortest distance over which slopes are compared, scaled; by default ``same``. At a branch
+        point nothing is left of the equations but rounding; elsewhere less is, and next to a root
+        in the map it has to be closer.
+    """
 
     value: float
     settings: Settings
+    finest: float = math.nan
 
     def residual(self, orbit: Orbit) -> float:
         """The multiplier less its value."""
@@ -31,7 +44,8 @@ class Multiplier:
 
     def row(self, orbit: Orbit) -> Floats:
         """Its derivatives, by differences of slopes."""
-        return _differences(orbit, _multiplier, self.settings)
+        finest = self.settings.same if math.isnan(self.finest) else self.finest
+        return _differences(orbit, _multiplier, self.settings, finest)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +60,7 @@ class Stationary:
 
     def row(self, orbit: Orbit) -> Floats:
         """Its derivatives, by differences of slopes."""
-        return _differences(orbit, _drift, self.settings)
+        return _differences(orbit, _drift, self.settings, self.settings.same)
 
 
 def saddle(guess: Orbit, settings: Settings) -> Orbit | None:
@@ -109,9 +123,11 @@ def _drift(orbit: Orbit) -> float:
     return total
 
 
-def _differences(orbit: Orbit, value: Callable[[Orbit], float], settings: Settings) -> Floats:
+def _differences(
+    orbit: Orbit, value: Callable[[Orbit], float], settings: Settings, finest: float
+) -> Floats:
     """Derivatives (n + 1,) of a function of slopes in the unknowns, by central differences."""
-    step = _steps(orbit, settings)
+    step = _steps(orbit, settings, finest)
     row = np.zeros(len(step))
     for k, length in enumerate(step.tolist()):
         way = np.zeros(len(step))
@@ -120,7 +136,7 @@ def _differences(orbit: Orbit, value: Callable[[Orbit], float], settings: Settin
     return row
 
 
-def _steps(orbit: Orbit, settings: Settings) -> Floats:
+def _steps(orbit: Orbit, settings: Settings, finest: float) -> Floats:
     """Lengths (n + 1,) over which differences are taken."""
     scale = scales(len(orbit), settings)
     away = np.full(len(scale), math.inf)
@@ -130,4 +146,4 @@ def _steps(orbit: Orbit, settings: Settings) -> Floats:
         x, p = np.fmin.reduce(own, axis=0, initial=math.inf).tolist()
         away[i], away[-1] = x, min(p, float(away[-1]))
     most, clear = settings.numerics.difference, settings.numerics.clear
-    return np.maximum(np.minimum(most * scale, clear * away), settings.same * scale)
+    return np.maximum(np.minimum(most * scale, clear * away), finest * scale)

@@ -198,7 +198,7 @@ def held(what: Margin | float, plane: Plane) -> Seen:
     """A margin vanishes, or the multiplier has a value."""
     if isinstance(what, Margin):
         return Seen((what, what))
-    one, other = (Multiplier(what, settings) for settings in plane.settings)
+    one, other = (Multiplier(what, each, each.nearest) for each in plane.settings)
     return Seen((one, other))
 
 
