@@ -135,6 +135,10 @@ def _leg(
                                    event.cause if event else ""))
         end, samples[-1] = arc.end, replace(samples[-1], event=arc.end, kind=arc.end.kind,
                                             cause=arc.end.cause)
+        if arc.beyond is not None:
+            samples.append(_Sample(arc.beyond, locus))
+            step = plane.first.again
+            continue
         if end.margin is None or end.kind is not None:
             return samples, end.cause == CLOSED
         on = passed(plane, locus, arc.nodes[-1], end.margin)

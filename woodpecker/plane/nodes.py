@@ -14,6 +14,7 @@ from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import Multiplier, ways
 from woodpecker.piecewise.crossings import border_at
 from woodpecker.piecewise.jumps import limit_of
+from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import PlaneKind
@@ -21,6 +22,8 @@ from woodpecker.plane.places import Locus, Place, Plane
 
 THIRD = 2.0**-10  # part of the unit of x over which a second difference of slopes is taken: its
 # error is the square, and rounding over the square is 1e-10
+APART = 2.0**-5  # and part of the distance from the nearest border at most, where slopes may be
+# those of a root
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +101,7 @@ def tests_of(plane: Plane, locus: Locus, n: int) -> tuple[Test, ...]:
             Test(PlaneKind.FLIP_BORDER, lambda node: node.inside + 1.0),
             Test(PlaneKind.FOLD_BORDER, lambda node: _kinked(plane, node, index) - 1.0),
             Test(PlaneKind.FLIP_BORDER, lambda node: _kinked(plane, node, index) + 1.0),
-            Test(PlaneKind.JUMP_CLOSES, lambda node: _jump(plane, node)),
+            Test(PlaneKind.JUMP_CLOSES, lambda node: node.gap),
         )
     if locus.held > 0.0:  # type: ignore[operator]
         found = [Test(PlaneKind.CUSP, lambda node: bend(node.orbit, plane.first))]
@@ -111,11 +114,6 @@ def tests_of(plane: Plane, locus: Locus, n: int) -> tuple[Test, ...]:
 def _kinked(plane: Plane, node: Node, index: int) -> float:
     """The multiplier beyond a border at which the map is continuous; nan at others."""
     return node.beyond(index) if node.kind(plane.first) is BorderKind.KINK else math.nan
-
-
-def _jump(plane: Plane, node: Node) -> float:
-    """What is left of a jump; nothing if the map is continuous."""
-    return node.gap if node.kind(plane.first) is BorderKind.JUMP else 0.0
 
 
 def _halves(node: Node) -> float:
@@ -136,7 +134,8 @@ def bend(orbit: Orbit, settings: Settings) -> float:
 
 def cubic(orbit: Orbit, settings: Settings) -> float:
     """The cubic coefficient of a flip: f''^2/2 + f'''/3; positive if the doubled cycle attracts."""
-    h = THIRD * settings.x_scale
+    away = min((depth(image) for image in orbit.images), default=math.inf)
+    h = max(THIRD * min(settings.x_scale, max(away, 0.0) * APART / THIRD), settings.nearest)
     low, here, high = (_slope_from(orbit, shift) for shift in (-h, 0.0, h))
     second, third = (high - low) / (2.0 * h), (high - 2.0 * here + low) / (h * h)
     return 0.5 * second * second + third / 3.0

@@ -87,7 +87,7 @@ def _turning(
     if images[-1].reason:
         return None
     guess, value = Orbit(np.array(x), point.parameter, tuple(images)), MULTIPLIERS[point.kind]
-    found = _solved(guess, (Closed(), Multiplier(value, settings)), settings)
+    found = _solved(guess, (Closed(), Multiplier(value, settings, settings.nearest)), settings)
     return None if found is None else (found, Locus(value))
 
 

@@ -69,6 +69,7 @@ class Stepper:
         self.numerics = plane.first.numerics
         self.tests, self.scale = tests_of(plane, locus, n), plane.scales(n)
         self.equations = locus.equations(plane)
+        self._closed = self.settings.jump * self.settings.x_scale
 
     # --- One step -----------------------------------------------------------------------------
 
@@ -144,7 +145,7 @@ class Stepper:
         found = [*self._borders(a, b, step), *self._ends(a, b, step)]
         for test in self.tests:
             if test is not skipped:
-                found += self._tested(a, b, step, test)
+                found += self.tested(a, b, step, test)
         if origin is not None:
             found += self._closing(a, b, origin)
         first = min(found, key=lambda each: each.distance, default=None)
@@ -154,8 +155,10 @@ class Stepper:
             return None
         return first
 
-    def _tested(self, a: Node, b: Node, step: float, test: Test) -> list[Event]:
+    def tested(self, a: Node, b: Node, step: float, test: Test) -> list[Event]:
         before, after = test.value(a), test.value(b)
+        if test.kind is PlaneKind.JUMP_CLOSES and max(abs(before), abs(after)) <= self._closed:
+            return []  # nothing is left of it but rounding
         if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
             return []
         found: dict[float, Node] = {}
@@ -175,6 +178,55 @@ class Stepper:
         if 2.0 * abs(test.value(found[nearest])) > min(abs(before), abs(after)):
             return []  # it jumps there
         return [Event(test.kind, found[nearest], nearest, ends=test.ends, test=test)]
+
+    def across(self, last: Node) -> tuple[Node, str] | None:
+        """The first node beyond the nearest border, and what happens there; None if none is found.
+
+        Beside a root in the map folds and flips come to a border like a tangent, with a contact of
+        third order, and steps towards it become ever shorter. Beyond it they are regular.
+        """
+        if self.locus.border is not None:
+            return None
+        margin = self._nearest(last)
+        step, cause = self.settings.again, last.orbit.images[margin.index].piece.cause(margin.code)
+        while step <= self.settings.max_step:
+            found = self._beyond(last, step, margin)
+            if found is not None:
+                return found, cause
+            step *= 2.0
+        return None
+
+    def _beyond(self, last: Node, step: float, margin: Margin) -> Node | None:
+        """The node a step ahead with the piece that the map takes beyond a border."""
+        guess, i = self._predicted(last, step), margin.index
+        image, x = guess.orbit.images[i], guess.orbit.x.copy()
+        if image.reason or image.gradient(margin.code)[0] == 0.0:
+            return None
+        depth = image.margin(margin.code) / image.gradient(margin.code)[0]
+        x[i] -= depth + math.copysign(self.settings.beside * self.settings.x_scale, depth)
+        there = self.plane.map(guess.values).at(float(x[i]), guess.values[0])
+        if there.reason or there.piece.key == image.piece.key:
+            return None
+        pieces = [*guess.orbit.pieces]
+        pieces[i] = there.piece
+        start = self.plane.place(pieces, guess.orbit.x, guess.values)
+        if not start.defined:
+            return None
+        ahead = Along(last.place.point, last.tangent, step, self.scale)
+        solution = solve(self.plane, start, [*self.equations, ahead], contracts=True)
+        node = self.node(solution.place, last.tangent) if solution.converged else None
+        near = node is not None and angle(last.tangent, node.tangent) <= self.settings.max_turn
+        return node if near and node is not None and self._agrees(node.place) else None
+
+    def _nearest(self, node: Node) -> Margin:
+        """The margin nearest to vanishing, in scaled units."""
+        found = dict[Margin, float]()
+        for i, image in enumerate(node.orbit.images):
+            size = np.linalg.norm(node.place.gradients(i) * self.plane.scales(1), axis=1)
+            for code, margin, most in zip(image.causes, image.margins, size, strict=True):
+                if most > 0.0:
+                    found[Margin(i, int(code))] = abs(float(margin)) / float(most)
+        return min(found, key=lambda each: found[each])
 
     def _ends(self, a: Node, b: Node, step: float) -> Iterator[Event]:
         bounds = [(WINDOW, i, self.settings.window) for i in range(len(a.place))]
@@ -303,12 +355,15 @@ class Arc:
         What ends it.
     step
         The last step.
+    beyond
+        The first node beyond a border that is met like a tangent.
     """
 
     nodes: tuple[Node, ...]
     events: tuple[tuple[int, Event], ...]
     end: Event
     step: float
+    beyond: Node | None = None
 
 
 def follow(
@@ -318,6 +373,7 @@ def follow(
     """Follow a curve from a node to the first border that a cycle meets, or to its end."""
     settings, nodes, events = stepper.settings, [start], list[tuple[int, Event]]()
     step, grows, event = min(first, settings.step), True, None
+    looked = settings.numerics.blurred  # shorter steps may lead to a border like a tangent
     leaving = _leaves(stepper, start)
     if leaving is not None:
         return Arc((start,), (), leaving, step)
@@ -330,6 +386,13 @@ def follow(
         found = stepper.to_end(last, step) or stepper.advance(last, step, before)
         if isinstance(found, float):
             step, grows = found, False
+            if step < looked:
+                looked = settings.numerics.restart * step
+                beyond = stepper.across(last)
+                if beyond is not None:
+                    node, cause = beyond
+                    event = Event(None, last, 0.0, cause)
+                    return Arc(tuple(nodes), tuple(events), event, step, node)
             continue
         try:
             event = stepper.event(last, found, step, skipped, origin if len(nodes) > 1 else None)
