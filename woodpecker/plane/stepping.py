@@ -17,7 +17,7 @@ from woodpecker.piecewise.pieces import Image, judge
 from woodpecker.piecewise.samples import angle
 from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.nodes import Node, Test, is_tiny, margins_along, node_at, tests_of
-from woodpecker.plane.places import Along, Equation, Locus, Place, Plane, Unknown, held, solve, tangent
+from woodpecker.plane.places import Along, Equation, Locus, Place, Plane, Unknown, held, replaced, solve, tangent
 
 SPAN, WINDOW = "end of the span", "end of the window"
 CLOSED, SHORT, MANY = "the curve closes", "steps become too short", "as many samples as allowed"
@@ -183,40 +183,49 @@ class Stepper:
         """The first node beyond the nearest border, and what happens there; None if none is found.
 
         Beside a root in the map folds and flips come to a border like a tangent, with a contact of
-        third order, and steps towards it become ever shorter. Beyond it they are regular.
+        third order, and steps towards it become ever shorter. So the border is followed until the
+        piece beyond it has a fold or a flip next to it.
         """
         if self.locus.border is not None:
             return None
         margin = self._nearest(last)
-        step, cause = self.settings.again, last.orbit.images[margin.index].piece.cause(margin.code)
-        while step <= self.settings.max_step:
-            found = self._beyond(last, step, margin)
+        on_border = Stepper(self.plane, Locus(margin), len(last.place))
+        here = Along(last.place.point, last.tangent, 0.0, self.scale)
+        solution = solve(self.plane, last.place, [*on_border.equations, here])
+        node = on_border.node(solution.place, last.tangent) if solution.converged else None
+        step, way = self.settings.again, 0.0
+        while node is not None and way <= self.settings.max_step and step >= self.settings.min_step:
+            ahead = on_border.advance(node, step)
+            if isinstance(ahead, float):
+                step = ahead
+                continue
+            node, way, step = ahead, way + step, 2.0 * step
+            found = self._beyond(last, node, margin.index)
             if found is not None:
-                return found, cause
-            step *= 2.0
+                return found, node.orbit.images[margin.index].piece.cause(margin.code)
         return None
 
-    def _beyond(self, last: Node, step: float, margin: Margin) -> Node | None:
-        """The node a step ahead with the piece that the map takes beyond a border."""
-        guess, i = self._predicted(last, step), margin.index
-        image, x = guess.orbit.images[i], guess.orbit.x.copy()
-        if image.reason or image.gradient(margin.code)[0] == 0.0:
+    def _beyond(self, last: Node, on_border: Node, index: int) -> Node | None:
+        """The node with the piece beyond a border, as far from the last one as a place on it."""
+        border = on_border.border
+        if border is None or border.outer.reason:
             return None
-        depth = image.margin(margin.code) / image.gradient(margin.code)[0]
-        x[i] -= depth + math.copysign(self.settings.beside * self.settings.x_scale, depth)
-        there = self.plane.map(guess.values).at(float(x[i]), guess.values[0])
-        if there.reason or there.piece.key == image.piece.key:
-            return None
-        pieces = [*guess.orbit.pieces]
-        pieces[i] = there.piece
-        start = self.plane.place(pieces, guess.orbit.x, guess.values)
-        if not start.defined:
-            return None
-        ahead = Along(last.place.point, last.tangent, step, self.scale)
-        solution = solve(self.plane, start, [*self.equations, ahead], contracts=True)
-        node = self.node(solution.place, last.tangent) if solution.converged else None
-        near = node is not None and angle(last.tangent, node.tangent) <= self.settings.max_turn
-        return node if near and node is not None and self._agrees(node.place) else None
+        start = replaced(self.plane, on_border.place, index, border.outer.piece)
+        length = self._length(last, on_border)
+        ahead = Along(last.place.point, last.tangent, length, self.scale)
+        aside, away = np.zeros(len(self.scale)), self.numerics.nearer * length
+        aside[index] = border.side * self.scale[index]
+        while away >= self.settings.nearest:
+            guess = self.plane.moved(start, away * aside)
+            away *= self.numerics.nearer
+            if not guess.defined:
+                continue
+            solution = solve(self.plane, guess, [*self.equations, ahead], contracts=True)
+            node = self.node(solution.place, last.tangent) if solution.converged else None
+            near = node is not None and angle(last.tangent, node.tangent) <= self.settings.max_turn
+            if near and node is not None and self._agrees(node.place):
+                return node
+        return None
 
     def _nearest(self, node: Node) -> Margin:
         """The margin nearest to vanishing, in scaled units."""
@@ -387,7 +396,7 @@ def follow(
         if isinstance(found, float):
             step, grows = found, False
             if step < looked:
-                looked = settings.numerics.restart * step
+                looked = settings.numerics.split * step
                 beyond = stepper.across(last)
                 if beyond is not None:
                     node, cause = beyond
