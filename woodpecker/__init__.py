@@ -25,6 +25,10 @@ from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, une
 from woodpecker.piecewise.slices import Slice, slices_at
 from woodpecker.piecewise.symbolic import from_pwmap, from_sympy
 from woodpecker.piecewise.windows import borders_in, crosses, nearest_border
+from woodpecker.plane.curve import Curve, PlaneKind, PlanePoint, PlaneStretch
+from woodpecker.plane.families import Family, family_from_pwmap, family_from_sympy
+from woodpecker.plane.following import curve_through
+from woodpecker.plane.graph import graph_of_curves
 from woodpecker.runs import saved_diagram
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
 from woodpecker.simulation.returns import Return, ReturnMap, first_return, return_map
@@ -40,17 +44,20 @@ from woodpecker.simulation.trajectory import (
 )
 from woodpecker.simulation.words import EventKind
 from woodpecker.solutions import OnBranch, observables, solutions
+from woodpecker.toyfamily import ToyFamily
 from woodpecker.toypieces import ToyPieces
 
 __all__ = [
     "Border",
     "BorderKind",
     "BranchState",
+    "Curve",
     "EnergyBalance",
     "Equilibrium",
     "Event",
     "EventKind",
     "ExpansionFriction",
+    "Family",
     "FormulaMap",
     "FormulaPiece",
     "Found",
@@ -64,6 +71,9 @@ __all__ = [
     "OrbitDiagram",
     "PeriodicOrbit",
     "PiecewiseMap",
+    "PlaneKind",
+    "PlanePoint",
+    "PlaneStretch",
     "Return",
     "ReturnMap",
     "Search",
@@ -77,6 +87,7 @@ __all__ = [
     "State",
     "Status",
     "Toy",
+    "ToyFamily",
     "ToyPieces",
     "Trajectory",
     "bifurcation_diagram",
@@ -85,15 +96,19 @@ __all__ = [
     "connected",
     "continuation",
     "crosses",
+    "curve_through",
     "cycle_near",
     "energy",
     "energy_balance",
     "equilibrium",
+    "family_from_pwmap",
+    "family_from_sympy",
     "find_all",
     "first_return",
     "free_frequency",
     "from_pwmap",
     "from_sympy",
+    "graph_of_curves",
     "jam_limit",
     "local_model",
     "nearest_border",

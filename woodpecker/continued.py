@@ -1,16 +1,18 @@
-"""The diagram of what hangs together with one periodic motion of the toy."""
+"""What hangs together with one periodic motion of the toy, and curves of its special points."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from typing import cast, overload
 
 import numpy as np
 
-from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import interval
 from woodpecker.base.executors import Serial
+from woodpecker.curves import Spans, curve_from
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.diagrams import cycle_near, orders_with, restored
 from woodpecker.piecewise.explorer import Explorer, Progress
@@ -18,12 +20,14 @@ from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.samples import StopRule
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
+from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.runs import AT, about, finished, nothing, possible, recorded, settings_for
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.simulation.returns import RESTITUTIONS
 from woodpecker.toypieces import ToyPieces
 
 
+@overload
 def continuation(
     toy: Toy,
     orbit: PeriodicOrbit,
@@ -36,19 +40,55 @@ def continuation(
     progress: Progress | None = None,
     run: str | os.PathLike[str] | None = None,
     resume: bool = False,
-) -> Diagram:
-    """Follow a periodic solution both ways, and every branch that is connected to it.
+) -> Diagram: ...
+
+
+@overload
+def continuation(
+    toy: Toy,
+    orbit: SpecialPoint | PlanePoint,
+    parameter: tuple[str, str],
+    span: Spans,
+    *,
+    kind: PointKind | str | None = None,
+    settings: Settings | None = None,
+) -> Curve: ...
+
+
+def continuation(
+    toy: Toy,
+    orbit: PeriodicOrbit | SpecialPoint | PlanePoint,
+    parameter: str | tuple[str, str] = "eps_n1",
+    span: tuple[float, float] | Spans = (0.0, 1.0),
+    *,
+    kind: PointKind | str | None = None,
+    orders: Sequence[int] | None = None,
+    settings: Settings | None = None,
+    stop: StopRule | None = None,
+    progress: Progress | None = None,
+    run: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+) -> Diagram | Curve:
+    """Follow a periodic solution over one parameter, or a special point over two.
+
+    A periodic solution is followed both ways, and every branch that is connected to it. A special
+    point is followed both ways too, through points of codimension two and changes of word.
 
     Parameters
     ----------
     toy
-        The toy; its value of ``parameter`` is where the orbit lives.
+        The toy; its value of ``parameter`` is where the orbit lives. Over two parameters its value
+        of the second one is where the point does.
     orbit
         A periodic solution of it, from :func:`woodpecker.shoot`. It is followed with its minimal
-        period, also where a multiple of that was shot for.
+        period, also where a multiple of that was shot for. Or a special point, LP, PD, BC or FF, of
+        a diagram of this toy over the first of two parameters; or one of a curve, of codimension
+        two, at which a curve of another kind starts.
     parameter, span
-        Parameter of the toy and its interval. Where the toy cannot have all of these values,
-        branches end at the last that it can have.
+        Parameter of the toy and its interval, or two of each. Where the toy cannot have all of
+        these values, branches and curves end at the last that it can have.
+    kind
+        Of a point of codimension two: which of the curves that start there, see its ``starts``.
     orders
         The iterates of which branches are followed, the minimal period of the orbit among them; by
         default no other. Where P_n flips the doubled branch starts if 2 n is one of them, and jump
@@ -71,18 +111,43 @@ def continuation(
 
     Returns
     -------
-    Diagram
-        Fixed-point and jump branches of these iterates with their special points; ``given`` says
-        under which law of impact, and how derivatives in the parameter were found.
+    Diagram or Curve
+        Over one parameter fixed-point and jump branches of these iterates with their special
+        points; ``given`` says under which law of impact, and how derivatives in the parameter were
+        found. Over two parameters one curve.
 
     Raises
     ------
     ValueError
         If the orbit did not converge or is one of another toy, span, window or orders do not hold
-        it, or there is no such run to resume.
+        it, there is no such run to resume, or no such special point.
     TypeError
-        If the parameter is unknown, or the settings are no :class:`Settings`.
+        If a parameter is unknown, the settings are no :class:`Settings`, or what is given for one
+        parameter does not go with two.
     """
+    if isinstance(parameter, str) and isinstance(orbit, PeriodicOrbit):
+        if kind is not None:
+            raise TypeError(f"kind is for a point of codimension two, got {kind!r} for an orbit")
+        return _diagram(
+            toy, orbit, parameter, cast("tuple[float, float]", span), orders=orders,
+            settings=settings, stop=stop, progress=progress, run=run, resume=resume,
+        )  # fmt: skip
+    if isinstance(parameter, str) or isinstance(orbit, PeriodicOrbit):
+        raise TypeError(
+            "a periodic solution is followed over one parameter, a special point over two, got "
+            f"{type(orbit).__name__} and {parameter!r}"
+        )
+    if any(each is not None for each in (orders, stop, progress, run)) or resume:
+        raise TypeError("orders, stop, progress, run and resume are for one parameter, not for two")
+    return curve_from(toy, orbit, parameter, cast("Spans", span), kind=kind, settings=settings)
+
+
+def _diagram(
+    toy: Toy, orbit: PeriodicOrbit, parameter: str, span: tuple[float, float], *,
+    orders: Sequence[int] | None, settings: Settings | None, stop: StopRule | None,
+    progress: Progress | None, run: str | os.PathLike[str] | None, resume: bool,
+) -> Diagram:  # fmt: skip
+    """What is connected to a periodic solution over one parameter."""
     if not orbit.success:
         raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
     if orbit.toy != toy:

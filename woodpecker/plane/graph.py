@@ -1,0 +1,103 @@
+"""Curves over two parameters as one graph: points of codimension two are nodes, curves edges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import networkx as nx
+import numpy as np
+
+from woodpecker.plane.curve import Curve, PlanePoint
+
+SAME = 1e-8  # parts of what the curves extend over: points this close are one, for a point that two
+# curves meet is located by each of them to rounding
+
+
+def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
+    """The graph of curves, each cut at its special points.
+
+    Parameters
+    ----------
+    curves
+        Over the same two parameters.
+
+    Returns
+    -------
+    networkx.MultiGraph
+        Nodes have ``kind``, both parameters by name, ``cause`` and ``status``; edges, keyed by the
+        number of the curve and of the part, have ``kind`` (the codes along that part), ``note``,
+        ``curve``, ``samples`` and both words in the middle of the part. For
+        :func:`pwmap.write_graph`.
+
+    Raises
+    ------
+    ValueError
+        If curves are over different parameters.
+    """
+    names = {curve.names for curve in curves}
+    if len(names) > 1:
+        raise ValueError(f"expected curves over the same parameters, got {sorted(names)}")
+    graph = nx.MultiGraph()
+    units = _units(curves)
+    places = list[tuple[str, PlanePoint]]()
+    for number, curve in enumerate(curves, start=1):
+        nodes = [_node(graph, curve, point, places, units) for point in curve.points]
+        for part, ((a, one), (b, other)) in enumerate(
+            pairwise(zip(nodes, curve.points, strict=True)), start=1
+        ):
+            graph.add_edge(a, b, key=f"C{number}.{part}", **_edge(curve, number, one, other))
+        if len(nodes) == 1:
+            graph.add_edge(nodes[0], nodes[0], key=f"C{number}.1", curve=f"C{number}")
+    return graph
+
+
+def _units(curves: Sequence[Curve]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """What curves extend over in either parameter."""
+    if not curves:
+        return np.ones(2)
+    every = np.concatenate([curve.values for curve in curves])
+    size = np.ptp(every, axis=0)
+    return np.where(size > 0.0, size, 1.0)
+
+
+def _node(
+    graph: nx.MultiGraph, curve: Curve, point: PlanePoint, places: list[tuple[str, PlanePoint]],
+    units: np.ndarray[tuple[int], np.dtype[np.float64]],
+) -> str:  # fmt: skip
+    """The node of a point, a new one unless another curve has it."""
+    for name, other in places:
+        off = np.abs(np.subtract(point.values, other.values)) / units
+        if point.kind is other.kind and float(off.max()) <= SAME and _same_x(point, other):
+            return name
+    count = sum(other.kind is point.kind for _, other in places) + 1
+    name = f"{point.kind}{count}"
+    places.append((name, point))
+    first, second = curve.names
+    graph.add_node(
+        name, kind=str(point.kind), cause=point.cause, status=str(point.status), x=point.x[0],
+        **{first: point.values[0], second: point.values[1]},
+    )  # fmt: skip
+    return name
+
+
+def _same_x(one: PlanePoint, other: PlanePoint) -> bool:
+    return any(abs(one.x[0] - x) <= SAME * max(1.0, abs(x)) for x in other.x)
+
+
+def _edge(curve: Curve, number: int, one: PlanePoint, other: PlanePoint) -> dict[str, object]:
+    middle = (one.sample + other.sample) // 2
+    stretch = [each for each in curve.words if each.first <= middle][-1]
+    return {
+        "curve": f"C{number}",
+        "kind": " ".join(_unlike(str(code) for code in curve.codes[one.sample : other.sample + 1])),
+        "note": curve.notes[middle],
+        "samples": other.sample - one.sample + 1,
+        "word": stretch.word,
+        "beyond": stretch.beyond,
+    }
+
+
+def _unlike(texts: Iterator[str]) -> list[str]:
+    """Texts in the order in which they come, each once."""
+    return list(dict.fromkeys(texts))
