@@ -132,7 +132,13 @@ def _differences(
     for k, length in enumerate(step.tolist()):
         way = np.zeros(len(step))
         way[k] = length
-        row[k] = (value(moved(orbit, way)) - value(moved(orbit, -way))) / (2.0 * length)
+        above, below = value(moved(orbit, way)), value(moved(orbit, -way))
+        if not math.isnan(above + below):
+            row[k] = (above - below) / (2.0 * length)
+        else:  # the map has an end here: to one side
+            side = -1.0 if math.isnan(above) else 1.0
+            near, far = (value(moved(orbit, side * n * way)) for n in (1, 2))
+            row[k] = side * (4.0 * near - 3.0 * value(orbit) - far) / (2.0 * length)
     return row
 
 

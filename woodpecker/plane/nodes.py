@@ -22,6 +22,7 @@ from woodpecker.plane.places import Locus, Place, Plane
 
 THIRD = 2.0**-10  # part of the unit of x over which a second difference of slopes is taken: its
 # error is the square, and rounding over the square is 1e-10
+STEEP = 1e10  # a slope above this is that of a root right at its border, as it is rounded
 APART = 2.0**-5  # and part of the distance from the nearest border at most, where slopes may be
 # those of a root
 
@@ -54,8 +55,9 @@ class Node:
 
     @property
     def inside(self) -> float:
-        """Multiplier of the cycle."""
-        return self.orbit.multiplier
+        """Multiplier of the cycle; nan where it ends in a root, and is infinite."""
+        steep = any(abs(image.slope) >= STEEP for image in self.orbit.images)
+        return math.nan if steep else self.orbit.multiplier
 
     def beyond(self, index: int) -> float:
         """The same with the piece beyond the border at one of its points; nan if none is met."""

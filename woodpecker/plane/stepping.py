@@ -261,20 +261,27 @@ class Stepper:
             return
         margin, part = min(crossed, key=lambda each: each[1])
         node, distance = self._solved(a, b, part, held(margin, self.plane), step)
-        for other, _ in crossed:
-            value = node.orbit.images[other.index].margin(other.code)
-            if other != margin and value < 0.0 and not is_tiny(
-                self.plane, node.place, other.index, other.code
-            ):
-                raise UnclearError  # another one vanishes before
+        if not self.is_inside(node.place, margin):
+            raise UnclearError  # another one vanishes before
         cause = node.orbit.images[margin.index].piece.cause(margin.code)
         yield Event(None, node, distance, cause, margin)
+
+    def is_inside(self, place: Place, ignored: Margin | None = None) -> bool:
+        """Whether no margin is negative but those that vanish along the curve or are ignored."""
+        return not any(
+            value < 0.0
+            and Margin(i, code) not in (self.locus.border, ignored)
+            and not is_tiny(self.plane, place, i, code)
+            for i, image in enumerate(place.orbit.images)
+            for value, code in zip(image.margins.tolist(), image.causes.tolist(), strict=True)
+        )
 
     def _crossed(self, a: Node, b: Node) -> Iterator[tuple[Margin, float]]:
         for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
             for code in other.causes[other.margins < 0.0].tolist():
                 margin = Margin(i, code)
-                if margin == self.locus.border or is_tiny(self.plane, b.place, i, code):
+                together = all(is_tiny(self.plane, node.place, i, code) for node in (a, b))
+                if margin == self.locus.border or together:
                     continue
                 before, after = one.margin(code), other.margin(code)
                 if not before > 0.0:
