@@ -1,4 +1,4 @@
-"""The command ``woodpecker``: simulate, animate, map, diagram."""
+"""The command ``woodpecker``: simulate, animate, map, diagram, curves."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import logging
 import matplotlib as mpl
 import typer
 
+from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
@@ -24,6 +25,7 @@ for name, command in (
     ("animate", animate),
     ("map", draw_map),
     ("diagram", diagram),
+    ("curves", curves),
 ):
     app.command(name=name)(with_toy(command))
 

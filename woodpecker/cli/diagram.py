@@ -108,7 +108,7 @@ def diagram(
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     known_parameter(parameter)
     shows = _Shows(
-        places=_places(names) if parameter == NAMED else {},
+        places=places_of(names) if parameter == NAMED else {},
         columns=_columns(observables) if observables is not None else (),
         words=words,
     )
@@ -246,7 +246,7 @@ def _summary(everything: Found) -> str:
     )
 
 
-def _places(text: str) -> dict[str, tuple[float, float]]:
+def places_of(text: str) -> dict[str, tuple[float, float]]:
     """Names and their places, such as ``A=0.111,-0.884``, separated by blanks."""
     found = {}
     for part in text.split():

@@ -1,0 +1,153 @@
+"""The command ``woodpecker curves``: special points over two parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from rich.table import Table
+
+from pwmap.diagrams.diagram import Diagram, PointKind
+from pwmap.diagrams.files import write_figure, write_table
+from pwmap.diagrams.graph import write_graph
+from woodpecker.cli.diagram import PAPER, places_of
+from woodpecker.cli.options import (
+    GUESS,
+    CommandError,
+    Out,
+    console,
+    motion,
+    option,
+    progress,
+    report,
+    results_in,
+    say,
+)
+from woodpecker.continued import continuation
+from woodpecker.mechanics.toy import Toy, known_parameter
+from woodpecker.plane.curve import Curve
+from woodpecker.plane.graph import graph_of_curves
+
+FILES = ("curves.png", "curves.csv", "curve_points.csv", "curves.graphml", "curves.json")
+ALL = "all"
+STARTS = (PointKind.LP, PointKind.PD, PointKind.BC, PointKind.FF)
+
+From = Annotated[
+    str,
+    option("Special points to start from, by name or id, such as A,B,PD1; or all.", "--from"),
+]
+Parameters = Annotated[str, option("Two parameters of the toy, the first that of the diagram.")]
+First = Annotated[tuple[float, float], option("Interval of the first parameter.")]
+Second = Annotated[
+    tuple[float, float] | None,
+    option("Interval of the second parameter; by default from half to twice the toy's value."),
+]
+
+
+def curves(
+    toy: Toy,
+    from_: From = "A",
+    parameters: Parameters = "eps_n1,mu_2",
+    span: First = (0.0, 1.0),
+    second_span: Second = None,
+    phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
+    out: Out = Path("out"),
+) -> None:
+    """Follow special points of a diagram over two parameters; draw the curves, export their graph.
+
+    The diagram is what hangs together with the periodic motion over the first parameter.
+
+    Example: woodpecker curves --from A,B,C --parameters eps_n1,mu_2 --second-span 0.286 0.6
+    """
+    first, second = _pair(parameters)
+    value = getattr(toy, second)
+    spans = span, second_span if second_span is not None else (0.5 * value, 2.0 * value)
+    with results_in(out) as target:
+        diagram = continuation(toy, motion(toy, phi_s), first, span)
+        named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
+        found = _followed(toy, named, _chosen(named, from_), (first, second), spans)
+        _write(found, target)
+    console.print(_table(found))
+    report(target, *FILES)
+
+
+def _pair(text: str) -> tuple[str, str]:
+    names = [known_parameter(name.strip()) for name in text.split(",")]
+    if len(names) != 2 or names[0] == names[1]:
+        raise ValueError(f"--parameters needs two different names such as eps_n1,mu_2, got {text!r}")
+    return names[0], names[1]
+
+
+def _chosen(diagram: Diagram, text: str) -> list[str]:
+    """Names or ids of the points to start from."""
+    if text == ALL:
+        return [point.name or point.id for point in diagram.points if point.kind in STARTS]
+    wanted = [name.strip() for name in text.split(",")]
+    known = [*(p.name for p in diagram.points if p.name), *(p.id for p in diagram.points)]
+    for name in wanted:
+        if name not in known:
+            raise ValueError(f"--from must be among {', '.join(known)}, got {name!r}")
+    return wanted
+
+
+def _followed(
+    toy: Toy, diagram: Diagram, names: list[str], over: tuple[str, str],
+    spans: tuple[tuple[float, float], tuple[float, float]],
+) -> dict[str, Curve]:  # fmt: skip
+    found, refused = dict[str, Curve](), list[str]()
+    with progress() as bar:
+        task = bar.add_task(", ".join(over), total=len(names))
+        for name in names:
+            try:
+                found[name] = continuation(toy, diagram.point(name), over, spans)
+            except ValueError as error:
+                refused.append(f"{name}: {error}")
+            bar.advance(task)
+    if not found:
+        raise CommandError("no curve could be followed: " + "; ".join(refused))
+    for sentence in refused:
+        say(f"left out: {sentence}")
+    return found
+
+
+def _write(found: dict[str, Curve], target: Path) -> None:
+    from woodpecker.plot.plane import plot_curves
+
+    first, second = next(iter(found.values())).names
+    write_figure(target / FILES[0], plot_curves(found).figure)
+    write_table(
+        target / FILES[1],
+        ("curve", "kind", "note", first, second, "phi_s", "multiplier", "multiplier_beyond", "word"),
+        (
+            (
+                name, curve.codes[k], curve.notes[k], *curve.values[k].tolist(),
+                float(curve.x[k, 0]), *curve.multipliers[k].tolist(), curve.word_at(k),
+            )
+            for name, curve in found.items()
+            for k in range(len(curve))
+        ),
+    )  # fmt: skip
+    write_table(
+        target / FILES[2],
+        ("curve", "id", "kind", first, second, "phi_s", "cause", "status", "precision"),
+        (
+            (name, p.id, p.kind, *p.values, p.x[0], p.cause, p.status, max(p.precision))
+            for name, curve in found.items()
+            for p in curve.points
+        ),
+    )
+    graph = graph_of_curves(list(found.values()))
+    for name in FILES[3:]:
+        write_graph(graph, target / name)
+
+
+def _table(found: dict[str, Curve]) -> Table:
+    first, second = next(iter(found.values())).names
+    table = Table("curve", "point", first, second, "what")
+    for name, curve in found.items():
+        for k, point in enumerate(curve.points):
+            shown = name if k == 0 else ""
+            table.add_row(shown, point.id, *(f"{v:.10g}" for v in point.values), point.cause)
+        table.add_section()
+    return table
+
