@@ -38,9 +38,7 @@ class ToyFamily:
             raise ValueError(f"expected two different parameters of the toy, got {self.names!r}")
         first, second = self.names
         object.__setattr__(self, "names", (first, second))
-        object.__setattr__(
-            self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second))
-        )
+        object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
 
     def over(self, axis: int, values: Pair) -> PiecewiseMap:
         """The map over one of the parameters, the other one held."""

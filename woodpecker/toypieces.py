@@ -93,7 +93,8 @@ class _Table:
         """Take other values of the other parameters."""
         self._toy = self._toy.replace(**dict(held) | {self._parameter: p})
         self._low, self._high = limits(self._toy, self._parameter)
-        if any([self._put(name, complex(value)) for name, value in held]):
+        changed = [self._put(name, complex(value)) for name, value in held]
+        if any(changed):
             refill(self._complex, self.numbers, self._rates)
         self._held = held
 

@@ -74,7 +74,9 @@ def curves(
 def _pair(text: str) -> tuple[str, str]:
     names = [known_parameter(name.strip()) for name in text.split(",")]
     if len(names) != 2 or names[0] == names[1]:
-        raise ValueError(f"--parameters needs two different names such as eps_n1,mu_2, got {text!r}")
+        raise ValueError(
+            f"--parameters needs two different names such as eps_n1,mu_2, got {text!r}"
+        )
     return names[0], names[1]
 
 
@@ -117,7 +119,7 @@ def _write(found: dict[str, Curve], target: Path) -> None:
     write_figure(target / FILES[0], plot_curves(found).figure)
     write_table(
         target / FILES[1],
-        ("curve", "kind", "note", first, second, "phi_s", "multiplier", "multiplier_beyond", "word"),
+        ("curve", "kind", "note", first, second, "phi_s", "multiplier", "beyond", "word"),
         (
             (
                 name, curve.codes[k], curve.notes[k], *curve.values[k].tolist(),
@@ -150,4 +152,3 @@ def _table(found: dict[str, Curve]) -> Table:
             table.add_row(shown, point.id, *(f"{v:.10g}" for v in point.values), point.cause)
         table.add_section()
     return table
-

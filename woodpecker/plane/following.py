@@ -10,7 +10,6 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checks import interval
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import OPEN, Curve, PlaneKind, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair
@@ -79,7 +78,9 @@ def curve_through(
         place, locus = seed.place, seed.locus
         return _curve(plane, *_one_way(plane, place, locus, seed))
     if second is None:
-        raise ValueError(f"a special point over {family.names[0]} needs a value of {family.names[1]}")
+        raise ValueError(
+            f"a special point over {family.names[0]} needs a value of {family.names[1]}"
+        )
     place, locus = located(plane, point, second)
     for name, value, (low, high) in zip(family.names, place.values, spans, strict=True):
         if not low <= value <= high:
@@ -112,12 +113,16 @@ def _both_ways(plane: Plane, place: Place, locus: Locus) -> tuple[list[_Sample],
     return [*turned, *forward], False
 
 
-def _one_way(
-    plane: Plane, place: Place, locus: Locus, seed: Seed
-) -> tuple[list[_Sample], bool]:
+def _one_way(plane: Plane, place: Place, locus: Locus, seed: Seed) -> tuple[list[_Sample], bool]:
     """Samples from a seed on."""
-    return _leg(plane, Node(place, seed.along) if locus.border is None
-                else node_at(plane, locus, place, seed.along), locus, None)
+    return _leg(
+        plane,
+        Node(place, seed.along)
+        if locus.border is None
+        else node_at(plane, locus, place, seed.along),
+        locus,
+        None,
+    )
 
 
 def _leg(
@@ -131,10 +136,15 @@ def _leg(
         happened = dict(arc.events)
         for k, node in enumerate(arc.nodes[1:], start=1):
             event = happened.get(k)
-            samples.append(_Sample(node, locus, event, event.kind if event else None,
-                                   event.cause if event else ""))
-        end, samples[-1] = arc.end, replace(samples[-1], event=arc.end, kind=arc.end.kind,
-                                            cause=arc.end.cause)
+            samples.append(
+                _Sample(
+                    node, locus, event, event.kind if event else None, event.cause if event else ""
+                )
+            )
+        end, samples[-1] = (
+            arc.end,
+            replace(samples[-1], event=arc.end, kind=arc.end.kind, cause=arc.end.cause),
+        )
         if arc.beyond is not None:
             samples.append(_Sample(arc.beyond, locus))
             step = plane.first.again
@@ -193,9 +203,7 @@ def _words(samples: list[_Sample]) -> tuple[PlaneStretch, ...]:
 def _points(plane: Plane, samples: list[_Sample]) -> tuple[PlanePoint, ...]:
     """Special points, and both ends."""
     last = len(samples) - 1
-    kept = [
-        (k, each) for k, each in enumerate(samples) if each.kind is not None or k in (0, last)
-    ]
+    kept = [(k, each) for k, each in enumerate(samples) if each.kind is not None or k in (0, last)]
     kinds = [each.kind or PlaneKind.END for _, each in kept]
     found = []
     for (k, each), kind, name in zip(kept, kinds, numbered(kinds), strict=True):
@@ -222,6 +230,3 @@ def _precision(plane: Plane, sample: _Sample) -> Pair:
     elif sample.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER) and locus.border is not None:
         extra = held(1.0 if sample.kind is PlaneKind.FOLD_BORDER else -1.0, plane)
     return precision(plane, node.place, [*locus.equations(plane), extra])
-
-
-__all__ = ["BorderKind", "Curve", "curve_through"]

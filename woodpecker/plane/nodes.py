@@ -15,7 +15,7 @@ from woodpecker.piecewise.branch_points import Multiplier, ways
 from woodpecker.piecewise.crossings import border_at
 from woodpecker.piecewise.jumps import limit_of
 from woodpecker.piecewise.margins import depth
-from woodpecker.piecewise.orbits import Orbit
+from woodpecker.piecewise.orbits import Margin, Orbit
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.places import Locus, Place, Plane
@@ -189,3 +189,14 @@ def is_tiny(plane: Plane, place: Place, index: int, code: int) -> bool:
     gradient = place.gradient(index, code) * plane.scales(1)
     size = float(np.linalg.norm(gradient))
     return abs(place.orbit.images[index].margin(code)) <= plane.first.same * size
+
+
+def is_inside(plane: Plane, locus: Locus, place: Place, ignored: Margin | None = None) -> bool:
+    """Whether no margin is negative but those that vanish along the curve or are ignored."""
+    return not any(
+        value < 0.0
+        and Margin(i, code) not in (locus.border, ignored)
+        and not is_tiny(plane, place, i, code)
+        for i, image in enumerate(place.orbit.images)
+        for value, code in zip(image.margins.tolist(), image.causes.tolist(), strict=True)
+    )

@@ -13,11 +13,15 @@ from woodpecker.piecewise.orbits import Margin
 from woodpecker.piecewise.pieces import Piece
 from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.families import Pair
-from woodpecker.plane.nodes import Node, is_tiny, node_at
+from woodpecker.plane.nodes import Node, is_inside, is_tiny, node_at
 from woodpecker.plane.places import Along, Locus, Place, Plane, held, replaced, solve, tangent
 
-PARALLEL = 1e-3  # sine of an angle between gradients of margins of one border in neighbouring pieces
-SHRINKS = 0.5  # part to which a difference of slopes falls, a hundred times closer to a border, if it
+PARALLEL = (
+    1e-3  # sine of an angle between gradients of margins of one border in neighbouring pieces
+)
+SHRINKS = (
+    0.5  # part to which a difference of slopes falls, a hundred times closer to a border, if it
+)
 # is none right there: a cube root falls to a fifth
 FAR = 1e3  # a restart lies this many of its distances from the border at most
 NO_CURVE = "no curve beyond"
@@ -135,7 +139,7 @@ def _onward(
             solution = solve(plane, guess, [*locus.equations(plane), apart])
             found = solution.place
             off = float(np.abs((found.point - node.place.point) / scale).max())
-            if not (solution.converged and off <= FAR * away and _is_inside(plane, locus, found)):
+            if not (solution.converged and off <= FAR * away and is_inside(plane, locus, found)):
                 continue
             along = tangent(plane, found, locus)
             if np.isfinite(along).all():
@@ -173,21 +177,12 @@ def _like_a_tangent(
             if (
                 solution.converged
                 and turned >= settings.numerics.same_way
-                and _is_inside(plane, locus, solution.place)
+                and is_inside(plane, locus, solution.place)
             ):
                 along = along if along @ node.tangent > 0.0 else -along
                 return node_at(plane, locus, solution.place, along)
         step *= settings.numerics.nearer
     return None
-
-
-def _is_inside(plane: Plane, locus: Locus, place: Place) -> bool:
-    """Whether no margin is negative but the one that vanishes, and those that do with it."""
-    return not any(
-        value < 0.0 and Margin(i, code) != locus.border and not is_tiny(plane, place, i, code)
-        for i, image in enumerate(place.orbit.images)
-        for value, code in zip(image.margins.tolist(), image.causes.tolist(), strict=True)
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ places a curve.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -242,9 +242,7 @@ def _rows(place: Place, equations: Sequence[Equation]) -> Floats:
     """Derivatives (n - 1 + m, n + 2) of all equations; m are given."""
     n = len(place)
     rows = np.zeros((n - 1 + len(equations), n + 2))
-    for i, (one, other) in enumerate(
-        zip(*(view.images[:-1] for view in place.views), strict=True)
-    ):
+    for i, (one, other) in enumerate(zip(*(view.images[:-1] for view in place.views), strict=True)):
         rows[i, [i, i + 1]] = one.slope, -1.0
         rows[i, n:] = one.d_parameter, other.d_parameter
     for k, equation in enumerate(equations):
@@ -283,7 +281,7 @@ def precision(plane: Plane, place: Place, equations: Sequence[Equation]) -> Pair
     noise = blur * (np.abs(matrix) @ np.abs(place.point / scale))
     noise[:n] += blur * plane.first.x_scale * np.abs(place.orbit.x)
     try:
-        back: Floats = np.linalg.inv(matrix)[-2:]
+        back = np.asarray(np.linalg.inv(matrix)[-2:], dtype=float)
     except np.linalg.LinAlgError:
         return float("inf"), float("inf")
     one, other = (np.abs(back) @ noise * scale[-2:]).tolist()
@@ -295,8 +293,3 @@ def replaced(plane: Plane, place: Place, index: int, piece: Piece) -> Place:
     pieces = [*place.orbit.pieces]
     pieces[index] = piece
     return plane.place(pieces, place.orbit.x, place.values)
-
-
-def with_span(settings: Settings, span: Pair) -> Settings:
-    """Settings over another parameter."""
-    return replace(settings, span=span)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, SpecialPoint
-from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.branch_points import Multiplier
 from woodpecker.piecewise.crossings import border_at
@@ -56,9 +55,7 @@ def located(plane: Plane, point: SpecialPoint, second: float) -> tuple[Place, Lo
         If it is of a kind that has no curve, or there is no such point.
     """
     if point.kind not in (*MULTIPLIERS, *COLLISIONS):
-        raise ValueError(
-            f"a curve starts at LP, PD, BC or FF, got {point.id}, {point.kind.label}"
-        )
+        raise ValueError(f"a curve starts at LP, PD, BC or FF, got {point.id}, {point.kind.label}")
     values = (point.parameter, second)
     map_, p = plane.map(values), point.parameter
     if point.kind in MULTIPLIERS:
@@ -159,8 +156,3 @@ def _slack(images: list[Image], settings: Settings) -> float:
     for image in images:
         steepest *= max(1.0, min(abs(image.slope), settings.numerics.steep))
     return min(settings.beside * steepest, settings.near) * settings.x_scale
-
-
-def kept_points(orbit: Orbit) -> Floats:
-    """The points of an orbit, to be kept."""
-    return orbit.x.copy()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,8 +16,19 @@ from woodpecker.piecewise.orbits import SPACING, Margin
 from woodpecker.piecewise.pieces import Image, judge
 from woodpecker.piecewise.samples import angle
 from woodpecker.plane.curve import PlaneKind
-from woodpecker.plane.nodes import Node, Test, is_tiny, margins_along, node_at, tests_of
-from woodpecker.plane.places import Along, Equation, Locus, Place, Plane, Unknown, held, replaced, solve, tangent
+from woodpecker.plane.nodes import Node, Test, is_inside, is_tiny, margins_along, node_at, tests_of
+from woodpecker.plane.places import (
+    Along,
+    Equation,
+    Locus,
+    Place,
+    Plane,
+    Unknown,
+    held,
+    replaced,
+    solve,
+    tangent,
+)
 
 SPAN, WINDOW = "end of the span", "end of the window"
 CLOSED, SHORT, MANY = "the curve closes", "steps become too short", "as many samples as allowed"
@@ -145,7 +156,7 @@ class Stepper:
         found = [*self._borders(a, b, step), *self._ends(a, b, step)]
         for test in self.tests:
             if test is not skipped:
-                found += self.tested(a, b, step, test)
+                found += self._tested(a, b, step, test)
         if origin is not None:
             found += self._closing(a, b, origin)
         first = min(found, key=lambda each: each.distance, default=None)
@@ -155,7 +166,7 @@ class Stepper:
             return None
         return first
 
-    def tested(self, a: Node, b: Node, step: float, test: Test) -> list[Event]:
+    def _tested(self, a: Node, b: Node, step: float, test: Test) -> list[Event]:
         before, after = test.value(a), test.value(b)
         if test.kind is PlaneKind.JUMP_CLOSES and max(abs(before), abs(after)) <= self._closed:
             return []  # nothing is left of it but rounding
@@ -261,20 +272,10 @@ class Stepper:
             return
         margin, part = min(crossed, key=lambda each: each[1])
         node, distance = self._solved(a, b, part, held(margin, self.plane), step)
-        if not self.is_inside(node.place, margin):
+        if not is_inside(self.plane, self.locus, node.place, margin):
             raise UnclearError  # another one vanishes before
         cause = node.orbit.images[margin.index].piece.cause(margin.code)
         yield Event(None, node, distance, cause, margin)
-
-    def is_inside(self, place: Place, ignored: Margin | None = None) -> bool:
-        """Whether no margin is negative but those that vanish along the curve or are ignored."""
-        return not any(
-            value < 0.0
-            and Margin(i, code) not in (self.locus.border, ignored)
-            and not is_tiny(self.plane, place, i, code)
-            for i, image in enumerate(place.orbit.images)
-            for value, code in zip(image.margins.tolist(), image.causes.tolist(), strict=True)
-        )
 
     def _crossed(self, a: Node, b: Node) -> Iterator[tuple[Margin, float]]:
         for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):
@@ -398,7 +399,8 @@ def follow(
             event = _given_up(nodes[-1], SHORT)
             return Arc(tuple(nodes), tuple(events), event, step)
         last = nodes[-1]
-        before = nodes[-2] if len(nodes) > 1 and (not events or events[-1][0] < len(nodes) - 1) else None
+        smooth = len(nodes) > 1 and (not events or events[-1][0] < len(nodes) - 1)
+        before = nodes[-2] if smooth else None
         found = stepper.to_end(last, step) or stepper.advance(last, step, before)
         if isinstance(found, float):
             step, grows = found, False
