@@ -1,0 +1,195 @@
+"""Curves over two parameters of piecewise-linear maps, whose formulas are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy
+
+from pwmap import PiecewiseLinearMap
+from pwmap.diagrams.diagram import SpecialPoint
+from woodpecker import (
+    BorderKind,
+    Curve,
+    Family,
+    PlaneKind,
+    Settings,
+    curve_through,
+    family_from_pwmap,
+    family_from_sympy,
+    graph_of_curves,
+    whole_diagram,
+)
+
+X, A, B, R, P, Q = sympy.symbols("x a b r p q")
+ROUNDED = 1e-12  # values are of size ten, equations are solved to some spacings of doubles
+SETTINGS = Settings(window=(-20.0, 20.0))
+PAPER = sympy.Piecewise((-2 + R, X < 0), (-A * X + R, True))
+
+
+def points(
+    family: Family, values: tuple[float, float], span: tuple[float, float], orders: tuple[int, ...]
+) -> list[SpecialPoint]:
+    """The border collisions over the first parameter."""
+    settings = replace(SETTINGS, span=span)
+    found = whole_diagram(family.over(0, values), settings, orders).diagram
+    return [point for point in found.points if point.kind in ("BC", "FF")]
+
+
+def through(
+    family: Family, at: tuple[float, float], parameter: float, order: int,
+    span: tuple[tuple[float, float], tuple[float, float]],
+) -> Curve:  # fmt: skip
+    """The curve through the collision of an order at a value of the first parameter."""
+    met = [
+        point
+        for point in points(family, at, span[0], tuple(range(1, order + 1)))
+        if abs(point.parameter - parameter) < ROUNDED * 10 and point.order == order
+    ]
+    return curve_through(family, met[0], at[1], span=span, settings=SETTINGS)
+
+
+class TestPaper:
+    """P1^L [Leine2001, Eq. 14] over r and a."""
+
+    family = family_from_sympy(PAPER, X, (R, A))
+    span = ((-1.0, 11.0), (0.5, 3.0))
+
+    def test_a_is_at_zero(self) -> None:
+        curve = through(self.family, (1.0, 1.25), 0.0, 1, self.span)
+        assert np.abs(curve.values[:, 0]).max() == 0.0
+        assert np.ptp(curve.values[:, 1]) == 2.5
+        assert [point.cause for point in curve.ends] == ["end of the span of a"] * 2
+
+    def test_a_becomes_a_fold_flip_where_its_slope_is_minus_one(self) -> None:
+        curve = through(self.family, (1.0, 1.25), 0.0, 1, self.span)
+        (flip,) = [point for point in curve.points if point.kind is PlaneKind.FLIP_BORDER]
+        assert flip.values == pytest.approx((0.0, 1.0), abs=ROUNDED)
+        assert [(code, note) for code, note, _, _ in curve.stretches()] in (
+            [("BC", "fold"), ("FF", "fold")],
+            [("FF", "fold"), ("BC", "fold")],
+        )
+        for k, code in enumerate(curve.codes):
+            if abs(curve.values[k, 1] - 1.0) > ROUNDED:
+                assert (code == "FF") == (curve.values[k, 1] > 1.0)
+        assert np.abs(curve.multipliers[:, 0] + curve.values[:, 1]).max() < ROUNDED
+        assert np.abs(curve.gaps + 2.0).max() < ROUNDED
+
+    def test_b_is_at_two(self) -> None:
+        curve = through(self.family, (1.0, 1.25), 2.0, 1, self.span)
+        assert np.abs(curve.values[:, 0] - 2.0).max() < ROUNDED
+        assert set(curve.codes) == {"BC"}
+        assert set(curve.notes) == {"fold"}
+
+    @pytest.mark.parametrize("right", [1, 2, 3])
+    def test_higher_thresholds(self, right: int) -> None:
+        """The cycle A B^k meets the jump where B^k (r - 2) = 0.
+
+        B^k y = r (1 - (-a)^k)/(1 + a) + (-a)^k y: for k = 1, 2 that is r = 2 a/(a - 1) and
+        r = 2 a^2/(a^2 - a + 1).
+        """
+
+        def threshold(a: float) -> float:
+            power = (-a) ** right
+            return 2.0 * power / (power + (1.0 - power) / (1.0 + a))
+
+        start, span = float(threshold(1.25)), ((-1.0, 11.0), (1.05, 3.0))
+        curve = through(self.family, (1.0, 1.25), start, right + 1, span)
+        expected = np.array([threshold(a) for a in curve.values[:, 1]])
+        assert np.abs(curve.values[:, 0] - expected).max() < ROUNDED * np.abs(expected).max()
+        assert np.ptp(curve.values[:, 1]) > 1.5
+        assert set(curve.codes) == {"BC"}
+
+    def test_the_order_of_the_parameters_does_not_matter(self) -> None:
+        turned = family_from_sympy(PAPER, X, (A, R))
+        met = through(self.family, (1.0, 1.25), 2.3809523809523809, 3, self.span)
+        first = met.values[np.argmin(np.abs(met.values[:, 1] - 1.5)), :]
+        (point,) = [
+            point
+            for point in points(turned, (1.5, float(first[0])), (1.05, 3.0), (1, 2, 3))
+            if point.order == 3 and abs(point.x) < ROUNDED
+        ]
+        span = ((1.05, 3.0), (-1.0, 11.0))
+        other = curve_through(turned, point, float(first[0]), span=span, settings=SETTINGS)
+        a, r = other.values.T
+        assert np.abs(r - 2.0 * a**2 / (a**2 - a + 1.0)).max() < ROUNDED * 10
+
+    def test_the_same_map_of_pwmap(self) -> None:
+        exact = PiecewiseLinearMap.from_sympy(PAPER, X, given=[A > 1])
+        family = family_from_pwmap(exact, ("r", "a"))
+        one = through(family, (1.0, 1.25), 2.0, 1, ((-1.0, 11.0), (1.05, 3.0)))
+        assert np.abs(one.values[:, 0] - 2.0).max() < ROUNDED
+
+    def test_codes_are_those_of_pwmap(self) -> None:
+        """At exact rationals on both sides of a = 1 the exact diagram says the same."""
+        from pwmap import bifurcation_diagram
+
+        for a, code in ((Fraction(3, 4), "BC"), (Fraction(5, 4), "FF")):
+            map_ = PiecewiseLinearMap.from_sympy(PAPER.subs(A, sympy.Rational(a)), X)
+            exact = bifurcation_diagram(map_, R, (-1, 1), orders=(1, 2))
+            (point,) = [p for p in exact.points if p.exact["parameter"] == 0 and p.order == 1]
+            assert (point.kind, point.note) == (code, "fold")
+
+
+def test_skew_tent_folds_and_flips_at_its_border() -> None:
+    """Slopes 1/2 and b: a BC at p = 0 that persists for b < 1 and folds for b > 1.
+
+    At b = -1 the fixed point beyond flips, at b = 1/2 there is no border [Nusse1992].
+    """
+    family = family_from_sympy(sympy.Piecewise((X / 2 + P, X < 0), (B * X + P, True)), X, (P, B))
+    curve = through(family, (0.0, -2.0), 0.0, 1, ((-1.0, 1.0), (-3.0, 3.0)))
+    assert np.abs(curve.values[:, 0]).max() < ROUNDED
+    found = {(point.kind, round(point.values[1], 9)) for point in curve.points}
+    assert {(PlaneKind.FLIP_BORDER, -1.0), (PlaneKind.FOLD_BORDER, 1.0)} <= found
+    for k, (_, b) in enumerate(curve.values):
+        if min(abs(b - 1.0), abs(b - 0.5)) > 1e-5:  # a kink is one from 1e-6 on
+            assert curve.notes[k] == ("fold" if b > 1.0 else "persistence")
+            assert curve.borders[k] is BorderKind.KINK
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_tongue_of_a_contracted_rotation(first: bool) -> None:
+    """a x + b mod 1: the cycle of period two lives for 1/(1 + a) <= b < (1 + a - a^2)/(1 + a).
+
+    Its points are (a b + b - 1)/(1 - a^2) and (a b - a + b)/(1 - a^2), and the border lies at
+    (1 - b)/a.
+    """
+    map_ = sympy.Piecewise((A * X + B, X < (1 - B) / A), (A * X + B - 1, True))
+    family = family_from_sympy(map_, X, (B, A))
+
+    def edge(a: float) -> float:
+        return 1.0 / (1.0 + a) if first else (1.0 + a - a * a) / (1.0 + a)
+
+    curve = through(family, (0.5, 0.5), edge(0.5), 2, ((0.3, 0.99), (0.2, 0.9)))
+    b, a = curve.values.T
+    assert np.abs(b - [edge(each) for each in a]).max() < ROUNDED
+    assert np.ptp(a) == pytest.approx(0.7, abs=ROUNDED)
+
+
+def test_big_bang() -> None:
+    """x/2 + p for x < 0, q - x/2 beyond: at p = q = 0 both collisions meet, and the jump closes."""
+    map_ = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True))
+    family, span = family_from_sympy(map_, X, (P, Q)), ((-1.0, 1.0), (-1.0, 1.0))
+    left = through(family, (0.0, 0.5), 0.0, 1, span)
+    (met,) = [point for point in left.points if point.kind is PlaneKind.JUMP_CLOSES]
+    assert met.values == pytest.approx((0.0, 0.0), abs=ROUNDED)
+    turned = family_from_sympy(map_, X, (Q, P))
+    right = through(turned, (0.0, -0.5), 0.0, 1, span)
+    (same,) = [point for point in right.points if point.kind is PlaneKind.JUMP_CLOSES]
+    assert same.values == pytest.approx((0.0, 0.0), abs=ROUNDED)
+
+
+def test_graph_of_curves_that_meet() -> None:
+    map_ = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True))
+    family, span = family_from_sympy(map_, X, (P, Q)), ((-1.0, 1.0), (-1.0, 1.0))
+    curve = through(family, (0.0, 0.5), 0.0, 1, span)
+    graph = graph_of_curves([curve, curve])
+    kinds = sorted(kind for _, kind in graph.nodes(data="kind"))
+    assert kinds == ["EP", "EP", "JC"]
+    assert graph.number_of_edges() == 4
+    other = family_from_sympy(map_, X, (Q, P))
+    with pytest.raises(ValueError, match="expected curves over the same parameters"):
+        graph_of_curves([curve, through(other, (0.0, -0.5), 0.0, 1, span)])

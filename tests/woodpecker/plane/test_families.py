@@ -1,0 +1,91 @@
+"""Families of maps: views along two parameters, of formulas and of the toy."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+import sympy
+
+from pwmap import PiecewiseLinearMap
+from woodpecker import Family, Toy, ToyFamily, ToyPieces, family_from_pwmap, family_from_sympy
+from woodpecker.piecewise.symbolic import from_sympy
+
+X, P, Q = sympy.symbols("x p q")
+MAP = sympy.Piecewise((sympy.sin(P * X) + Q, X < P * Q), (Q * X - P**2, True))
+STEP = 1e-6  # of central differences, whose error is its square; values are rounded to 1e-16
+
+
+def test_views_are_maps_over_one_parameter() -> None:
+    family = family_from_sympy(MAP, X, (P, Q))
+    assert isinstance(family, Family)
+    assert family.names == ("p", "q")
+    rng = np.random.default_rng(4)
+    for x, p, q in rng.uniform(-2.0, 2.0, (50, 3)).tolist():
+        for axis, (name, other, value) in enumerate(((P, Q, q), (Q, P, p))):
+            own = family.over(axis, (p, q)).at(x, (p, q)[axis])
+            alone = from_sympy(MAP, X, name, {other: value}).at(x, (p, q)[axis])
+            assert own.piece.word == alone.piece.word
+            np.testing.assert_allclose(
+                [own.value, own.slope, own.d_parameter],
+                [alone.value, alone.slope, alone.d_parameter],
+                rtol=1e-12,  # numbers that are put in are folded by sympy
+                atol=1e-12,
+            )
+
+
+def test_pieces_are_carried_from_one_view_to_the_other() -> None:
+    family = family_from_sympy(MAP, X, (P, Q))
+    one, other = (family.over(axis, (0.5, 1.0)) for axis in (0, 1))
+    piece = one.at(0.2, 0.5).piece
+    carried = family.carried(piece, other)
+    assert carried.at(0.2, 1.0).value == piece.at(0.2, 0.5).value
+    assert pickle.loads(pickle.dumps(piece)).at(0.2, 0.5).value == piece.at(0.2, 0.5).value
+
+
+def test_wrong_arguments() -> None:
+    exact = PiecewiseLinearMap.from_sympy(sympy.Piecewise((P * X, X < 0), (Q * X, True)), X)
+    with pytest.raises(ValueError, match="expected two parameters, got 'pq'"):
+        family_from_sympy(MAP, X, "pq")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="must differ, got p twice"):
+        family_from_sympy(MAP, X, (P, P))
+    with pytest.raises(ValueError, match="the parameters of the map must be p and r, got p, q"):
+        family_from_pwmap(exact, ("p", "r"))
+    with pytest.raises(ValueError, match="expected two different parameters of the toy"):
+        ToyFamily(Toy(), ("mu_2", "mu_2"))
+    with pytest.raises(TypeError, match="unknown parameter 'mu'"):
+        ToyFamily(Toy(), ("mu_2", "mu"))
+    with pytest.raises(TypeError, match=r"mu_2 varies: it cannot be held at 0\.4"):
+        ToyPieces(Toy(), "mu_2").holding(mu_2=0.4)
+
+
+@pytest.mark.parametrize("names", [("eps_n1", "mu_2"), ("l_s", "c_phi"), ("eps_n2", "eps_n1")])
+def test_views_of_the_toy(names: tuple[str, str]) -> None:
+    """To the last bit those of a toy that has the other value from the start."""
+    toy, family = Toy(), ToyFamily(Toy(), names)
+    first, second = (getattr(toy, name) for name in names)
+    for part in (1.0, 1.01, 1.02):
+        values = (first + 0.01 * (part - 1.0), second * part)
+        held = toy.replace(**dict(zip(names, values, strict=True)))
+        for axis, name in enumerate(names):
+            own = family.over(axis, values).at(-0.53, values[axis])
+            alone = ToyPieces(held, name).at(-0.53, values[axis])
+            assert own.piece.key == alone.piece.key
+            assert (own.value, own.slope) == (alone.value, alone.slope)
+            np.testing.assert_array_equal(own.d_parameter, alone.d_parameter)
+            np.testing.assert_array_equal(own.gradients, alone.gradients)
+
+
+def test_a_toy_that_cannot_be_has_no_images() -> None:
+    family = ToyFamily(Toy(), ("eps_n1", "mu_2"))
+    assert "mu_2 must be at least 0" in family.over(0, (0.5, -0.1)).at(-0.53, 0.5).reason
+    assert not family.over(0, (0.5, 0.3)).at(-0.53, 0.5).reason
+
+
+def test_maps_that_hold_values_pickle() -> None:
+    map_ = ToyPieces(Toy(), "eps_n1").holding(mu_2=0.35)
+    again = pickle.loads(pickle.dumps(map_))
+    assert again == map_
+    assert again.at(-0.53, 0.5).value == map_.at(-0.53, 0.5).value
+    assert map_ != ToyPieces(Toy(), "eps_n1")

@@ -1,0 +1,106 @@
+"""Special points of the toy over two parameters."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from needs import NEEDS_NUMBA
+
+from pwmap.diagrams.diagram import Diagram, PointKind
+from woodpecker import Curve, PlaneKind, Toy, ToyPieces, continuation, local_model, shoot
+from woodpecker.runs import DEFAULT
+
+pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
+
+OVER, SPAN = ("eps_n1", "mu_2"), ((0.0, 1.0), (0.286, 0.6))
+CLOSE = 1e-9  # of a point that a one-parameter computation locates anew
+PLACES = {"A": (0.11197091445663, -0.8847733440), "C": (0.18512695093092, -0.7577872574)}
+
+
+@lru_cache
+def diagram() -> Diagram:
+    """What hangs together with the stable motion, at mu_2 = 0.3."""
+    toy = Toy()
+    return continuation(toy, shoot(toy, -0.53)).named(PLACES)
+
+
+@lru_cache
+def curve(name: str) -> Curve:
+    """The curve of a point of that diagram."""
+    return continuation(Toy(), diagram().point(name), OVER, SPAN)
+
+
+def test_it_passes_through_the_point_that_it_is_of() -> None:
+    for name, (eps_n1, _) in PLACES.items():
+        ((at, mu_2),) = [
+            values for values in curve(name).values.tolist() if abs(values[1] - 0.3) < 1e-12
+        ]
+        assert mu_2 == pytest.approx(0.3, abs=1e-15)
+        assert at == pytest.approx(eps_n1, abs=5e-14)  # as many digits as are known
+
+
+@pytest.mark.parametrize("name", ["A", "C"])
+def test_every_tenth_point_is_that_of_one_parameter(name: str) -> None:
+    """The collision is located anew at that mu_2, with the local model's code.
+
+    Right where the word changes slopes may be those of a root, and right at a point of codimension
+    two the code is either: there the next sample is taken that is neither.
+    """
+    found = curve(name)
+    own = {point.sample for point in found.points} | {word.first for word in found.words}
+    taken = [k for k in range(len(found)) if not {k, k + 1} & own]
+    for start in range(0, len(found) - 10, 10):
+        k = next(k for k in taken if k >= start)
+        eps_n1, mu_2 = found.values[k].tolist()
+        map_ = ToyPieces(Toy().replace(mu_2=mu_2), "eps_n1")
+        model = local_model(map_, float(found.x[k, 0]), eps_n1, (1, 2), DEFAULT)
+        assert model.p == pytest.approx(eps_n1, abs=CLOSE)
+        assert model.x == pytest.approx(float(found.x[k, 0]), abs=CLOSE)
+        if abs(found.gaps[k]) > 1e-6:
+            assert (model.point.kind, model.point.note) == (found.codes[k], found.notes[k])
+
+
+def test_c_and_the_end_of_a_s_branch_meet_where_the_jump_closes() -> None:
+    """Both limits of one jump lie on the diagonal there."""
+    places = [
+        np.array(point.values)
+        for name in ("C", "FF1")
+        for point in curve(name).points
+        if point.kind is PlaneKind.JUMP_CLOSES and point.values[1] > 0.295
+    ]
+    assert len(places) == 2
+    np.testing.assert_allclose(*places, atol=CLOSE)
+
+
+def test_it_ends_where_the_span_does() -> None:
+    found = curve("A")
+    assert "end of the span of mu_2" in {point.cause for point in found.ends}
+    assert found.given[0] == "friction in the expansion: summed"
+
+
+def test_flips_start_where_a_collision_has_the_multiplier_minus_one() -> None:
+    found = curve("C")
+    flip = next(point for point in found.points if PointKind.PD in point.starts)
+    flips = continuation(Toy(), flip, OVER, SPAN, kind="PD")
+    assert flips.kind is PointKind.PD
+    assert flips.values[0] == pytest.approx(flip.values, abs=CLOSE)
+    assert np.nanmax(np.abs(flips.multipliers[1:, 0] + 1.0)) < 1e-6
+    with pytest.raises(ValueError, match="kind must be one of PD"):
+        continuation(Toy(), flip, OVER, SPAN, kind="LP")
+
+
+def test_wrong_arguments() -> None:
+    toy, orbit = Toy(), shoot(Toy(), -0.53)
+    point = diagram().point("A")
+    with pytest.raises(TypeError, match="a special point over two"):
+        continuation(toy, point, "eps_n1")  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match="a periodic solution is followed over one parameter"):
+        continuation(toy, orbit, OVER, SPAN)  # type: ignore[call-overload]
+    with pytest.raises(ValueError, match="span must be an interval of each of the two parameters"):
+        continuation(toy, point, OVER, (0.0, 1.0))  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match="are for one parameter, not for two"):
+        continuation(toy, point, OVER, SPAN, orders=(1,))  # type: ignore[call-overload]
+    with pytest.raises(ValueError, match="there is no FF near eps_n1"):
+        continuation(toy.replace(c_phi=0.006), point, OVER, SPAN)
