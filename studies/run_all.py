@@ -39,6 +39,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "fig06_phase_others": "studies.figures.fig06_phase_others",
     "fig07_frames": "studies.figures.fig07_frames",
     "main_job": "studies.main_job",
+    "two_parameters": "studies.two_parameters",
     "fig08_return_map": "studies.figures.fig08_return_map",
     "fig08_vertices": "studies.figures.fig08_vertices",
     "fig09_order_one": "studies.figures.fig09_order_one",

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
@@ -43,7 +44,9 @@ SYMBOLS = {
 }  # fmt: skip
 
 
-def plot_curves(curves: Mapping[str, Curve], ax: Axes | None = None) -> Axes:
+def plot_curves(
+    curves: Mapping[str, Curve], ax: Axes | None = None, *, legend: bool = True
+) -> Axes:
     """Draw curves over the same two parameters, with their points of codimension two.
 
     Parameters
@@ -52,11 +55,13 @@ def plot_curves(curves: Mapping[str, Curve], ax: Axes | None = None) -> Axes:
         By the name that is written beside each.
     ax
         Where to draw; a new figure by default.
+    legend
+        Whether to say, beside the axes, which kinds of curves and points are there.
 
     Returns
     -------
     Axes
-        With a legend of the kinds of curves and points that are there.
+        Where they are drawn.
 
     Raises
     ------
@@ -67,55 +72,57 @@ def plot_curves(curves: Mapping[str, Curve], ax: Axes | None = None) -> Axes:
     if len(names) != 1:
         raise ValueError(f"expected curves over the same two parameters, got {sorted(names)}")
     if ax is None:
-        _, ax = plt.subplots(figsize=(6.4, 4.8), layout="constrained")
+        _, ax = plt.subplots(figsize=(8.4, 4.8), layout="constrained")
     (first, second) = next(iter(names))
-    kinds, points = set[tuple[PointKind, str]](), set[PlaneKind]()
     for name, curve in curves.items():
-        kinds |= _draw(ax, curve)
-        points |= _mark(ax, curve)
+        _draw(ax, curve)
+        _mark(ax, curve)
         _name(ax, name, curve)
     ax.set_xlabel(_label(first))
     ax.set_ylabel(_label(second))
-    _legend(ax, kinds, points)
+    ax.margins(0.02)
+    if legend:
+        ax.legend(handles=handles(curves.values()), fontsize=7.5, frameon=False,
+                  bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
     return ax
 
 
-def _draw(ax: Axes, curve: Curve) -> set[tuple[PointKind, str]]:
+def _draw(ax: Axes, curve: Curve) -> None:
     """The stretches of a curve, each as what it is; a short one is joined to the next."""
-    drawn = set[tuple[PointKind, str]]()
     for code, note, first, last in curve.stretches():
         part = curve.values[first : last + 2]
         style = "--" if note == DASHED else "-"
-        ax.plot(part[:, 0], part[:, 1], style, color=COLOURS[code], lw=1.4, zorder=2)
-        drawn.add((code, note))
-    return drawn
+        ax.plot(part[:, 0], part[:, 1], style, color=COLOURS[code], lw=1.3, zorder=2)
 
 
-def _mark(ax: Axes, curve: Curve) -> set[PlaneKind]:
+def _mark(ax: Axes, curve: Curve) -> None:
     """Its points of codimension two; ends that are open are hollow."""
-    marked = set[PlaneKind]()
     for point in curve.points:
         marker = MARKERS.get(point.kind)
         is_open = point.status is PointStatus.OPEN
-        if marker is None and not is_open:
-            continue
-        ax.plot(
-            *point.values, marker or "o", color="black", ms=4.5, mew=0.8, zorder=3,
-            mfc="white" if is_open else "black", clip_on=False,
-        )  # fmt: skip
-        if marker is not None:
-            marked.add(point.kind)
-    return marked
+        if marker is not None or is_open:
+            ax.plot(
+                *point.values, marker or "o", color="black", ms=3.8, mew=0.7, zorder=3,
+                mfc="white" if is_open else "black",
+            )  # fmt: skip
 
 
 def _name(ax: Axes, name: str, curve: Curve) -> None:
-    """The name of a curve, where it is highest."""
+    """The name of a curve, on the longest of its stretches."""
     if name:
-        at = curve.values[curve.values[:, 1].argmax()]
+        _, _, first, last = max(curve.stretches(), key=lambda each: _length(curve, *each[2:]))
+        at = curve.values[(first + last) // 2]
         ax.annotate(
-            name, (at[0], at[1]), xytext=(0, 3), textcoords="offset points", ha="center",
-            va="bottom", fontsize=9, annotation_clip=False,
+            name, (at[0], at[1]), ha="center", va="center", fontsize=8, zorder=4,
+            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
         )  # fmt: skip
+
+
+def _length(curve: Curve, first: int, last: int) -> float:
+    """How far a part of a curve goes, over what the whole curve extends over."""
+    size = np.ptp(curve.values, axis=0)
+    part = curve.values[first : last + 1] / np.where(size > 0.0, size, 1.0)
+    return float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum())
 
 
 def _label(name: str) -> str:
@@ -127,15 +134,24 @@ def _label(name: str) -> str:
     return symbol if unit == "-" else f"{symbol} [{unit}]"
 
 
-def _legend(ax: Axes, kinds: set[tuple[PointKind, str]], points: set[PlaneKind]) -> None:
+def handles(curves: Iterable[Curve]) -> list[Line2D]:
+    """What a legend of curves shows: the kinds of curves and of points that are there."""
+    drawn = list(curves)
+    kinds = {stretch[:2] for curve in drawn for stretch in curve.stretches()}
+    points = {point.kind for curve in drawn for point in curve.points}
+    is_open = any(p.status is PointStatus.OPEN for curve in drawn for p in curve.points)
     lines = [
         Line2D([], [], color=COLOURS[kind[0]], ls="--" if kind[1] == DASHED else "-", label=text)
         for kind, text in MEANINGS.items()
         if kind in kinds
     ]
     marks = [
-        Line2D([], [], color="black", ls="", marker=marker, ms=4.5, label=kind.label)
+        Line2D([], [], color="black", ls="", marker=marker, ms=3.8, label=kind.label)
         for kind, marker in MARKERS.items()
         if kind in points
     ]
-    ax.legend(handles=[*lines, *marks], fontsize=7.5, frameon=True, framealpha=0.9)
+    if is_open:
+        marks.append(
+            Line2D([], [], color="black", ls="", marker="o", mfc="white", ms=3.8, label="open")
+        )
+    return [*lines, *marks]

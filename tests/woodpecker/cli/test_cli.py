@@ -41,7 +41,7 @@ def run(*arguments: str) -> tuple[int, str]:
 # --- help ----------------------------------------------------------------------------------------
 
 COMMANDS = [
-    *(("woodpecker", app, name) for name in ("simulate", "animate", "map", "diagram")),
+    *(("woodpecker", app, name) for name in ("simulate", "animate", "map", "diagram", "curves")),
     ("pwmap", pwmap_app, "analyse"),
 ]
 UNITS = {  # of what is not a parameter of the toy

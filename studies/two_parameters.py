@@ -1,0 +1,138 @@
+"""Special points of the toy over two parameters: A, B, C, the flip, and where they meet.
+
+    python -m studies.two_parameters [--fast] [--out DIR]
+
+Each point of the main job is followed over the beak's restitution and one more parameter. Every
+tenth place of A is located anew by a one-parameter computation; and, for comparison, by bisecting
+for the parameter at which a fixed point is lost, as one does without curves.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
+
+from studies.common.clocks import timed
+from studies.common.motion import GUESS
+from studies.common.record import Results, command
+from studies.common.style import WIDTH, grid, keep
+from studies.main_job import PAPER
+from woodpecker import Curve, Settings, Toy, ToyPieces, continuation, local_model, shoot
+from woodpecker.plot.plane import handles, plot_curves
+from woodpecker.runs import DEFAULT
+
+FIRST, SPAN = "eps_n1", (0.0, 1.0)
+SECOND = {"mu_2": (0.28, 0.36), "l_s": (0.019, 0.0222), "c_phi": (0.003, 0.012)}
+NAMES, FLIP = ("A", "B", "C", "FF1", "BC2"), "PD1"
+FINE = Settings(window=DEFAULT.window, max_step=0.006)  # some 200 places from A upwards
+BESIDE = 1e-7  # rad: a collision is looked for from right beside the jump
+NEAR = 0.1  # rad: the fixed point that is lost lies so close to the jump
+HALVINGS = 40  # of an interval of 0.02, to rounding
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Follow the curves, draw them, and compare with other ways to find A.
+
+    Parameters
+    ----------
+    fast
+        The friction of the lower edge only, and A, B and C.
+    out
+        Folder for the picture ``two_parameters.png``.
+
+    Returns
+    -------
+    dict
+        For each second parameter and curve its kind, numbers of places and of points of codimension
+        two, and why it ends; of A seconds for a number of places, the largest distance from what
+        is located anew, and seconds and distance by bisection.
+    """
+    toy = Toy()
+    found = continuation(toy, shoot(toy, GUESS), FIRST, SPAN).named(PAPER)
+    names = NAMES[:3] if fast else (*NAMES, FLIP)
+    curves = {
+        second: {
+            name: continuation(toy, found.point(name), (FIRST, second), (SPAN, span))
+            for name in names
+        }
+        for second, span in list(SECOND.items())[: 1 if fast else None]
+    }
+    if out is not None:
+        keep(draw(curves), out / "two_parameters.png")
+    spans = (SPAN, (0.2975, 0.6))
+    curve, clock = timed(
+        lambda: continuation(toy, found.point("A"), (FIRST, "mu_2"), spans, settings=FINE)
+    )
+    every = range(5, len(curve) - 5, 40 if fast else 10)
+    return {
+        "curves": {
+            second: {name: _about(curve) for name, curve in own.items()}
+            for second, own in curves.items()
+        },
+        "a": {"places": len(curve), "seconds": clock.wall}
+        | _located_anew(toy, curve, every)
+        | _bisected(toy, curve, every),
+    }
+
+
+def _about(curve: Curve) -> Results:
+    return {
+        "kind": str(curve.kind),
+        "places": len(curve),
+        "points": [[str(p.kind), *p.values, p.cause] for p in curve.points[1:-1]],
+        "ends": [[*p.values, p.cause, str(p.status)] for p in curve.ends],
+    }
+
+
+def _located_anew(toy: Toy, curve: Curve, every: range) -> Results:
+    """How far the local model's collisions lie from places of a curve."""
+    off, alike = list[float](), 0
+    for k in every:
+        eps_n1, mu_2 = curve.values[k].tolist()
+        map_ = ToyPieces(toy.replace(mu_2=mu_2), FIRST)
+        model = local_model(map_, float(curve.x[k, 0]) + BESIDE, eps_n1, (1, 2), DEFAULT)
+        off.append(abs(model.p - eps_n1))
+        alike += (model.point.kind, model.point.note) == (curve.codes[k], curve.notes[k])
+    return {"anew": len(off), "anew_off": max(off), "anew_alike": alike}
+
+
+def _bisected(toy: Toy, curve: Curve, every: range) -> Results:
+    """The same by bisecting for where the fixed point right of the jump is lost."""
+
+    def bisect() -> float:
+        return max(abs(_lost(toy, curve, k) - float(curve.values[k, 0])) for k in every)
+
+    off, clock = timed(bisect)
+    return {"bisected_seconds": clock.wall, "bisected_off": off}
+
+
+def _lost(toy: Toy, curve: Curve, k: int) -> float:
+    """Where shooting no longer finds a fixed point that a branch had."""
+    eps_n1, mu_2 = curve.values[k].tolist()
+    low, high = eps_n1 - 0.01, eps_n1 + 0.01
+    x, held = float(curve.x[k, 0]), toy.replace(mu_2=mu_2)
+    rate = 2.5  # dx/d eps_N1 of that branch, about
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        orbit = shoot(held.replace(eps_n1=middle), x + rate * (middle - eps_n1))
+        lives = orbit.success and 0.0 < orbit.phi_s - x < NEAR
+        low, high = (low, middle) if lives else (middle, high)
+    return float(0.5 * (low + high))
+
+
+def draw(curves: dict[str, dict[str, Curve]]) -> Figure:
+    """One panel for each second parameter."""
+    figure = plt.figure(figsize=(WIDTH, 0.5 * WIDTH), layout="constrained")
+    axes = figure.subplots(1, len(curves), squeeze=False)[0].tolist()
+    for ax, own in zip(axes, curves.values(), strict=True):
+        grid(ax)
+        plot_curves(own, ax, legend=False)
+    shown = handles(curve for own in curves.values() for curve in own.values())
+    figure.legend(handles=shown, loc="outside lower center", ncols=4, fontsize=7, frameon=False)
+    return figure
+
+
+if __name__ == "__main__":
+    command(main, "two_parameters")

@@ -1,0 +1,63 @@
+"""The command ``woodpecker curves``."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from needs import NEEDS_NUMBA
+from typer.testing import CliRunner
+
+from pwmap import read_graph
+from woodpecker.cli.app import app
+from woodpecker.cli.curves import FILES
+
+NEAR_A = ("--second-span", "0.298", "0.31")
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    found = CliRunner().invoke(app, ["curves", *arguments])
+    if found.exception is not None and not isinstance(found.exception, SystemExit):
+        raise found.exception
+    return found.exit_code, " ".join(found.output.split())
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_it_follows_a_and_c(tmp_path: Path) -> None:
+    code, output = run("--from", "A,C", *NEAR_A, "--out", str(tmp_path))
+    assert code == 0
+    assert "jump closes" in output  # on the curve of C both limits lie on the diagonal once
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(FILES)
+    with (tmp_path / "curves.csv").open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    assert {row["curve"] for row in rows} == {"A", "C"}
+    near = min(abs(float(r["eps_n1"]) - 0.11197091445663) for r in rows if r["mu_2"] == "0.3")
+    assert near < 1e-12  # the last digit of the reference
+    graph = read_graph(tmp_path / "curves.graphml")
+    assert graph.number_of_edges() >= 2
+    assert "JC" in {kind for _, kind in graph.nodes(data="kind")}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--parameters", "eps_n1"], "--parameters needs two different names"),
+        (["--parameters", "eps_n1,mu"], "unknown parameter 'mu'"),
+        (["--parameters", "eps_n1,eps_n1"], "--parameters needs two different names"),
+    ],
+)
+def test_wrong_values(arguments: list[str], sentence: str, tmp_path: Path) -> None:
+    code, output = run(*arguments, "--out", str(tmp_path / "new"))
+    assert code == 2
+    assert sentence in output
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.slow
+def test_a_name_that_is_not_there(tmp_path: Path) -> None:
+    code, output = run("--from", "Z", *NEAR_A, "--out", str(tmp_path / "new"))
+    assert code == 2
+    assert "--from must be among A" in output
+    assert not (tmp_path / "new").exists()
