@@ -85,7 +85,7 @@ def _chosen(diagram: Diagram, text: str) -> list[str]:
     if text == ALL:
         return [point.name or point.id for point in diagram.points if point.kind in STARTS]
     wanted = [name.strip() for name in text.split(",")]
-    known = [*(p.name for p in diagram.points if p.name), *(p.id for p in diagram.points)]
+    known = [*sorted(p.name for p in diagram.points if p.name), *(p.id for p in diagram.points)]
     for name in wanted:
         if name not in known:
             raise ValueError(f"--from must be among {', '.join(known)}, got {name!r}")
