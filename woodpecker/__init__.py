@@ -29,6 +29,7 @@ from woodpecker.plane.curve import Curve, PlaneKind, PlanePoint, PlaneStretch
 from woodpecker.plane.families import Family, family_from_pwmap, family_from_sympy
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.graph import graph_of_curves
+from woodpecker.robustness import Effect, Limit, Robustness, Trouble, robustness
 from woodpecker.runs import saved_diagram
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
 from woodpecker.simulation.returns import Return, ReturnMap, first_return, return_map
@@ -52,6 +53,7 @@ __all__ = [
     "BorderKind",
     "BranchState",
     "Curve",
+    "Effect",
     "EnergyBalance",
     "Equilibrium",
     "Event",
@@ -64,6 +66,7 @@ __all__ = [
     "Image",
     "Impulse",
     "Iterate",
+    "Limit",
     "LocalModel",
     "Numerics",
     "OnBranch",
@@ -76,6 +79,7 @@ __all__ = [
     "PlaneStretch",
     "Return",
     "ReturnMap",
+    "Robustness",
     "Search",
     "Seen",
     "Settings",
@@ -90,6 +94,7 @@ __all__ = [
     "ToyFamily",
     "ToyPieces",
     "Trajectory",
+    "Trouble",
     "bifurcation_diagram",
     "borders_in",
     "check_derivatives",
@@ -116,6 +121,7 @@ __all__ = [
     "orbit_diagram",
     "parameters",
     "return_map",
+    "robustness",
     "saved_diagram",
     "shoot",
     "simulate",

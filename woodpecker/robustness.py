@@ -23,6 +23,7 @@ from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.branch_points import Multiplier
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.orbits import (
     Closed,
     Condition,
@@ -34,7 +35,7 @@ from woodpecker.piecewise.orbits import (
     solve,
 )
 from woodpecker.piecewise.settings import Settings
-from woodpecker.runs import DEFAULT
+from woodpecker.runs import WINDOW
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.toylines import LinePiece, ToyLine
 
@@ -46,19 +47,27 @@ STEPS = 40  # towards the nearest place of a condition; about ten are usual
 PARALLEL = 1e-8  # sine of the angle between change and gradient at which they are parallel: what is
 # gained beyond is its square
 PARTS = (2.0, 1.0, 0.5)  # of a turn towards the nearest place to first order that are tried
+NEARLY = 1e-3  # such an angle below which the target is taken: sizes differ by its square only
 SHORTEST = 2.0**-8  # part of it that is tried at last, where all lead to larger changes
 LEVEL = 1e-10  # relative: changes are as small as each other, to what rounding leaves of a place
+SHORT = 0.1  # changes of one parameter at the end of which more conditions are looked for
+STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
+# lies between two of them is known from margins
 WIDE = 2.0  # times the distance to first order up to which a condition is looked for
-MOST = 8  # conditions of each effect whose nearest place is looked for, and of those that do no
-MOST_HARMLESS = 2  # harm
+MOST = 3  # conditions of each effect whose nearest place is looked for, and of those that do no
+MOST_HARMLESS = 1  # harm
 ALIKE = 1e-5  # relative: places this close are one; ten times within ``BESIDE``
-NEAR = 0.02  # rad: a motion farther from where it was lost is another one; at a fold it moves by the
+NEAR = (
+    0.02  # rad: a motion farther from where it was lost is another one; at a fold it moves by the
+)
 # root of ``BESIDE``
 PERCENT = 100.0
 MANY = 64  # changes on a line after which it is left: words change without end there
 LEAST = 1e-3  # part of its value that a parameter keeps at least
 WORD = "word"  # the kind of a border that is no special point
-BESIDE = 1e-4  # part of a change by which toys on both sides differ from it: far above what rounding
+BESIDE = (
+    1e-4  # part of a change by which toys on both sides differ from it: far above what rounding
+)
 # makes of a border, far below the distance to the next one
 
 
@@ -239,7 +248,7 @@ class _Met:
 
     Attributes
     ----------
-    effect, kind, cause, note
+    effect, kind, cause
         What it is.
     u
         The change.
@@ -247,6 +256,8 @@ class _Met:
         The cycle there, with the pieces before it, seen along the line.
     condition
         What vanishes there; None where nothing is known that does.
+    stable
+        Whether the motion is stable up to there.
     """
 
     effect: Effect
@@ -255,6 +266,7 @@ class _Met:
     u: Floats
     orbit: Orbit
     condition: Condition | None
+    stable: bool = True
 
     @property
     def size(self) -> float:
@@ -287,7 +299,9 @@ def _met_along(
     cycles, found = Cycles(line, settings), list[_Met]()
     followed = cycles.through(start)
     while True:
-        found += _read(followed.curve, line, direction, settings)
+        stable = not any(each.effect is Effect.DESTABILISED for each in found)
+        read = _read(followed.curve, line, direction, settings)
+        found += [replace(each, stable=stable) for each in read]
         ends = not found or found[-1].effect is not Effect.DESTABILISED
         if ends or not past or not followed.onward or len(found) > MANY:
             return found
@@ -319,23 +333,25 @@ def _read(curve: Curve, line: ToyLine, direction: Floats, settings: Settings) ->
         smooth = mark.kind is BorderKind.SMOOTH
         yield met(mark.sample, Effect.RELABELLED if smooth else Effect.KINKED, WORD, mark.cause)
     end = curve.ends[1]
-    effect = _effect(end.kind, end.note, end.status)
+    effect = _effect(end)
     if effect is not None and len(curve.points) > 1:
         yield met(len(curve.points) - 1, effect, end.kind.value, end.cause or end.note)
 
 
-def _effect(kind: PointKind, note: str, status: PointStatus) -> Effect | None:
+def _effect(end: End) -> Effect | None:
     """What a special point does to a stable motion; None where nothing does."""
-    if kind is PointKind.EP:
-        return Effect.OPEN if status is PointStatus.OPEN else None
-    unstable = kind is PointKind.PD or kind is PointKind.BP or note == "persistence"
+    if end.kind is PointKind.EP:
+        return Effect.OPEN if end.status is PointStatus.OPEN else None
+    if end.collision is not None:  # with a jump, beyond which no cycle is its continuation
+        return Effect.DESTROYED
+    unstable = end.kind in (PointKind.PD, PointKind.BP) or end.note == "persistence"
     return Effect.DESTABILISED if unstable else Effect.DESTROYED
 
 
 def _condition(orbit: Orbit, kind: str, cause: str, settings: Settings) -> Condition | None:
     """What vanishes at a special point."""
     if kind in (PointKind.LP.value, PointKind.PD.value):
-        return Multiplier(1.0 if kind == PointKind.LP.value else -1.0, settings, settings.nearest)
+        return _multiplier(1.0 if kind == PointKind.LP.value else -1.0, orbit, settings)
     best, found = math.inf, None
     for i, image in enumerate(orbit.images):
         for k, code in enumerate(image.causes.tolist()):
@@ -344,6 +360,13 @@ def _condition(orbit: Orbit, kind: str, cause: str, settings: Settings) -> Condi
             if away < best and image.piece.cause(code) == cause:
                 best, found = away, Margin(i, code)
     return found
+
+
+def _multiplier(value: float, orbit: Orbit, settings: Settings) -> Multiplier:
+    """A value of the multiplier, whose derivatives are differences over parts of a change."""
+    size, x = orbit.p or 1.0, float(orbit.x[0])
+    near = replace(settings, span=(0.0, size), window=(x, x + size * settings.x_scale))
+    return Multiplier(value, near, settings.nearest)
 
 
 def _gradient(space: _Space, u: Floats, orbit: Orbit, condition: Condition) -> Floats:
@@ -390,7 +413,8 @@ def _nearest(space: _Space, seed: _Met, seen: dict[Key, _Met]) -> tuple[_Met, fl
         if here.size >= best.size and angle >= least:  # rounding decides
             break
         best, least = here, angle
-        closer = _turned(space, here, target, seen) if angle > PARALLEL else None
+        parts = PARTS if angle > NEARLY else PARTS[1:2]
+        closer = _turned(space, here, target, parts, seen) if angle > PARALLEL else None
         if closer is None:
             break
         here = closer
@@ -406,15 +430,17 @@ def _target(space: _Space, here: _Met) -> Floats:
     return space.projected(gradient, float(gradient @ here.u))
 
 
-def _turned(space: _Space, here: _Met, target: Floats, seen: dict[Key, _Met]) -> _Met | None:
+def _turned(
+    space: _Space, here: _Met, target: Floats, parts: Sequence[float], seen: dict[Key, _Met]
+) -> _Met | None:
     """The same condition at a smaller change, in the direction of the target or part of the way.
 
     Where the condition bends the target is too near or too far: twice and half of the way are
     tried, too, and the smallest change counts.
     """
-    tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
+    tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in parts]
     found = [each for each in tried if each is not None]
-    part = PARTS[-1]
+    part = parts[-1]
     while not found and part > SHORTEST:
         part *= 0.5
         there = _same(space, here, here.u + part * (target - here.u), seen)
@@ -457,9 +483,7 @@ def _first_guesses(space: _Space) -> list[Floats]:
     return sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
 
 
-def _rows(
-    space: _Space, u: Floats, orbit: Orbit, conditions: Sequence[Condition]
-) -> Floats:
+def _rows(space: _Space, u: Floats, orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
     """Gradients (m, k) of conditions along the cycles that hang on the parameters smoothly."""
     n, columns = len(orbit), []
     ones = np.ones(n + 1)
@@ -477,7 +501,7 @@ def robustness(
     orbit: PeriodicOrbit,
     names: Sequence[str] | None = None,
     *,
-    settings: Settings = DEFAULT,
+    settings: Settings = STEPPING,
 ) -> Robustness:
     """How far the parameters of a toy can be changed until a stable periodic motion ends.
 
@@ -514,8 +538,8 @@ def robustness(
     single = tuple(_limits(orbit, wanted, settings))
     for guess in _first_guesses(space):
         _keep(_met_along(space, guess, min(FARTHEST, WIDE * float(np.linalg.norm(guess)))), seen)
-    for k, each in enumerate(single):
-        if math.isfinite(each.percent):
+    for each in single:
+        if abs(each.percent) <= PERCENT * SHORT:
             axis = np.eye(len(wanted))[wanted.index(each.parameter)] * each.direction
             _keep(_met_along(space, axis, abs(each.percent) / PERCENT * (1.0 + LEVEL)), seen)
     found = _refined(space, seen)
@@ -567,6 +591,8 @@ def _counts(met: _Met, done: Mapping[Key, object]) -> bool:
     """Whether a condition is worth its nearest place."""
     if met.condition is None and met.effect not in ENDS:
         return False
+    if not met.stable and met.effect is Effect.DESTABILISED:
+        return False
     alike = sum(effect is met.effect for effect, _, _ in done)
     return alike < (MOST if met.effect in ENDS else MOST_HARMLESS)
 
@@ -577,7 +603,7 @@ def _differ(one: _Met, other: _Met) -> bool:
     return one.effect is not other.effect or apart > ALIKE * other.size
 
 
-def _exact(orbit: PeriodicOrbit, space: _Space, met: _Met, angle: float) -> tuple[_Space, _Met]:
+def _exact(orbit: PeriodicOrbit, space: _Space, met: _Met) -> tuple[_Space, _Met]:
     """The same place with restitutions that are zero, if the change leaves them there."""
     zero = [k for k, name in enumerate(space.names) if getattr(orbit.toy, name) == 0.0]
     if not zero or met.u[zero].any() or len(zero) == len(space.names):
@@ -591,24 +617,15 @@ def _exact(orbit: PeriodicOrbit, space: _Space, met: _Met, angle: float) -> tupl
 
 def _row(orbit: PeriodicOrbit, space: _Space, met: _Met, angle: float) -> Trouble:
     """What is reported of a place."""
-    own, there = _exact(orbit, space, met, angle)
+    own, there = _exact(orbit, space, met)
     confirmed, evidence = _evidence(own, there)
     percents = dict(zip(own.names, (PERCENT * there.u).tolist(), strict=True))
-    stable = not _unstable_before(own, there)
     return Trouble(
         effect=met.effect, kind=met.kind, cause=there.cause, size=there.size,
         changes={name: percents.get(name, 0.0) for name in space.names},
         toy=own.toy_at(there.u), phi_s=float(there.orbit.x[0]), word=" | ".join(there.orbit.words),
-        stable=stable, angle=angle, confirmed=confirmed, evidence=evidence,
+        stable=there.stable, angle=angle, confirmed=confirmed, evidence=evidence,
     )  # fmt: skip
-
-
-def _unstable_before(space: _Space, met: _Met) -> bool:
-    """Whether a motion is unstable already where it meets something."""
-    return any(
-        each.effect is Effect.DESTABILISED and each.size < met.size * (1.0 - ALIKE)
-        for each in _met_along(space, met.u, met.size * (1.0 + ALIKE))
-    )
 
 
 def _evidence(space: _Space, met: _Met) -> tuple[bool, str]:
@@ -623,10 +640,8 @@ def _evidence(space: _Space, met: _Met) -> tuple[bool, str]:
     before, after = orbits
     x = float(met.orbit.x[0])
     here, there = (each.success and abs(each.phi_s - x) <= NEAR for each in orbits)
-    said = (
-        _said(before, here), _said(after, there),
-    )  # fmt: skip
-    return here and _agrees(met.effect, before, after, there), "before: {}; beyond: {}".format(*said)
+    said = f"before: {_said(before, here)}; beyond: {_said(after, there)}"
+    return here and _agrees(met.effect, before, after, there), said
 
 
 def _said(orbit: PeriodicOrbit, near: bool) -> str:
@@ -647,9 +662,7 @@ def _agrees(effect: Effect, before: PeriodicOrbit, after: PeriodicOrbit, there: 
             return False
 
 
-def _limits(
-    orbit: PeriodicOrbit, names: Sequence[str], settings: Settings
-) -> Iterator[Limit]:
+def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> Iterator[Limit]:
     """Each parameter alone, down and up, until the motion ends."""
     for name in names:
         space = _space(orbit, (name,), settings)
