@@ -195,6 +195,35 @@ def sensitivities(results: All) -> str:
     )
 
 
+def robustness(results: All) -> str:
+    """How far the motion is from trouble, all parameters together and each alone."""
+    found = results["robustness"]
+    first = found["troubles"][0]
+    ranked = sorted(first["changes"].items(), key=lambda item: -abs(item[1]))[:5]
+    changes = ", ".join(f"`{name}` {value:+.2f} %" for name, value in ranked)
+    alone: dict[str, dict[int, str]] = {}
+    for each in found["limits"]:
+        what = {"PD": "flip", "LP": "fold"}.get(each["kind"], each["cause"])
+        text = "none" if each["percent"] is None else f"{each['percent']:+.3g} % ({what})"
+        alone.setdefault(each["parameter"], {})[each["direction"]] = minus(text)
+    nearest = sorted(
+        found["limits"],
+        key=lambda each: math.inf if each["percent"] is None else abs(each["percent"]),
+    )
+    names = list(dict.fromkeys(each["parameter"] for each in nearest))[:8]
+    table = rows(
+        ["parameter alone", "down", "up"], [[f"`{n}`", alone[n][-1], alone[n][1]] for n in names]
+    )
+    seen = (
+        "shooting on both sides confirms it" if first["confirmed"] else "not confirmed by shooting"
+    )
+    return (
+        f"The nearest trouble of the paper's toy is {first['percent']:.3f} % away (root of the sum of the "
+        f"squares of all relative changes): {minus(changes)} and less of the others; there "
+        f"{first['cause']} ({seen}).\n\n{table}"
+    )
+
+
 def precision(results: All) -> str:
     """Which peer is cheapest at an error, relative to the kernel."""
     found = results["work_precision"]
@@ -396,7 +425,7 @@ def machine(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        main_job, paper, vertices, sensitivities, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
+        main_job, paper, vertices, sensitivities, robustness, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
         ground, machine,
     )
 }  # fmt: skip

@@ -46,12 +46,15 @@ from woodpecker.simulation.words import EventKind
 from woodpecker.solutions import OnBranch, observables, solutions
 from woodpecker.toyfamily import ToyFamily
 from woodpecker.toypieces import ToyPieces
+from woodpecker.trouble.found import Effect, Limit, Robustness, Trouble
+from woodpecker.trouble.robustness import robustness
 
 __all__ = [
     "Border",
     "BorderKind",
     "BranchState",
     "Curve",
+    "Effect",
     "EnergyBalance",
     "Equilibrium",
     "Event",
@@ -64,6 +67,7 @@ __all__ = [
     "Image",
     "Impulse",
     "Iterate",
+    "Limit",
     "LocalModel",
     "Numerics",
     "OnBranch",
@@ -76,6 +80,7 @@ __all__ = [
     "PlaneStretch",
     "Return",
     "ReturnMap",
+    "Robustness",
     "Search",
     "Seen",
     "Settings",
@@ -90,6 +95,7 @@ __all__ = [
     "ToyFamily",
     "ToyPieces",
     "Trajectory",
+    "Trouble",
     "bifurcation_diagram",
     "borders_in",
     "check_derivatives",
@@ -116,6 +122,7 @@ __all__ = [
     "orbit_diagram",
     "parameters",
     "return_map",
+    "robustness",
     "saved_diagram",
     "shoot",
     "simulate",

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -141,6 +141,16 @@ class _Room:
         return Sweep(out[:, 0], out[:, 3])
 
 
+class ToyMap(Protocol):
+    """Returns of toys over one number: a parameter, or how far the toy is along a line of them."""
+
+    def at(self, x: float, p: float) -> Image:
+        """The return from phi_S = x [rad] along the path that the toy takes there."""
+
+    def ready(self, x: float, p: float) -> tuple[Follower, str]:
+        """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
+
+
 class _PerThread(threading.local):
     """What a thread keeps of a map between calls; no part of the map, and no copy has it."""
 
@@ -196,22 +206,19 @@ class ToyPieces:
 
     def at(self, x: float, p: float) -> Image:
         """The return from phi_S = x [rad] along the path that the toy takes there."""
+        return image_taken(self, x, p)
+
+    def ready(self, x: float, p: float) -> tuple[Follower, str]:
+        """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
         room = self.room()
-        obstacle = room.obstacle(x, p, self._held)
-        if obstacle:
-            return _undefined(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
-        status, path, _ = room.follower.trace(x)
-        if not status.success:
-            nowhere = ToyPiece(self, Path(status.value, NO_PATH, NO_TIMES))
-            return _undefined(nowhere, status.value)
-        return _image(ToyPiece(self, path), room, x, p)
+        return room.follower, room.obstacle(x, p, self._held)
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
         """The key of the piece that the toy takes there, and its image as the search finds it."""
-        room = self.room()
-        if room.obstacle(x, p, self._held):
+        follower, obstacle = self.ready(x, p)
+        if obstacle:
             return NO_PATH.tobytes(), math.nan
-        status, path, value = room.follower.trace(x)
+        status, path, value = follower.trace(x)
         return (path.steps if status.success else NO_PATH).tobytes(), value
 
     def sweep(self, x: Floats, p: float) -> Sweep:
@@ -255,7 +262,7 @@ class ToyPiece(NamedTuple):
         durations are those where the piece was met last.
     """
 
-    whole: ToyPieces
+    whole: ToyMap
     path: Path
 
     @property
@@ -270,24 +277,35 @@ class ToyPiece(NamedTuple):
 
     def at(self, x: float, p: float) -> Image:
         """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
-        room = self.whole.room()
-        obstacle = room.obstacle(x, p, self.whole._held)
+        follower, obstacle = self.whole.ready(x, p)
         if obstacle or not len(self.path.steps):
             return _undefined(self, obstacle or self.word)
-        return _image(self, room, x, p)
+        return _image(self, follower, x, p)
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
         return cause_of(self.path, code).sentence
 
 
+def image_taken(whole: ToyMap, x: float, p: float) -> Image:
+    """The return from phi_S = x [rad] along the path that the toy takes there."""
+    follower, obstacle = whole.ready(x, p)
+    if obstacle:
+        return _undefined(ToyPiece(whole, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
+    status, path, _ = follower.trace(x)
+    if not status.success:
+        nowhere = ToyPiece(whole, Path(status.value, NO_PATH, NO_TIMES))
+        return _undefined(nowhere, status.value)
+    return _image(ToyPiece(whole, path), follower, x, p)
+
+
 def _undefined(piece: ToyPiece, reason: str) -> Image:
     return Image(math.nan, math.nan, math.nan, NO_MARGINS, NO_GRADIENTS, NO_CAUSES, piece, reason)
 
 
-def _image(piece: ToyPiece, room: _Room, x: float, p: float) -> Image:
-    """The return along a piece with the numbers of p, which the room has now."""
-    found = room.follower.follow(piece.path, x)
+def _image(piece: ToyPiece, follower: Follower, x: float, p: float) -> Image:
+    """The return along a piece with the numbers of p, which the follower has now."""
+    found = follower.follow(piece.path, x)
     if found is None or not math.isfinite(found.phi_s):
         return _undefined(piece, TOO_FAR)
     here = ToyPiece(piece.whole, Path(piece.path.word, piece.path.steps, found.times))
@@ -299,7 +317,7 @@ def _image(piece: ToyPiece, room: _Room, x: float, p: float) -> Image:
     )  # fmt: skip
 
 
-def _rate_from_above(map_: ToyPieces, x: float, value: float) -> float:
+def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:
     """One-sided difference of second order of the map in a restitution that is zero."""
     near, far = (map_.at(x, k * RELATIVE_STEP).value for k in (1, 2))
     return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)

@@ -1,0 +1,45 @@
+"""The command ``woodpecker robustness``."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from needs import NEEDS_NUMBA
+from typer.testing import CliRunner
+
+from woodpecker.cli.app import app
+from woodpecker.cli.robustness import FILES
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8") as lines:
+        return list(csv.DictReader(lines))
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_tables_on_screen_and_on_disk(tmp_path: Path) -> None:
+    found = CliRunner().invoke(
+        app, ["robustness", "--parameters", "eps_n1,mu_2", "--out", str(tmp_path)]
+    )
+    assert found.exit_code == 0
+    output = " ".join(found.output.split())
+    assert "All parameters at once" in output
+    assert "0.18512695" in output
+    located, limits = (rows(tmp_path / name) for name in FILES)
+    assert float(located[0]["size"]) <= min(abs(float(each["percent"])) for each in limits) / 100.0
+    assert located[0]["confirmed"] == "True"
+    by_name = {(each["parameter"], each["direction"]): each for each in limits}
+    # steps of Newton's method end at a hundred spacings of the parameter
+    assert float(by_name["eps_n1", "1"]["value"]) == pytest.approx(0.64854920022763, abs=1e-12)
+    assert float(by_name["eps_n1", "-1"]["value"]) == pytest.approx(0.18512695093092, abs=1e-12)
+
+
+def test_what_is_no_parameter_is_refused(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    found = CliRunner().invoke(app, ["robustness", "--parameters", "mu", "--out", str(target)])
+    assert found.exit_code != 0
+    assert "mu" in found.output
+    assert not target.exists()

@@ -1,0 +1,113 @@
+"""How far trouble is: known limits, stationarity, and nothing nearer in random directions."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from woodpecker import Effect, Robustness, Toy, robustness, shoot
+from woodpecker.toypieces import ToyPieces
+from woodpecker.trouble.lines import ToyLine
+
+GUESS = -0.53  # rad, near the stable cycle
+NAMES = ("r_m", "l_s", "mu_2", "eps_n1", "eps_n2")
+
+
+@cache
+def of_some() -> Robustness:
+    """Over some parameters, one at zero among them."""
+    toy = Toy()
+    return robustness(toy, shoot(toy, GUESS), NAMES)
+
+
+def test_one_parameter_ends_where_its_diagram_says() -> None:
+    values = {
+        each.direction: (each.value, each.kind) for each in of_some().limits
+        if each.parameter == "eps_n1"
+    }  # fmt: skip
+    # located to some spacings times the slope of branch: 1e-11 is a hundred of that
+    assert values[1] == (pytest.approx(0.64854920022763, abs=1e-11), "PD")
+    assert values[-1] == (pytest.approx(0.18512695093092, abs=1e-11), "BC")
+
+
+def test_nearest_is_stationary() -> None:
+    nearest = of_some().nearest
+    assert nearest is not None
+    assert nearest.effect is Effect.DESTABILISED
+    assert nearest.kind == "PD"
+    # derivatives of the multiplier are differences, good to some 1e-7; what it costs is the square
+    assert nearest.angle < 1e-6
+    assert nearest.confirmed, nearest.evidence
+
+
+def test_nearest_is_a_flip_of_the_toy_there() -> None:
+    nearest = of_some().nearest
+    assert nearest is not None
+    orbit = shoot(nearest.toy, nearest.phi_s)
+    assert orbit.multiplier == pytest.approx(-1.0, abs=1e-8)  # 1e-11 of change times slope of 500
+
+
+def test_single_changes_are_larger() -> None:
+    nearest = of_some().nearest
+    assert nearest is not None
+    singles = [abs(each.percent) for each in of_some().limits]
+    assert 100.0 * nearest.size < np.nanmin(singles)
+    total = np.linalg.norm(list(nearest.changes.values()))
+    assert total == pytest.approx(100.0 * nearest.size, rel=1e-12)
+
+
+def test_nothing_is_nearer_in_random_directions() -> None:
+    toy, nearest = Toy(), of_some().nearest
+    assert nearest is not None
+    rng = np.random.default_rng(15)
+    sizes = np.array([getattr(toy, name) or 1.0 for name in NAMES])
+    for _ in range(100):
+        u = rng.normal(size=len(NAMES))
+        u[-1] = abs(u[-1])  # a restitution that is zero goes upwards only
+        u *= nearest.size / np.linalg.norm(u)
+        x = shoot(toy, GUESS).phi_s
+        for part in (0.25, 0.5, 0.75, 0.999):
+            changed = {
+                name: getattr(toy, name) + part * by
+                for name, by in zip(NAMES, (sizes * u).tolist(), strict=True)
+            }
+            orbit = shoot(toy.replace(**changed), x)
+            assert orbit.success, changed
+            assert orbit.stable, changed
+            assert abs(orbit.phi_s - x) < 0.02  # the same motion: a quarter of so small a change
+            x = orbit.phi_s
+
+
+def test_line_agrees_with_single_parameter() -> None:
+    toy = Toy().replace(eps_n2=0.1)
+    for name in NAMES:
+        one = ToyLine(toy, {name: 1.0}).at(GUESS, 0.0)
+        other = ToyPieces(toy, name).at(GUESS, getattr(toy, name))
+        assert one.value == other.value
+        assert one.d_parameter == pytest.approx(other.d_parameter, rel=1e-13)
+        assert np.array_equal(one.margins, other.margins)
+
+
+def test_line_derivative_is_the_sum_of_single_ones() -> None:
+    toy = Toy(eps_n2=0.1)
+    rates = {"r_m": 3e-4, "mu_2": -0.2, "eps_n1": 0.3}
+    whole = ToyLine(toy, rates).at(GUESS, 0.0)
+    each = [
+        rate * ToyLine(toy, {name: 1.0}).at(GUESS, 0.0).d_parameter for name, rate in rates.items()
+    ]
+    assert whole.d_parameter == pytest.approx(sum(each), rel=1e-12)  # rounding of three terms
+
+
+def test_what_is_no_stable_motion_is_refused() -> None:
+    toy = Toy()
+    orbit = shoot(toy, GUESS)
+    with pytest.raises(ValueError, match="another toy"):
+        robustness(toy.replace(mu_2=0.31), orbit)
+    with pytest.raises(ValueError, match="other than the pole"):
+        robustness(toy, orbit, ["pole"])
+    unstable = shoot(toy.replace(eps_n1=0.7), orbit.phi_s)
+    with pytest.raises(ValueError, match="stable motion"):
+        robustness(unstable.toy, unstable)
+    lost = shoot(toy, -0.1)
+    with pytest.raises(ValueError, match="needs a periodic motion"):
+        robustness(toy, lost)

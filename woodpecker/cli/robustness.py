@@ -1,0 +1,96 @@
+"""The command ``woodpecker robustness``: how far trouble is from the periodic motion."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+from rich.table import Table
+
+from pwmap.diagrams.files import write_table
+from woodpecker import robustness as measured
+from woodpecker.cli.options import GUESS, Out, console, motion, option, report, results_in
+from woodpecker.mechanics.toy import Toy
+from woodpecker.trouble.found import Limit, Robustness, Trouble
+
+FILES = ("robustness.csv", "limits.csv")
+SHOWN = 5  # changes of a row that are printed, the largest; the table on disk has them all
+LOCATED = ("effect", "kind", "cause", "size", "stable", "confirmed", "evidence", "phi_s", "word")
+
+
+def robustness(
+    toy: Toy,
+    phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
+    parameters: Annotated[
+        str, option("Parameters that change, such as eps_n1,mu_2; by default all but the pole.")
+    ] = "",
+    out: Out = Path("out"),
+) -> None:
+    """Find the smallest change of the toy that ends its periodic motion, and each parameter's own.
+
+    Example: woodpecker robustness --eps-n1 0.5 --out results
+    """
+    names = [name.strip() for name in parameters.split(",")] if parameters else None
+    with results_in(out) as target:
+        found = measured(toy, motion(toy, phi_s), names)
+        _write(found, target)
+    console.print(_troubles(found))
+    console.print(_limits(found))
+    report(target, *FILES)
+
+
+def _write(found: Robustness, target: Path) -> None:
+    rows = (*found.troubles, *found.harmless)
+    names = list(rows[0].changes) if rows else []
+    write_table(
+        target / FILES[0],
+        (*LOCATED, *(f"{name} [%]" for name in names)),
+        (
+            (
+                row.effect.value, row.kind, row.cause, row.size, row.stable, row.confirmed,
+                row.evidence, row.phi_s, row.word, *(row.changes[name] for name in names),
+            )
+            for row in rows
+        ),
+    )  # fmt: skip
+    write_table(
+        target / FILES[1],
+        ("parameter", "direction", "value", "percent", "kind", "what"),
+        (
+            (each.parameter, each.direction, each.value, each.percent, each.kind, _what(each))
+            for each in found.limits
+        ),
+    )
+
+
+def _troubles(found: Robustness) -> Table:
+    table = Table("what", "size", "largest changes", "confirmed", title="All parameters at once")
+    for row in (*found.troubles, *found.harmless):
+        seen = "yes" if row.confirmed else "open"
+        already = "" if row.stable else "; unstable before"
+        what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
+        table.add_row(what, f"{100.0 * row.size:.4g} %", _largest(row), seen)
+    return table
+
+
+def _largest(row: Trouble) -> str:
+    ordered = sorted(row.changes.items(), key=lambda item: -abs(item[1]))
+    return ", ".join(f"{name} {value:+.3g} %" for name, value in ordered[:SHOWN])
+
+
+def _limits(found: Robustness) -> Table:
+    table = Table("parameter", "change", "value", "what", title="One parameter at a time")
+    for each in found.limits:
+        if math.isfinite(each.percent):
+            table.add_row(
+                each.parameter, f"{each.percent:+.4g} %", f"{each.value:.8g}", _what(each)
+            )
+        else:
+            sign = "up" if each.direction > 0 else "down"
+            table.add_row(each.parameter, sign, "", each.cause)
+    return table
+
+
+def _what(each: Limit) -> str:
+    return each.cause if each.effect is None else f"{each.effect.value}: {each.cause}"

@@ -1,0 +1,1 @@
+"""How far the stable motion is from trouble, in all parameters at once."""

@@ -1,0 +1,80 @@
+"""Changes of all parameters of a toy, and lines of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.mechanics.toy import Domain, Toy, description
+from woodpecker.piecewise.settings import Settings
+from woodpecker.shooting import PeriodicOrbit
+from woodpecker.trouble.lines import ToyLine
+
+FARTHEST = 1.0  # largest change that is looked at: by as much as a parameter's own value
+FLOOR = 1e-9  # of a restitution that is zero: contacts that rest begin to bounce, and it is
+# differentiable; what that changes is smaller still, and it is held at zero in the end
+LEAST = 1e-3  # part of its value that a parameter keeps at least
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Space:
+    """Changes of a toy, scaled, within the limits of its parameters."""
+
+    toy: Toy
+    points: Floats
+    names: tuple[str, ...]
+    sizes: Floats
+    low: Floats
+    high: Floats
+    settings: Settings
+
+    def toy_at(self, u: Floats) -> Toy:
+        """The toy with a change."""
+        values = zip(self.names, (self.sizes * u).tolist(), strict=True)
+        return self.toy.replace(**{name: getattr(self.toy, name) + by for name, by in values})
+
+    def line(self, u: Floats, direction: Floats) -> ToyLine:
+        """The line from the toy with a change on."""
+        rates = zip(self.names, (self.sizes * direction).tolist(), strict=True)
+        return ToyLine(self.toy_at(u) if u.any() else self.toy, dict(rates))
+
+    def projected(self, gradient: Floats, value: float) -> Floats:
+        """The smallest change u with gradient . u = value, within the limits."""
+        free = np.ones(len(gradient), dtype=bool)
+        u = np.zeros(len(gradient))
+        for _ in range(len(gradient)):
+            square = float(gradient[free] @ gradient[free])
+            rest = value - float(gradient[~free] @ u[~free])
+            u[free] = gradient[free] * (rest / square) if square > 0.0 else 0.0
+            outside = free & ((u < self.low) | (u > self.high))
+            if not outside.any():
+                break
+            u[outside] = np.clip(u, self.low, self.high)[outside]
+            free &= ~outside
+        return u
+
+    def reach(self, direction: Floats) -> float:
+        """How far a line leads from the toy before a parameter leaves its limits."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away = np.where(direction > 0.0, self.high, self.low) / direction
+        away = away[direction != 0.0]
+        return min(FARTHEST, float(away.min())) if len(away) else 0.0
+
+
+def space_of(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> Space:
+    """All changes of some parameters of the toy of an orbit."""
+    toy = orbit.toy
+    zero = [name for name in names if getattr(toy, name) == 0.0]
+    at_floor = toy.replace(**dict.fromkeys(zero, FLOOR))
+    sizes = np.array([abs(getattr(toy, name)) or 1.0 for name in names])
+    high = np.full(len(names), math.inf)
+    for k, name in enumerate(names):
+        if description(name).domain is Domain.RESTITUTION:
+            high[k] = (1.0 - getattr(at_floor, name)) / sizes[k]
+    low = np.array([0.0 if name in zero else LEAST - 1.0 for name in names])
+    points = np.array(orbit.points[: orbit.minimal_period])
+    return Space(at_floor, points, tuple(names), sizes, low, high, settings)

@@ -1,0 +1,118 @@
+"""What :func:`woodpecker.robustness` finds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from woodpecker.mechanics.toy import Toy
+from woodpecker.shooting import PeriodicOrbit
+
+
+class Effect(Enum):
+    """What becomes of a periodic motion."""
+
+    DESTROYED = "destroyed"
+    DESTABILISED = "unstable beyond"
+    KINKED = "another multiplier beyond"
+    RELABELLED = "another word beyond"
+    OPEN = "not known beyond"
+
+
+ENDS = (Effect.DESTROYED, Effect.DESTABILISED, Effect.OPEN)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trouble:
+    """The smallest change of parameters that leads to one condition.
+
+    Attributes
+    ----------
+    effect
+        What becomes of the motion.
+    kind
+        The code of the special point: LP, PD, BC, FF, FALL; ``word`` at a border that is none.
+    cause
+        A sentence on what happens there.
+    size
+        Euclidean length of the scaled change.
+    changes
+        Change of each parameter, in percent of its value (of 1 if that is zero).
+    toy, phi_s
+        The toy there, and where its motion meets the section [rad].
+    word
+        Sequence of events before it.
+    stable
+        Whether the motion is stable up to there; it may be destroyed beyond a flip only.
+    angle
+        Sine of the angle between change and gradient, as far as the limits of the parameters leave
+        them free: zero where no neighbouring change is smaller.
+    confirmed
+        Whether toys on both sides behave as the row says.
+    evidence
+        What was seen on both sides, in a sentence.
+    """
+
+    effect: Effect
+    kind: str
+    cause: str
+    size: float
+    changes: Mapping[str, float]
+    toy: Toy
+    phi_s: float
+    word: str
+    stable: bool
+    angle: float
+    confirmed: bool
+    evidence: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limit:
+    """How far one parameter alone can be changed.
+
+    Attributes
+    ----------
+    parameter, direction
+        Its name, and 1 for up or -1 for down.
+    value, percent
+        Where the motion ends, and the change; nan if it does not as far as was looked.
+    effect, kind, cause
+        What happens there.
+    """
+
+    parameter: str
+    direction: int
+    value: float
+    percent: float
+    effect: Effect | None
+    kind: str
+    cause: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Robustness:
+    """How far trouble is from a periodic motion.
+
+    Attributes
+    ----------
+    orbit
+        The motion.
+    troubles
+        What destroys or destabilises it, nearest first.
+    harmless
+        Borders on the way at which it only gets another word or multiplier, nearest first.
+    limits
+        Each parameter alone, down and up.
+    """
+
+    orbit: PeriodicOrbit
+    troubles: tuple[Trouble, ...]
+    harmless: tuple[Trouble, ...]
+    limits: tuple[Limit, ...]
+
+    @property
+    def nearest(self) -> Trouble | None:
+        """What is nearest of all that ends the motion; None if nothing is near."""
+        return self.troubles[0] if self.troubles else None

@@ -1,0 +1,173 @@
+"""What a motion meets on a line from the toy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pwmap.diagrams.diagram import PointKind, PointStatus
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.borders import BorderKind
+from woodpecker.piecewise.branch_points import Multiplier
+from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.ends import End
+from woodpecker.piecewise.orbits import (
+    Closed,
+    Condition,
+    Coordinate,
+    Margin,
+    Orbit,
+    orbit_of,
+    solve,
+)
+from woodpecker.piecewise.pieces import Piece
+from woodpecker.piecewise.settings import Settings
+from woodpecker.trouble.changes import FARTHEST, Space
+from woodpecker.trouble.found import Effect
+from woodpecker.trouble.lines import ToyLine
+
+MANY = 64  # changes on a line after which it is left: words change without end there
+WORD = "word"  # the kind of a border that is no special point
+
+
+Key = tuple[Effect, str, str]
+"""The same for the same condition."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Met:
+    """A special point, or a change of word, on a line from the toy.
+
+    Attributes
+    ----------
+    effect, kind, cause
+        What it is.
+    u
+        The change.
+    orbit
+        The cycle there, with the pieces before it, seen along the line.
+    condition
+        What vanishes there; None where nothing is known that does.
+    stable
+        Whether the motion is stable up to there.
+    """
+
+    effect: Effect
+    kind: str
+    cause: str
+    u: Floats
+    orbit: Orbit
+    condition: Condition | None
+    stable: bool = True
+
+    @property
+    def size(self) -> float:
+        """Length of the change."""
+        return float(np.linalg.norm(self.u))
+
+    @property
+    def key(self) -> Key:
+        """The same for the same condition."""
+        return self.effect, self.kind, self.cause
+
+
+def met_along(
+    space: Space, direction: Floats, most: float = FARTHEST, *, past: bool = True
+) -> list[Met]:
+    """Everything that a motion meets on a line, in order, until it is destroyed.
+
+    Past a flip and whatever else only makes it unstable it is followed on, unless ``past`` is
+    false.
+    """
+    direction = direction / np.linalg.norm(direction)
+    reach = min(most, space.reach(direction))
+    if not reach > 0.0:
+        return []
+    line = space.line(np.zeros(len(direction)), direction)
+    settings = replace(space.settings, span=(0.0, reach))
+    start = cycle_on(line, space.points, settings)
+    if start is None:
+        return []
+    cycles, found = Cycles(line, settings), list[Met]()
+    followed = cycles.through(start)
+    while True:
+        stable = not any(each.effect is Effect.DESTABILISED for each in found)
+        read = _read(followed.curve, line, direction, settings)
+        found += [replace(each, stable=stable) for each in read]
+        ends = not found or found[-1].effect is not Effect.DESTABILISED
+        if ends or not past or not followed.onward or len(found) > MANY:
+            return found
+        followed = cycles.ahead(followed.onward[0])
+
+
+def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> Orbit | None:
+    """The cycle at the beginning of a line."""
+    start = Orbit(x, 0.0, tuple(line.at(float(each), 0.0) for each in x))
+    if not start.defined:
+        return None
+    found = solve(start, (Closed(), Coordinate(-1, 0.0)), settings)
+    return found.orbit if found.converged else None
+
+
+def _read(curve: Curve, line: ToyLine, direction: Floats, settings: Settings) -> Iterator[Met]:
+    """What a branch meets, in order of the distance from the toy."""
+
+    def pieces(k: int) -> list[Piece]:
+        p = float(curve.parameter[k])
+        return [line.at(float(each), p).piece for each in curve.points[k]]
+
+    def met(k: int, effect: Effect, kind: str, cause: str) -> Met:
+        orbit = orbit_of(pieces(k - 1), curve.points[k], float(curve.parameter[k]))
+        condition = _condition(orbit, kind, cause, settings)
+        return Met(effect, kind, cause, orbit.p * direction, orbit, condition)
+
+    def words(k: int) -> list[str]:
+        return [piece.word for piece in pieces(k)]
+
+    last = len(curve.points) - 1
+    for mark in curve.marks:
+        if mark.sample == 0:
+            continue
+        effect = Effect.RELABELLED if mark.kind is BorderKind.SMOOTH else Effect.KINKED
+        beyond = min(mark.sample + 1, last)
+        if effect is Effect.KINKED or words(mark.sample - 1) != words(beyond):
+            yield met(mark.sample, effect, WORD, mark.cause)
+    end = curve.ends[1]
+    what = _effect(end)
+    if what is not None and last > 0:
+        yield met(last, what, end.kind.value, end.cause or end.note)
+
+
+def _effect(end: End) -> Effect | None:
+    """What a special point does to a stable motion; None where nothing does."""
+    if end.kind is PointKind.EP:
+        return Effect.OPEN if end.status is PointStatus.OPEN else None
+    if end.collision is not None:  # with a jump, beyond which no cycle is its continuation
+        return Effect.DESTROYED
+    unstable = end.kind in (PointKind.PD, PointKind.BP) or end.note == "persistence"
+    return Effect.DESTABILISED if unstable else Effect.DESTROYED
+
+
+def _condition(orbit: Orbit, kind: str, cause: str, settings: Settings) -> Condition | None:
+    """What vanishes at a special point."""
+    if kind in (PointKind.LP.value, PointKind.PD.value):
+        return _multiplier(1.0 if kind == PointKind.LP.value else -1.0, orbit, settings)
+    best, found = math.inf, None
+    for i, image in enumerate(orbit.images):
+        for k, code in enumerate(image.causes.tolist()):
+            size = abs(float(image.gradients[k, 0])) or 1.0
+            away = abs(float(image.margins[k])) / size
+            if away < best and image.piece.cause(code) == cause:
+                best, found = away, Margin(i, code)
+    return found
+
+
+def _multiplier(value: float, orbit: Orbit, settings: Settings) -> Multiplier:
+    """A value of the multiplier, whose derivatives are differences over parts of a change."""
+    size, x = orbit.p or 1.0, float(orbit.x[0])
+    near = replace(settings, span=(0.0, size), window=(x, x + size * settings.x_scale))
+    return Multiplier(value, near, settings.nearest)

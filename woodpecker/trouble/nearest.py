@@ -1,0 +1,193 @@
+"""The smallest change at which a condition holds.
+
+Along a straight line of changes the motion is followed exactly, so what it meets first is known to
+rounding. The gradient of what vanishes there gives the direction in which it is nearer, and so on,
+until change and gradient are parallel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import Bounds, minimize
+
+from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.branch_points import Multiplier
+from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit, jacobian, orbit_of
+from woodpecker.trouble.changes import FARTHEST, Space
+from woodpecker.trouble.meeting import Key, Met, cycle_on, met_along
+
+SEEDS = 16  # conditions, the nearest to first order, that are looked for
+STEPS = 40  # towards the nearest place of a condition; about ten are usual
+PARTS = (2.0, 1.0, 0.5)  # of a turn towards the nearest place to first order that are tried
+NEARLY = 0.05  # sine of the angle between change and gradient from which on pieces are held
+FLAT = 1e-18  # what the square of a change still gains, relatively: the angle squared
+SHORTEST = 2.0**-8  # part of it that is tried at last, where all lead to larger changes
+LEVEL = 1e-10  # relative: changes are as small as each other, to what rounding leaves of a place
+
+
+def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Floats:
+    """Gradient of a condition along the cycles, scaled; its length counts for nothing.
+
+    Cycle and condition are n + 1 equations for n points: the combination of them that does not
+    depend on the points is one for the parameters alone. It is regular at a fold too.
+    """
+    lines = [space.line(u, unit) for unit in np.eye(len(u))]
+    rows, ones = [], np.ones(len(orbit) + 1)
+    for line in lines:
+        pieces = [line.carried(piece) for piece in orbit.pieces]
+        rows.append(jacobian(orbit_of(pieces, orbit.x, 0.0), (Closed(), condition), ones))
+    if not np.isfinite(rows).all():  # at a root of the map
+        return np.full(len(u), math.nan)
+    weights = np.linalg.svd(rows[0][:, :-1])[0][:, -1]
+    gradient: Floats = np.array([float(weights @ row[:, -1]) for row in rows])
+    return gradient
+
+
+def nearest(space: Space, seed: Met, seen: dict[Key, Met]) -> tuple[Met, float]:
+    """The smallest change at which a condition holds, from one at which it does.
+
+    Whatever else is met on the way is kept in ``seen`` if it is nearer than what is known of it.
+
+    Returns
+    -------
+    What is met there, and the sine of the angle between change and gradient.
+    """
+    here = seed
+    for _ in range(STEPS):
+        angle, target = _angle(space, here)
+        if not angle > NEARLY:
+            break
+        closer = _turned(space, here, target, seen)
+        if closer is None or not closer.size < here.size:
+            break
+        here = closer
+    exact = _polished(space, here)
+    if exact is not None:
+        there = _same(space, here, exact, seen)
+        if there is not None:
+            here = there
+    return here, _angle(space, here)[0]
+
+
+def _angle(space: Space, here: Met) -> tuple[float, Floats]:
+    """Sine of the angle between change and gradient, and the nearest change to first order."""
+    if here.condition is None:
+        return math.nan, here.u
+    target = _target(space, here)
+    return float(np.linalg.norm(target - here.u)) / here.size, target
+
+
+def _polished(space: Space, here: Met) -> Floats | None:
+    """The smallest change with the pieces and the condition of one that is nearly that.
+
+    Points of the cycle and parameters are the unknowns, so folds are no exception.
+    """
+    if here.condition is None:
+        return None
+    n, size, ones = len(here.orbit), here.size, np.ones(len(here.orbit) + 1)
+    conditions, start = (Closed(), here.condition), np.append(here.orbit.x, here.u)
+    low, high = (space.low - here.u) / size, (space.high - here.u) / size
+
+    def equations(z: Floats) -> Floats:
+        orbit = _seen(space, start + size * z, n, here.orbit, 0)
+        ahead = zip(orbit.images[:-1], orbit.x[1:].tolist(), strict=True)
+        chain = [image.value - x for image, x in ahead]
+        return np.array([*chain, *(each.residual(orbit) for each in conditions)]) / size
+
+    def derivatives(z: Floats) -> Floats:
+        orbits = [_seen(space, start + size * z, n, here.orbit, k) for k in range(len(here.u))]
+        every = [jacobian(orbit, conditions, ones) for orbit in orbits]
+        return np.column_stack([every[0][:, :n], *(each[:, n] for each in every)])
+
+    found = minimize(
+        lambda z: 0.5 * float(np.sum((here.u / size + z[n:]) ** 2)), np.zeros(len(start)),
+        jac=lambda z: np.append(np.zeros(n), here.u / size + z[n:]), method="SLSQP",
+        bounds=Bounds([-1.0] * n + low.tolist(), [1.0] * n + high.tolist()),
+        constraints={"type": "eq", "fun": equations, "jac": derivatives},
+        options={"ftol": FLAT, "maxiter": STEPS},
+    )  # fmt: skip
+    u: Floats = here.u + size * found.x[n:]
+    return u if np.isfinite(u).all() and u.any() else None
+
+
+def _seen(space: Space, point: Floats, n: int, like: Orbit, axis: int) -> Orbit:
+    """A cycle of n points at a change, ``point`` is both, seen along one of the parameters."""
+    line = space.line(point[n:], np.eye(len(point) - n)[axis])
+    return orbit_of([line.carried(piece) for piece in like.pieces], point[:n], 0.0)
+
+
+def _target(space: Space, here: Met) -> Floats:
+    """The smallest change at which a condition holds to first order."""
+    assert here.condition is not None
+    gradient = _gradient(space, here.u, here.orbit, here.condition)
+    if not (np.isfinite(gradient).all() and gradient.any()):
+        return np.full(len(gradient), math.nan)
+    return space.projected(gradient, float(gradient @ here.u))
+
+
+def _turned(space: Space, here: Met, target: Floats, seen: dict[Key, Met]) -> Met | None:
+    """The same condition at a smaller change, in the direction of the target or part of the way.
+
+    Where the condition bends the target is too near or too far: twice and half of the way are
+    tried, too, and the smallest change counts.
+    """
+    tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
+    found = [each for each in tried if each is not None]
+    part = PARTS[-1]
+    while not found and part > SHORTEST:
+        part *= 0.5
+        there = _same(space, here, here.u + part * (target - here.u), seen)
+        found = [there] if there is not None else []
+    return min(found, key=lambda each: each.size, default=None)
+
+
+def _same(space: Space, here: Met, way: Floats, seen: dict[Key, Met]) -> Met | None:
+    """The same condition in another direction, if the change is no larger there."""
+    most = here.size * (1.0 + LEVEL)
+    found = met_along(space, np.clip(way, space.low, space.high), most)
+    keep(found, seen)
+    return next((each for each in found if each.key == here.key and each.size <= most), None)
+
+
+def keep(found: Sequence[Met], seen: dict[Key, Met]) -> None:
+    """Keep of each condition the nearest place."""
+    for each in found:
+        if each.key not in seen or each.size < seen[each.key].size:
+            seen[each.key] = each
+
+
+def first_guesses(space: Space) -> list[Floats]:
+    """Where conditions hold to first order, the nearest first."""
+    none = np.zeros(len(space.names))
+    line = space.line(none, np.eye(len(none))[0])
+    orbit = cycle_on(line, space.points, replace(space.settings, span=(0.0, 1.0)))
+    if orbit is None:
+        return []
+    settings = replace(space.settings, span=(0.0, 1.0))
+    conditions: list[Condition] = [Multiplier(v, settings, settings.nearest) for v in (1.0, -1.0)]
+    for i, image in enumerate(orbit.images):
+        conditions += [Margin(i, code) for code in image.causes.tolist()]
+    rows = _rows(space, none, orbit, conditions)
+    found = []
+    for condition, row in zip(conditions, rows, strict=True):
+        u = space.projected(row, -condition.residual(orbit))
+        if np.isfinite(u).all() and 0.0 < np.linalg.norm(u) < FARTHEST:
+            found.append(u)
+    return sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
+
+
+def _rows(space: Space, u: Floats, orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
+    """Gradients (m, k) of conditions along the cycles that hang on the parameters smoothly."""
+    n, columns = len(orbit), []
+    ones = np.ones(n + 1)
+    for unit in np.eye(len(u)):
+        line = space.line(u, unit)
+        there = orbit_of([line.carried(piece) for piece in orbit.pieces], orbit.x, 0.0)
+        matrix = jacobian(there, (Closed(), *conditions), ones)
+        along = np.linalg.solve(matrix[:n, :n], -matrix[:n, n])
+        columns.append(matrix[n:, n] + matrix[n:, :n] @ along)
+    return np.array(columns).T

@@ -1,0 +1,242 @@
+"""How far is trouble: the smallest change of the toy's parameters that ends a periodic motion.
+
+A change counts each parameter as part of its own value, and one that is zero as part of the range 1
+of a restitution, upwards only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from woodpecker.mechanics.toy import Toy, known_parameter, parameters
+from woodpecker.piecewise.settings import Settings
+from woodpecker.runs import WINDOW
+from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.trouble.changes import FARTHEST, FLOOR, Space, space_of
+from woodpecker.trouble.found import ENDS, Effect, Limit, Robustness, Trouble
+from woodpecker.trouble.meeting import Key, Met, met_along
+from woodpecker.trouble.nearest import LEVEL, first_guesses, keep, nearest
+
+STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
+# lies between two of them is known from margins
+WIDE = 2.0  # times the distance to first order up to which a condition is looked for
+SHORT = 0.1  # changes of one parameter at the end of which more conditions are looked for
+MOST = 3  # conditions of each effect whose nearest place is looked for,
+MOST_HARMLESS = 1  # and of those that do no harm
+ALIKE = 1e-5  # relative: places this close are one; ten times within ``BESIDE``
+BESIDE = (
+    1e-4  # part of a change by which toys on both sides differ from it: far above what rounding
+)
+# rounding makes of a border, far below the distance to the next one
+NEAR = (
+    0.02  # rad: a motion farther from where it was lost is another one; at a fold it moves by the
+)
+# the root of ``BESIDE``
+PERCENT = 100.0
+
+
+def robustness(
+    toy: Toy,
+    orbit: PeriodicOrbit,
+    names: Sequence[str] | None = None,
+    *,
+    settings: Settings = STEPPING,
+) -> Robustness:
+    """How far the parameters of a toy can be changed until a stable periodic motion ends.
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    orbit
+        A stable periodic motion of it, from :func:`woodpecker.shoot`.
+    names
+        The parameters that change, by default all but the length of the pole.
+    settings
+        Steps, window and tolerances; their span does not matter.
+
+    Returns
+    -------
+    Robustness
+        What destroys or destabilises the motion at the smallest change of all of these parameters
+        together, which borders only give it another word or multiplier, and how far each parameter
+        alone can be changed. Every row is the nearest place of its condition that straight lines
+        from the toy lead to; one that is nearer along a bent way only is not found.
+
+    Raises
+    ------
+    ValueError
+        If the orbit did not converge, is not stable or is one of another toy, or no parameter is
+        named.
+    TypeError
+        If a parameter is unknown.
+    """
+    wanted = _checked(toy, orbit, names)
+    space = space_of(orbit, wanted, settings)
+    seen = dict[Key, Met]()
+    single = tuple(_limits(orbit, wanted, settings))
+    for guess in first_guesses(space):
+        keep(met_along(space, guess, min(FARTHEST, WIDE * float(np.linalg.norm(guess)))), seen)
+    for each in single:
+        if abs(each.percent) <= PERCENT * SHORT:
+            axis = np.eye(len(wanted))[wanted.index(each.parameter)] * each.direction
+            keep(met_along(space, axis, abs(each.percent) / PERCENT * (1.0 + LEVEL)), seen)
+    found = _refined(space, seen)
+    rows = list(_rows(orbit, space, found))
+    harmless = [row for row in rows if row.effect not in ENDS]
+    return Robustness(
+        orbit=orbit, troubles=tuple(row for row in rows if row.effect in ENDS),
+        harmless=tuple(harmless), limits=single,
+    )  # fmt: skip
+
+
+def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tuple[str, ...]:
+    """The parameters that change."""
+    if not orbit.success:
+        raise ValueError(f"robustness needs a periodic motion, got one with: {orbit.message}")
+    if orbit.toy != toy:
+        raise ValueError("robustness needs an orbit of this toy, got one of another toy")
+    if not orbit.stable:
+        raise ValueError(
+            f"robustness needs a stable motion, got one with multiplier {orbit.multiplier:.6g}"
+        )
+    if names is None:
+        return tuple(name for name in parameters() if name != "pole")
+    wanted = tuple(dict.fromkeys(known_parameter(name) for name in names))
+    if not wanted or "pole" in wanted:
+        raise ValueError(
+            f"names must hold parameters of the toy other than the pole, got {tuple(names)!r}"
+        )
+    return wanted
+
+
+def _refined(space: Space, seen: dict[Key, Met]) -> list[tuple[Met, float]]:
+    """The nearest place of every condition that ends a motion, and of the nearest that do not."""
+    done = dict[Key, tuple[Met, float]]()
+    while True:
+        left = [met for key, met in seen.items() if key not in done and _counts(met, done)]
+        if not left:
+            break
+        met = min(left, key=lambda each: each.size)
+        done[met.key] = nearest(space, met, seen)
+    found = list[tuple[Met, float]]()
+    for met, angle in sorted(done.values(), key=lambda each: each[0].size):
+        if all(_differ(met, other) for other, _ in found):
+            found.append((met, angle))
+    return found
+
+
+def _counts(met: Met, done: Mapping[Key, object]) -> bool:
+    """Whether a condition is worth its nearest place."""
+    if met.condition is None and met.effect not in ENDS:
+        return False
+    if not met.stable and met.effect is Effect.DESTABILISED:
+        return False
+    alike = sum(effect is met.effect for effect, _, _ in done)
+    return alike < (MOST if met.effect in ENDS else MOST_HARMLESS)
+
+
+def _differ(one: Met, other: Met) -> bool:
+    """Whether two places are not one that goes by two names."""
+    apart = float(np.linalg.norm(one.u - other.u))
+    return one.effect is not other.effect or apart > ALIKE * other.size
+
+
+def _rows(
+    orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[Met, float]]
+) -> Iterator[Trouble]:
+    """What is reported of places.
+
+    Borders of restitutions that are raised to ``FLOOR`` and that are none at zero do not count.
+    """
+    for met, angle in found:
+        exact = _at_zero(orbit, space, met)
+        if exact is not None:
+            yield _row(*exact, met.effect, angle, space.names)
+        elif met.effect in ENDS:
+            yield _row(space, met, met.effect, angle, space.names)
+
+
+def _at_zero(orbit: PeriodicOrbit, space: Space, met: Met) -> tuple[Space, Met] | None:
+    """The same place with restitutions at zero where the change leaves them there; None if none."""
+    zero = [k for k, name in enumerate(space.names) if getattr(orbit.toy, name) == 0.0]
+    if not zero or (met.u[zero] > FLOOR).any() or len(zero) == len(space.names):
+        return space, met
+    kept = [name for k, name in enumerate(space.names) if k not in zero]
+    exact = space_of(orbit, kept, space.settings)
+    found = met_along(exact, np.delete(met.u, zero), met.size * (1.0 + ALIKE))
+    near = [e for e in found if e.effect is met.effect and abs(e.size / met.size - 1.0) < ALIKE]
+    return (exact, near[-1]) if near else None
+
+
+def _row(own: Space, there: Met, effect: Effect, angle: float, names: Sequence[str]) -> Trouble:
+    """What is reported of a place."""
+    confirmed, evidence = _evidence(own, there)
+    percents = dict(zip(own.names, (PERCENT * there.u).tolist(), strict=True))
+    return Trouble(
+        effect=effect, kind=there.kind, cause=there.cause, size=there.size,
+        changes={name: percents.get(name, 0.0) for name in names},
+        toy=own.toy_at(there.u), phi_s=float(there.orbit.x[0]), word=" | ".join(there.orbit.words),
+        stable=there.stable, angle=angle, confirmed=confirmed, evidence=evidence,
+    )  # fmt: skip
+
+
+def _evidence(space: Space, met: Met) -> tuple[bool, str]:
+    """What shooting finds on both sides of a place, and whether that is what it should be."""
+    orbits = []
+    for part in (1.0 - BESIDE, 1.0 + BESIDE):
+        try:
+            toy = space.toy_at(part * met.u)
+            orbits.append(shoot(toy, float(met.orbit.x[0]), len(met.orbit)))
+        except ValueError as error:
+            return False, f"at {part} of the change: {error}"
+    before, after = orbits
+    x = float(met.orbit.x[0])
+    here, there = (each.success and abs(each.phi_s - x) <= NEAR for each in orbits)
+    said = f"before: {_said(before, here)}; beyond: {_said(after, there)}"
+    return here and _agrees(met.effect, before, after, there), said
+
+
+def _said(orbit: PeriodicOrbit, near: bool) -> str:
+    """What shooting found, in a few words."""
+    return f"multiplier {orbit.multiplier:.6g}" if near else "no such motion"
+
+
+def _agrees(effect: Effect, before: PeriodicOrbit, after: PeriodicOrbit, there: bool) -> bool:
+    """Whether motions before and beyond are those of an effect."""
+    match effect:
+        case Effect.DESTROYED:
+            return not there
+        case Effect.DESTABILISED:
+            return not there or before.stable is not after.stable
+        case Effect.RELABELLED | Effect.KINKED:
+            return there and before.word != after.word
+        case Effect.OPEN:
+            return False
+
+
+def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> Iterator[Limit]:
+    """Each parameter alone, down and up, until the motion ends."""
+    for name in names:
+        space = space_of(orbit, (name,), settings)
+        for direction in (-1, 1):
+            found = met_along(space, np.array([float(direction)]), past=False)
+            yield _limit(space, direction, found)
+
+
+def _limit(space: Space, direction: int, found: Sequence[Met]) -> Limit:
+    """What ends a motion as one parameter changes."""
+    name = space.names[0]
+    if not found or found[-1].effect not in ENDS:
+        return Limit(
+            parameter=name, direction=direction, value=math.nan, percent=math.nan, effect=None,
+            kind="", cause="nothing as far as was looked",
+        )  # fmt: skip
+    met = found[-1]
+    return Limit(
+        parameter=name, direction=direction, value=float(getattr(space.toy_at(met.u), name)),
+        percent=PERCENT * float(met.u[0]), effect=met.effect, kind=met.kind, cause=met.cause,
+    )  # fmt: skip
