@@ -37,8 +37,9 @@ class _Sample:
 def curve_through(
     family: Family,
     point: SpecialPoint | PlanePoint,
-    second: float | None = None,
+    other: float | None = None,
     *,
+    axis: int = 0,
     span: Spans,
     settings: Settings,
     kind: PointKind | str | None = None,
@@ -50,10 +51,12 @@ def curve_through(
     family
         The maps.
     point
-        A special point, LP, PD, BC or FF, of a diagram over the first parameter; or one of
+        A special point, LP, PD, BC or FF, of a diagram over one of the parameters; or one of
         codimension two on another curve of the same family.
-    second
-        The value of the second parameter in that diagram.
+    other
+        The value of the other parameter in that diagram.
+    axis
+        Which parameter the diagram is over, 0 or 1.
     span
         Intervals of both parameters.
     settings
@@ -77,11 +80,13 @@ def curve_through(
         seed = _seed(point, kind)
         place, locus = seed.place, seed.locus
         return _curve(plane, *_one_way(plane, place, locus, seed))
-    if second is None:
+    if axis not in (0, 1):
+        raise ValueError(f"axis must be 0 or 1, got {axis}")
+    if other is None:
         raise ValueError(
-            f"a special point over {family.names[0]} needs a value of {family.names[1]}"
+            f"a special point over {family.names[axis]} needs a value of {family.names[1 - axis]}"
         )
-    place, locus = located(plane, point, second)
+    place, locus = located(plane, point, other, axis)
     for name, value, (low, high) in zip(family.names, place.values, spans, strict=True):
         if not low <= value <= high:
             raise ValueError(f"span must hold {name} = {value}, got ({low}, {high})")

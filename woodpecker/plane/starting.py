@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -25,8 +26,10 @@ from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.places import Locus, Place, Plane
 
+T = TypeVar("T")
 MULTIPLIERS = {PointKind.LP: 1.0, PointKind.PD: -1.0}
 COLLISIONS = (PointKind.BC, PointKind.FF)
+CURVED = (*MULTIPLIERS, *COLLISIONS)  # special points that have a curve
 PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LOST,
              BorderKind.SMOOTH)  # fmt: skip
 
@@ -39,38 +42,45 @@ class _Candidate:
     margin: Margin
 
 
-def located(plane: Plane, point: SpecialPoint, second: float) -> tuple[Place, Locus]:
+def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> tuple[Place, Locus]:
     """The place of a special point, found anew, and what its curve obeys.
 
     Parameters
     ----------
     point
-        Of a diagram over the first parameter.
-    second
+        Of a diagram over one of the parameters.
+    other
         The value of the other one.
+    axis
+        Which one the diagram is over, 0 or 1.
 
     Raises
     ------
     ValueError
         If it is of a kind that has no curve, or there is no such point.
     """
-    if point.kind not in (*MULTIPLIERS, *COLLISIONS):
+    if point.kind not in CURVED:
         raise ValueError(f"a curve starts at LP, PD, BC or FF, got {point.id}, {point.kind.label}")
-    values = (point.parameter, second)
-    map_, p = plane.map(values), point.parameter
+    p, settings = point.parameter, plane.settings[axis]
+    map_ = plane.map(_both(p, other, axis), axis)
     if point.kind in MULTIPLIERS:
-        found = _turning(map_, point, plane.first)
+        found = _turning(map_, point, settings)
     else:
-        found = _colliding(map_, point, plane.first)
+        found = _colliding(map_, point, settings)
     if found is None:
-        names = plane.family.names
+        over, held = _both(*plane.family.names, axis)
         raise ValueError(
-            f"there is no {point.kind} near {names[0]} = {p:.12g}, x = {point.x:.12g} at "
-            f"{names[1]} = {second:.12g}: expected a special point of a diagram over {names[0]} "
+            f"there is no {point.kind} near {over} = {p:.12g}, x = {point.x:.12g} at "
+            f"{held} = {other:.12g}: expected a special point of a diagram over {over} "
             "with all other parameters as they are now"
         )
     orbit, locus = found
-    return plane.place(orbit.pieces, orbit.x, (orbit.p, second)), locus
+    return plane.place(orbit.pieces, orbit.x, _both(orbit.p, other, axis)), locus
+
+
+def _both(over: T, held: T, axis: int) -> tuple[T, T]:
+    """What belongs to the parameter of an axis and to the other one, in the order of the family."""
+    return (over, held) if axis == 0 else (held, over)
 
 
 def _turning(

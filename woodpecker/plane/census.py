@@ -1,0 +1,126 @@
+"""What lives at two parameters: cycles by their stability, and what orbits settle on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settled import Orbit, orbit_diagram
+from woodpecker.piecewise.slices import slices_at
+
+NEUTRAL = 1e-6  # of 1 - |multiplier|: below this rounding decides on stability. So do ends of
+# intervals of fixed points, such as states in which the toy rests
+STEADY = 1e-9  # exponent of an orbit that neither attracts nor repels: of slope one all along
+
+
+class Count(NamedTuple):
+    """How many cycles of one period there are.
+
+    Attributes
+    ----------
+    period
+        Their minimal period.
+    stable, unstable
+        How many attract, and how many do not.
+    """
+
+    period: int
+    stable: int
+    unstable: int
+
+
+Census = tuple[Count, ...]
+"""Cycles of some periods, in ascending order of these."""
+
+
+class Settles(StrEnum):
+    """What orbits come to."""
+
+    CYCLE = "cycle"
+    REST = "rest"
+    CHAOS = "chaos"
+    LONG = "long"
+    LOST = "lost"
+
+    @property
+    def meaning(self) -> str:
+        """One phrase."""
+        return {
+            "cycle": "a cycle",
+            "rest": "an interval of fixed points: the system rests",
+            "chaos": "no cycle that is looked for, and a positive exponent",
+            "long": "no cycle that is looked for, and no positive exponent",
+            "lost": "the orbit leaves the window or has no image",
+        }[self.value]
+
+
+class Attractor(NamedTuple):
+    """What orbits come to; the period of a cycle, else 0."""
+
+    kind: Settles
+    period: int = 0
+
+    def __str__(self) -> str:
+        return f"period {self.period}" if self.kind is Settles.CYCLE else self.kind.value
+
+
+def census_at(map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings) -> Census:
+    """Cycles of some periods in the window, counted.
+
+    Parameters
+    ----------
+    map_, p
+        The map and its parameter.
+    orders
+        The periods, ascending.
+    settings
+        With a finite window.
+    """
+    found = []
+    for each in slices_at(map_, p, orders, settings):
+        sizes = [abs(cycle.multiplier) for cycle in each.cycles]
+        told = [size for size in sizes if abs(size - 1.0) > NEUTRAL]
+        stable = sum(size < 1.0 for size in told)
+        found.append(Count(each.order, stable, len(told) - stable))
+    return tuple(found)
+
+
+def attractors_at(
+    map_: PiecewiseMap, p: float, settings: Settings, *, starts: int, transient: int, keep: int
+) -> tuple[Attractor, ...]:
+    """What orbits from evenly spaced starts in the window come to, each once.
+
+    Parameters
+    ----------
+    map_, p
+        The map and its parameter.
+    settings
+        With a finite window.
+    starts, transient, keep
+        How many orbits, how many iterates are cut, and how many are looked at after that.
+    """
+    low, high = settings.window
+    parts = (np.arange(starts) + 0.5) / starts
+    found = orbit_diagram(
+        map_, p, low + parts * (high - low), settings.window, transient=transient, keep=keep,
+        settings=settings,
+    )  # fmt: skip
+    kinds = {_attractor(orbit) for orbit in found.orbits}
+    if found.lost:
+        kinds.add(Attractor(Settles.LOST))
+    return tuple(sorted(kinds, key=lambda each: (list(Settles).index(each.kind), each.period)))
+
+
+def _attractor(orbit: Orbit) -> Attractor:
+    if orbit.period == 1 and abs(orbit.exponent) <= STEADY:
+        return Attractor(Settles.REST)
+    if orbit.period:
+        return Attractor(Settles.CYCLE, orbit.period)
+    chaotic = orbit.exponent > 0.0 and math.isfinite(orbit.exponent)
+    return Attractor(Settles.CHAOS if chaotic else Settles.LONG)

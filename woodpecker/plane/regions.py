@@ -1,0 +1,474 @@
+"""The plane of two parameters, cut into regions in which the same cycles live.
+
+Curves cut a rectangle into faces. In each the cycles at one place are counted, and at random ones:
+where two places of a face disagree, a curve that is not known leads between them. The way from one
+to the other is halved until a diagram over one parameter shows the special point in between, which
+is followed as a curve; and so on, until random places no longer disagree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+import shapely
+from shapely import LineString, MultiLineString, Point, Polygon
+from shapely.ops import unary_union
+
+from pwmap.diagrams.diagram import PointStatus, SpecialPoint
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import interval
+from woodpecker.piecewise.diagrams import finite_window, iterates, whole_diagram
+from woodpecker.piecewise.search import Search
+from woodpecker.piecewise.settings import Settings
+from woodpecker.plane.census import Attractor, Census, attractors_at, census_at
+from woodpecker.plane.curve import Curve
+from woodpecker.plane.cutting import (
+    SQUARE,
+    Spans,
+    face_of,
+    faces_of,
+    inner_place,
+    lines_of,
+    scaled,
+    unscaled,
+)
+from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.following import curve_through
+from woodpecker.plane.starting import CURVED
+
+TRIES = (
+    3  # to find the curve between a place that disagrees with others of its face and the nearest
+)
+
+Progress = Callable[[Curve], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Survey:
+    """How to look for regions.
+
+    Attributes
+    ----------
+    checks
+        Random places at which cycles are counted; if none of n disagrees, what is wrong takes less
+        than 3/n of the rectangle, with a probability of 95 %.
+    curves
+        How many curves are followed at most.
+    finest
+        Part of the spans between two places that disagree, from which on a diagram looks for what
+        lies between.
+    beside
+        Part of the spans: places closer to a border are not compared, for curves are drawn as
+        straight lines between their samples.
+    thin
+        Part of the spans: faces that are narrower are not looked at, and belong to a neighbour.
+    samples
+        Of a curve, each way.
+    starts, transient, keep
+        Orbits that show attractors: how many, how many iterates are cut, and how many are kept.
+    seed
+        Of the random places.
+    """
+
+    checks: int = 60
+    curves: int = 100
+    finest: float = 2.0**-11
+    beside: float = 2.0**-9
+    thin: float = 2.0**-9
+    samples: int = 400
+    starts: int = 24
+    transient: int = 400
+    keep: int = 128
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        for name in ("checks", "curves", "samples", "starts", "transient", "keep"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
+        for name in ("finest", "beside", "thin"):
+            if not 0.0 < getattr(self, name) < 1.0:
+                raise ValueError(f"{name} must lie in (0, 1), got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Region:
+    """A part of the plane in which the same cycles live.
+
+    Attributes
+    ----------
+    outline
+        (k, 2) parameters around it, closed.
+    holes
+        The same around what is cut out of it.
+    share
+        Of the area of the rectangle.
+    place
+        Parameters inside it.
+    census
+        Cycles by period and stability.
+    attractors
+        What orbits come to at ``place``. They may change within the region: at cycles of other
+        periods, and where an attractor meets the border of its basin.
+    agree
+        At how many random places inside it the same cycles were counted.
+    """
+
+    outline: Floats
+    holes: tuple[Floats, ...]
+    share: float
+    place: Pair
+    census: Census
+    attractors: tuple[Attractor, ...]
+    agree: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Regions:
+    """A rectangle of two parameters, cut into regions.
+
+    Attributes
+    ----------
+    names, spans
+        The parameters, and their intervals.
+    orders
+        Periods of the cycles that are counted.
+    curves
+        What cuts the rectangle: those that were given, then those that were found.
+    regions
+        Largest first.
+    checks
+        Random places that were compared after the last curve was found.
+    open
+        Places that disagree with their region, with what was counted there: there a curve is
+        missing.
+    """
+
+    names: tuple[str, str]
+    spans: Spans
+    orders: tuple[int, ...]
+    curves: tuple[Curve, ...]
+    regions: tuple[Region, ...]
+    checks: int
+    open: tuple[tuple[Pair, Census], ...]
+
+    def __repr__(self) -> str:
+        return (
+            f"Regions({len(self.regions)} over {', '.join(self.names)}, {len(self.curves)} curves, "
+            f"{self.checks} checks, {len(self.open)} open)"
+        )
+
+    def at(self, first: float, second: float) -> Region:
+        """The region in which two parameters lie.
+
+        Raises
+        ------
+        ValueError
+            If they lie on a border, or outside of the rectangle.
+        """
+        point = Point(scaled(np.array([first, second]), self.spans))
+        for region, polygon in zip(self.regions, self._polygons, strict=True):
+            if polygon.contains(point):
+                return region
+        raise ValueError(f"expected parameters within a region, got ({first}, {second})")
+
+    @cached_property
+    def _polygons(self) -> list[Polygon]:
+        found = []
+        for region in self.regions:
+            rings = [scaled(ring, self.spans) for ring in (region.outline, *region.holes)]
+            found.append(Polygon(rings[0], rings[1:]))
+        return found
+
+
+def regions_of(
+    family: Family,
+    curves: Sequence[Curve] = (),
+    *,
+    span: Spans,
+    settings: Settings,
+    orders: Sequence[int] = (1,),
+    survey: Survey | None = None,
+    progress: Progress | None = None,
+) -> Regions:
+    """Cut a rectangle of two parameters into regions in which the same cycles live.
+
+    Parameters
+    ----------
+    family
+        The maps.
+    curves
+        That are known already; none is needed.
+    span
+        Intervals of both parameters.
+    settings
+        Window (finite), steps and tolerances; its span is taken from ``span``.
+    orders
+        Periods of the cycles that are counted.
+    survey
+        How many random places and curves.
+    progress
+        Called with every curve that is found.
+
+    Returns
+    -------
+    Regions
+        With how many random places agree; those that do not are listed.
+
+    Raises
+    ------
+    ValueError
+        If an order is not at least 1, the window is not finite, or curves are over other
+        parameters.
+    """
+    finite_window(settings)
+    one, other = (interval("span", each, finite=True) for each in span)
+    for curve in curves:
+        if curve.names != family.names:
+            raise ValueError(f"expected curves over {family.names}, got one over {curve.names}")
+    mapped = _Mapping(family, (one, other), settings, iterates(orders), survey or Survey())
+    for curve in curves:
+        mapped.add(curve)
+    mapped.complete(progress or _nothing)
+    return mapped.result()
+
+
+def _nothing(_: object) -> None:
+    pass
+
+
+class _Mapping:
+    """Faces and counted places of a rectangle, while curves are found."""
+
+    def __init__(
+        self, family: Family, spans: Spans, settings: Settings, orders: tuple[int, ...],
+        survey: Survey,
+    ) -> None:  # fmt: skip
+        self.family, self.spans, self.orders, self.survey = family, spans, orders, survey
+        self.settings = tuple(replace(settings, span=each) for each in spans)
+        self.curves = list[Curve]()
+        self.places = dict[Pair, Census]()
+        self.tries = Counter[Pair]()
+        self.lines: MultiLineString = lines_of((), spans)
+        self.faces = faces_of(self.lines)
+        self._random = np.random.default_rng(survey.seed)
+        self.fresh = list[Pair]()
+
+    # --- Counting -----------------------------------------------------------------------------
+
+    def census(self, place: Pair) -> Census:
+        """Cycles at a place of the square."""
+        if place not in self.places:
+            values = unscaled(place, self.spans)
+            map_ = self.family.over(0, values)
+            self.places[place] = census_at(map_, values[0], self.orders, self.settings[0])
+        return self.places[place]
+
+    def add(self, curve: Curve) -> None:
+        """Cut the faces by one more curve."""
+        self.curves.append(curve)
+        self.lines = lines_of(self.curves, self.spans)
+        self.faces = faces_of(self.lines)
+
+    def clear(self, place: Pair) -> bool:
+        """Whether a place is far enough from all borders."""
+        return self.lines.is_empty or bool(
+            shapely.distance(Point(place), self.lines) > self.survey.beside
+        )
+
+    def faces_with_places(self) -> Iterator[tuple[Polygon, list[Pair]]]:
+        """Faces that are not thin, each with the places in it that are far from its border."""
+        inside = dict[int, list[Pair]]()
+        for place in self.places:
+            if self.clear(place):
+                inside.setdefault(face_of(place, self.faces), []).append(place)
+        for k, face in enumerate(self.faces):
+            own = inside.get(k, [])
+            if not own:
+                place, radius = inner_place(face)
+                if radius < self.survey.thin:
+                    continue
+                self.census(place)
+                own = [place]
+            yield face, own
+
+    # --- Looking for curves -------------------------------------------------------------------
+
+    def complete(self, progress: Progress) -> None:
+        """Find curves until random places no longer disagree."""
+        while True:
+            pair = self._conflict()
+            if pair is None:
+                if self.fresh:
+                    return
+                self.fresh = [*self._draw()]
+                for place in self.fresh:
+                    self.census(place)
+                continue
+            found = self._between(*pair) if len(self.curves) < self.survey.curves else []
+            for curve in found:
+                self.add(curve)
+                progress(curve)
+            if found:
+                self.fresh = []
+            else:
+                self.tries[pair[1]] += 1
+
+    def _draw(self) -> Iterator[Pair]:
+        """Random places, far from borders."""
+        count = 0
+        while count < self.survey.checks:
+            x, y = self._random.random(2).tolist()
+            if self.clear((x, y)):
+                count += 1
+                yield x, y
+
+    def _conflict(self) -> tuple[Pair, Pair] | None:
+        """A place that shows what most of its face show, and one that does not.
+
+        The closest two, whose way lies within the face if there are such.
+        """
+        best, least = None, (True, math.inf)
+        for face, own in self.faces_with_places():
+            usual = self._most(own)
+            odd = [b for b in own if self.places[b] != usual and self.tries[b] < TRIES]
+            for a, b in product([a for a in own if self.places[a] == usual], odd):
+                rank = not face.contains(LineString([a, b])), math.dist(a, b)
+                if rank < least:
+                    best, least = (a, b), rank
+        return best
+
+    def _between(self, a: Pair, b: Pair) -> list[Curve]:
+        """Curves that lead between two places that disagree, and are not known."""
+        a, b = self._narrowed(a, b)
+        if LineString([a, b]).intersects(self.lines):
+            return []
+        corner = b[0], a[1]
+        legs = [(axis, one, other) for axis, one, other in ((0, a, corner), (1, corner, b))
+                if self.census(one) != self.census(other)]  # fmt: skip
+        found = list[Curve]()
+        for axis, one, other in legs:
+            for point, value in self._points(axis, one, other):
+                curve = self._followed(point, value, axis)
+                if curve is not None and not any(self._is_known(curve, each) for each in found):
+                    found.append(curve)
+        return found
+
+    def _narrowed(self, a: Pair, b: Pair) -> tuple[Pair, Pair]:
+        """Two close places between two others that still disagree."""
+        first = self.census(a)
+        while math.dist(a, b) > self.survey.finest:
+            middle = 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
+            if self.census(middle) == first:
+                a = middle
+            else:
+                b = middle
+        return a, b
+
+    def _points(self, axis: int, one: Pair, other: Pair) -> list[tuple[SpecialPoint, float]]:
+        """Special points between two places that differ in one parameter, and the other's value."""
+        ends = sorted((unscaled(one, self.spans), unscaled(other, self.spans)))
+        low, high = ends[0][axis], ends[1][axis]
+        room = 0.5 * (high - low)
+        settings = replace(self.settings[axis], span=(low - room, high + room))
+        found = whole_diagram(
+            self.family.over(axis, ends[0]), settings, self.orders, Search(slices=4, finest=0.01)
+        )
+        return [
+            (point, ends[0][1 - axis])
+            for point in found.diagram.points
+            if point.kind in CURVED and point.status is PointStatus.LOCATED
+        ]
+
+    def _followed(self, point: SpecialPoint, other: float, axis: int) -> Curve | None:
+        """The curve of a special point; None if there is none, or it is known."""
+        settings = replace(self.settings[0], max_samples=self.survey.samples)
+        try:
+            curve = curve_through(
+                self.family, point, other, axis=axis, span=self.spans, settings=settings
+            )
+        except ValueError:  # the point is not found again, or lies on the edge of the span
+            return None
+        return None if any(self._is_known(curve, each) for each in self.curves) else curve
+
+    def _is_known(self, curve: Curve, other: Curve) -> bool:
+        """Whether a curve is part of another one."""
+        if (curve.kind, curve.order) != (other.kind, other.order):
+            return False
+        middle = len(curve) // 2
+        here = Point(scaled(curve.values[middle], self.spans))
+        points = scaled(other.values, self.spans)
+        if len(points) < 2 or here.distance(LineString(points)) > self.survey.beside:
+            return False
+        near = int(np.argmin(np.abs(points - np.array(here.coords[0])).sum(axis=1)))
+        x = other.x[max(near - 1, 0) : near + 2]
+        slack = self.survey.beside * self.settings[0].x_scale + np.ptp(x, axis=0).max()
+        return bool(np.abs(np.sort(x, axis=1) - np.sort(curve.x[middle])).max() <= slack)
+
+    # --- The result ---------------------------------------------------------------------------
+
+    def result(self) -> Regions:
+        """Neighbouring faces in which the same cycles live are one region."""
+        shown, parts = list[tuple[Census, Polygon]](), dict[Census, list[Polygon]]()
+        counted = {id(face): self._most(own) for face, own in self.faces_with_places()}
+        for face in self.faces:
+            census = counted.get(id(face)) or self._neighbour(face, counted)
+            parts.setdefault(census, []).append(face)
+        for census, faces in parts.items():
+            whole = unary_union(faces)
+            pieces = whole.geoms if hasattr(whole, "geoms") else [whole]
+            shown += [(census, piece) for piece in pieces if isinstance(piece, Polygon)]
+        shown.sort(key=lambda each: -each[1].area)
+        differ = [
+            (unscaled(place, self.spans), counts)
+            for place, counts in self.places.items()
+            for census, piece in shown
+            if counts != census and self.clear(place) and piece.contains(Point(place))
+        ]
+        return Regions(
+            names=self.family.names, spans=self.spans, orders=self.orders,
+            curves=tuple(self.curves), regions=tuple(self._region(*each) for each in shown),
+            checks=len(self.fresh), open=tuple(differ),
+        )  # fmt: skip
+
+    def _most(self, places: Sequence[Pair]) -> Census:
+        """What most places of a face show."""
+        every = [self.places[place] for place in places]
+        return max(every, key=every.count)
+
+    def _neighbour(self, face: Polygon, counted: dict[int, Census]) -> Census:
+        """What the neighbour of a thin face shows that has the longest border with it."""
+        best, longest = (), -1.0
+        for other in self.faces:
+            if id(other) in counted:
+                length = face.boundary.intersection(other.boundary).length
+                if length > longest:
+                    best, longest = counted[id(other)], length  # type: ignore[assignment]
+        return best
+
+    def _region(self, census: Census, polygon: Polygon) -> Region:
+        place, _ = inner_place(polygon)
+        values = unscaled(place, self.spans)
+        survey = self.survey
+        return Region(
+            outline=self._ring(polygon.exterior.coords),
+            holes=tuple(self._ring(ring.coords) for ring in polygon.interiors),
+            share=float(polygon.area / SQUARE.area),
+            place=values,
+            census=census,
+            attractors=attractors_at(
+                self.family.over(0, values), values[0], self.settings[0],
+                starts=survey.starts, transient=survey.transient, keep=survey.keep,
+            ),
+            agree=sum(
+                self.places[each] == census and polygon.contains(Point(each)) for each in self.fresh
+            ),
+        )  # fmt: skip
+
+    def _ring(self, coordinates: Sequence[tuple[float, ...]]) -> Floats:
+        return np.array([unscaled(each, self.spans) for each in coordinates])
