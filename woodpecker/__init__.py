@@ -25,10 +25,12 @@ from woodpecker.piecewise.settled import Orbit, OrbitDiagram, orbit_diagram, une
 from woodpecker.piecewise.slices import Slice, slices_at
 from woodpecker.piecewise.symbolic import from_pwmap, from_sympy
 from woodpecker.piecewise.windows import borders_in, crosses, nearest_border
+from woodpecker.plane.census import Attractor, Count, Settles
 from woodpecker.plane.curve import Curve, PlaneKind, PlanePoint, PlaneStretch
 from woodpecker.plane.families import Family, family_from_pwmap, family_from_sympy
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.graph import graph_of_curves
+from woodpecker.plane.regions import Region, Regions, Survey, regions_of
 from woodpecker.runs import saved_diagram
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
 from woodpecker.simulation.returns import Return, ReturnMap, first_return, return_map
@@ -46,13 +48,16 @@ from woodpecker.simulation.words import EventKind
 from woodpecker.solutions import OnBranch, observables, solutions
 from woodpecker.toyfamily import ToyFamily
 from woodpecker.toypieces import ToyPieces
+from woodpecker.toyregions import parameter_regions
 from woodpecker.trouble.found import Effect, Limit, Robustness, Trouble
 from woodpecker.trouble.robustness import robustness
 
 __all__ = [
+    "Attractor",
     "Border",
     "BorderKind",
     "BranchState",
+    "Count",
     "Curve",
     "Effect",
     "EnergyBalance",
@@ -78,12 +83,15 @@ __all__ = [
     "PlaneKind",
     "PlanePoint",
     "PlaneStretch",
+    "Region",
+    "Regions",
     "Return",
     "ReturnMap",
     "Robustness",
     "Search",
     "Seen",
     "Settings",
+    "Settles",
     "ShootingStatus",
     "Slice",
     "Smooth",
@@ -91,6 +99,7 @@ __all__ = [
     "Start",
     "State",
     "Status",
+    "Survey",
     "Toy",
     "ToyFamily",
     "ToyPieces",
@@ -120,7 +129,9 @@ __all__ = [
     "nearest_border",
     "observables",
     "orbit_diagram",
+    "parameter_regions",
     "parameters",
+    "regions_of",
     "return_map",
     "robustness",
     "saved_diagram",

@@ -40,7 +40,7 @@ def curve_from(
     family = ToyFamily(toy, parameters)
     first, second = family.names
     wanted = [interval(f"span of {name}", each, finite=True) for name, each in
-              zip(family.names, _pair(span), strict=True)]  # fmt: skip
+              zip(family.names, pair(span), strict=True)]  # fmt: skip
     spans = possible(toy, first, wanted[0]), possible(toy, second, wanted[1])
     chosen = settings_for(settings, span=spans[0])
     found = curve_through(
@@ -53,7 +53,7 @@ def curve_from(
     return replace(found, points=points, given=(*law, rates))
 
 
-def _pair(span: Spans) -> Spans:
+def pair(span: Spans) -> Spans:
     """Intervals of two parameters."""
     try:
         first, second = span

@@ -1,4 +1,4 @@
-"""The command ``woodpecker``: simulate, animate, map, diagram, curves, robustness."""
+"""The command ``woodpecker``: simulate, animate, map, diagram, curves, regions, robustness."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from woodpecker.cli.diagram import diagram
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
 from woodpecker.cli.options import with_toy
+from woodpecker.cli.regions import regions
 from woodpecker.cli.robustness import robustness
 
 app = typer.Typer(
@@ -27,6 +28,7 @@ for name, command in (
     ("map", draw_map),
     ("diagram", diagram),
     ("curves", curves),
+    ("regions", regions),
     ("robustness", robustness),
 ):
     app.command(name=name)(with_toy(command))

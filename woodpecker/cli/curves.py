@@ -59,9 +59,8 @@ def curves(
 
     Example: woodpecker curves --from A,B,C --parameters eps_n1,mu_2 --second-span 0.286 0.6
     """
-    first, second = _pair(parameters)
-    value = getattr(toy, second)
-    spans = span, second_span if second_span is not None else (0.5 * value, 2.0 * value)
+    first, second = two_of(parameters)
+    spans = span, second_of(toy, second, second_span)
     with results_in(out) as target:
         diagram = continuation(toy, motion(toy, phi_s), first, span)
         named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
@@ -71,7 +70,14 @@ def curves(
     report(target, *FILES)
 
 
-def _pair(text: str) -> tuple[str, str]:
+def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
+    """The interval of the second parameter."""
+    value = getattr(toy, name)
+    return (0.5 * value, 2.0 * value) if span is None else span
+
+
+def two_of(text: str) -> tuple[str, str]:
+    """Two different parameters by their names."""
     names = [known_parameter(name.strip()) for name in text.split(",")]
     if len(names) != 2 or names[0] == names[1]:
         raise ValueError(

@@ -112,8 +112,8 @@ def diagram(
         columns=_columns(observables) if observables is not None else (),
         words=words,
     )
-    wanted = _orders(orders) if orders is not None else None
-    beside = _orders(also, "--also") if also is not None else []
+    wanted = orders_of(orders) if orders is not None else None
+    beside = orders_of(also, "--also") if also is not None else []
     if beside and wanted is not None:
         raise ValueError("--also follows one motion, --orders every branch: take one of them")
     if workers is not None and workers > CORES:
@@ -266,7 +266,8 @@ def _columns(text: str) -> tuple[str, ...]:
     return names
 
 
-def _orders(text: str, name: str = "--orders") -> list[int]:
+def orders_of(text: str, name: str = "--orders") -> list[int]:
+    """Iterates from text."""
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:

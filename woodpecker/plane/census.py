@@ -92,7 +92,14 @@ def census_at(map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Set
 
 
 def attractors_at(
-    map_: PiecewiseMap, p: float, settings: Settings, *, starts: int, transient: int, keep: int
+    map_: PiecewiseMap,
+    p: float,
+    settings: Settings,
+    within: tuple[float, float],
+    *,
+    starts: int,
+    transient: int,
+    keep: int,
 ) -> tuple[Attractor, ...]:
     """What orbits from evenly spaced starts in the window come to, each once.
 
@@ -102,13 +109,15 @@ def attractors_at(
         The map and its parameter.
     settings
         With a finite window.
+    within
+        The interval that orbits must not leave.
     starts, transient, keep
         How many orbits, how many iterates are cut, and how many are looked at after that.
     """
     low, high = settings.window
     parts = (np.arange(starts) + 0.5) / starts
     found = orbit_diagram(
-        map_, p, low + parts * (high - low), settings.window, transient=transient, keep=keep,
+        map_, p, low + parts * (high - low), within, transient=transient, keep=keep,
         settings=settings,
     )  # fmt: skip
     kinds = {_attractor(orbit) for orbit in found.orbits}

@@ -5,12 +5,12 @@ Everything is in the unit square: parameters in parts of their spans.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import shapely
-from shapely import LineString, MultiLineString, Polygon
-from shapely.ops import polygonize, unary_union
+from shapely import LineString, MultiLineString, Polygon, STRtree
+from shapely.ops import polygonize
 
 from woodpecker.base.arrays import Floats
 from woodpecker.plane.curve import Curve
@@ -36,22 +36,36 @@ def unscaled(parts: Sequence[float] | Floats, spans: Spans) -> Pair:
     return a + float(parts[0]) * (b - a), c + float(parts[1]) * (d - c)
 
 
-def lines_of(curves: Iterable[Curve], spans: Spans) -> MultiLineString:
-    """The parts of curves at which something changes, within the square."""
-    lines = []
+def lines_of(curves: Iterable[Curve], spans: Spans, near: float) -> MultiLineString:
+    """The parts of curves at which something changes, within the square.
+
+    Curves end on others, and these are known from sample to sample only: an end that is no farther
+    than ``near`` from another line is led there.
+    """
+    lines = list[LineString]()
     for curve in curves:
         points = scaled(curve.values, spans)
         for _, note, first, last in curve.stretches():
             part = points[first : last + 2]
             if note != NOTHING_HAPPENS and len(part) > 1:
                 lines.append(LineString(part))
-    return MultiLineString(lines)
+    return MultiLineString([*lines, *_links(lines, near)])
+
+
+def _links(lines: Sequence[LineString], near: float) -> Iterator[LineString]:
+    """From ends of lines to the nearest of the others, where it is close."""
+    for k, line in enumerate(lines):
+        others = MultiLineString([*lines[:k], *lines[k + 1 :], SQUARE.exterior])
+        for end in (line.coords[0], line.coords[-1]):
+            link = shapely.shortest_line(shapely.Point(end), others)
+            if 0.0 < link.length <= near:
+                yield LineString(link)
 
 
 def faces_of(lines: MultiLineString) -> list[Polygon]:
     """The faces into which lines cut the square; they cover it."""
     within = shapely.intersection(lines, SQUARE)
-    every = shapely.set_precision(unary_union([within, SQUARE.boundary]), GRID)
+    every = shapely.union_all([within, SQUARE.boundary], grid_size=GRID)
     return sorted(polygonize(every), key=lambda face: -face.area)
 
 
@@ -62,7 +76,11 @@ def inner_place(face: Polygon) -> tuple[Pair, float]:
     return (float(x), float(y)), float(circle.length)
 
 
-def face_of(place: Pair, faces: Sequence[Polygon]) -> int:
-    """Which face a place lies in; -1 if in none, on a border."""
-    point = shapely.Point(place)
-    return next((k for k, face in enumerate(faces) if face.contains(point)), -1)
+def faces_of_places(places: Sequence[Pair], faces: Sequence[Polygon]) -> list[int]:
+    """Which face each place lies in; -1 if in none, on a border."""
+    found = [-1] * len(places)
+    points = shapely.points(np.reshape(places, (-1, 2)))
+    own, face = STRtree(faces).query(points, predicate="within").tolist()
+    for k, number in zip(own, face, strict=True):
+        found[k] = number
+    return found

@@ -18,7 +18,7 @@ from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Margin, Orbit
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import PlaneKind
-from woodpecker.plane.places import Locus, Place, Plane
+from woodpecker.plane.places import Locus, Place, Plane, Unknown
 
 THIRD = 2.0**-10  # part of the unit of x over which a second difference of slopes is taken: its
 # error is the square, and rounding over the square is 1e-10
@@ -105,7 +105,9 @@ def tests_of(plane: Plane, locus: Locus, n: int) -> tuple[Test, ...]:
             Test(PlaneKind.FLIP_BORDER, lambda node: _kinked(plane, node, index) + 1.0),
             Test(PlaneKind.JUMP_CLOSES, lambda node: node.gap),
         )
-    if locus.held > 0.0:  # type: ignore[operator]
+    if isinstance(locus.held, Unknown):
+        return ()
+    if locus.held == 1.0:
         found = [Test(PlaneKind.CUSP, lambda node: bend(node.orbit, plane.first))]
         if n % 2 == 0:
             found.append(Test(PlaneKind.GENERALISED_FLIP, _halves, ends=True))
@@ -159,6 +161,8 @@ def code_of(plane: Plane, locus: Locus, node: Node) -> tuple[PointKind, str]:
     a jump where the limits lie on different sides: if that is on one side of the parameter,
     branches fold. Where the map is continuous they do if the multiplier passes through +1.
     """
+    if isinstance(locus.held, Unknown):
+        return PointKind.EP, ""
     if locus.border is None or node.border is None:
         return (PointKind.LP if locus.held == 1.0 else PointKind.PD), ""
     inside, kind = node.inside, node.kind(plane.first)

@@ -14,7 +14,17 @@ from woodpecker.piecewise.pieces import Piece
 from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.families import Pair
 from woodpecker.plane.nodes import Node, is_inside, is_tiny, node_at
-from woodpecker.plane.places import Along, Locus, Place, Plane, held, replaced, solve, tangent
+from woodpecker.plane.places import (
+    Along,
+    Locus,
+    Place,
+    Plane,
+    Unknown,
+    held,
+    replaced,
+    solve,
+    tangent,
+)
 
 PARALLEL = (
     1e-3  # sine of an angle between gradients of margins of one border in neighbouring pieces
@@ -55,21 +65,28 @@ def passed(plane: Plane, locus: Locus, node: Node, margin: Margin) -> Passed:
     kind = border.kind(plane.first)
     if kind is BorderKind.LOST:
         return Passed(PlaneKind.DOMAIN, cause=border.outer.reason)
-    meeting = PlaneKind.TWO_BORDERS
-    if locus.border is None:
-        meeting = PlaneKind.FOLD_BORDER if locus.held == 1.0 else PlaneKind.FLIP_BORDER
+    meeting, smooth = _meeting(locus), locus.border is None and not isinstance(locus.held, Unknown)
     if kind is BorderKind.JUMP or border.outer_code < 0:
         return Passed(meeting, cause=kind.value)
-    if kind is not BorderKind.SMOOTH and locus.border is None and _tears(plane, node, border):
+    if kind is not BorderKind.SMOOTH and smooth and _tears(plane, node, border):
         return Passed(meeting, cause=kind.value)
     inside = Margin(margin.index, border.outer_code)
     on = _onward(plane, locus, node, border.outer.piece, inside)
-    if on is None and locus.border is None:
+    if on is None and smooth:
         on = _like_a_tangent(plane, locus, node, border, inside)
     if on is None:
         return Passed(meeting, cause=NO_CURVE)
     marked = kind is BorderKind.SMOOTH or locus.border is None
     return Passed(None if marked else meeting, on, locus)
+
+
+def _meeting(locus: Locus) -> PlaneKind:
+    """What it is where a curve meets a border."""
+    if isinstance(locus.held, Margin):
+        return PlaneKind.TWO_BORDERS
+    if isinstance(locus.held, Unknown):
+        return PlaneKind.END
+    return PlaneKind.FOLD_BORDER if locus.held == 1.0 else PlaneKind.FLIP_BORDER
 
 
 def _tears(plane: Plane, node: Node, border: Border) -> bool:

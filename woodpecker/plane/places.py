@@ -178,10 +178,11 @@ class Locus:
     Attributes
     ----------
     held
-        The margin that vanishes, or the value of the multiplier.
+        The margin that vanishes, or the value of the multiplier; or which point lies where, on an
+        end of the window.
     """
 
-    held: Margin | float
+    held: Margin | Unknown | float
 
     @property
     def border(self) -> Margin | None:
@@ -194,8 +195,10 @@ class Locus:
         return [Seen((closed, closed)), held(self.held, plane)]
 
 
-def held(what: Margin | float, plane: Plane) -> Seen:
-    """A margin vanishes, or the multiplier has a value."""
+def held(what: Margin | Unknown | float, plane: Plane) -> Equation:
+    """A margin vanishes, a point lies where it should, or the multiplier has a value."""
+    if isinstance(what, Unknown):
+        return what
     if isinstance(what, Margin):
         return Seen((what, what))
     one, other = (Multiplier(what, each, each.nearest) for each in plane.settings)

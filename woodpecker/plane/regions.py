@@ -16,6 +16,7 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from shapely import LineString, MultiLineString, Point, Polygon
 from shapely.ops import unary_union
@@ -31,8 +32,8 @@ from woodpecker.plane.curve import Curve
 from woodpecker.plane.cutting import (
     SQUARE,
     Spans,
-    face_of,
     faces_of,
+    faces_of_places,
     inner_place,
     lines_of,
     scaled,
@@ -40,11 +41,12 @@ from woodpecker.plane.cutting import (
 )
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
-from woodpecker.plane.starting import CURVED
+from woodpecker.plane.starting import has_curve
 
 TRIES = (
     3  # to find the curve between a place that disagrees with others of its face and the nearest
 )
+PROBES = 9  # places of a curve that must lie on another one of which it is a part
 
 Progress = Callable[[Curve], None]
 
@@ -81,7 +83,7 @@ class Survey:
     finest: float = 2.0**-11
     beside: float = 2.0**-9
     thin: float = 2.0**-9
-    samples: int = 400
+    samples: int = 1500
     starts: int = 24
     transient: int = 400
     keep: int = 128
@@ -195,6 +197,7 @@ def regions_of(
     orders: Sequence[int] = (1,),
     survey: Survey | None = None,
     progress: Progress | None = None,
+    within: Pair | None = None,
 ) -> Regions:
     """Cut a rectangle of two parameters into regions in which the same cycles live.
 
@@ -214,6 +217,8 @@ def regions_of(
         How many random places and curves.
     progress
         Called with every curve that is found.
+    within
+        The interval that orbits must not leave, by default the window.
 
     Returns
     -------
@@ -231,7 +236,7 @@ def regions_of(
     for curve in curves:
         if curve.names != family.names:
             raise ValueError(f"expected curves over {family.names}, got one over {curve.names}")
-    mapped = _Mapping(family, (one, other), settings, iterates(orders), survey or Survey())
+    mapped = _Mapping(family, (one, other), settings, iterates(orders), survey or Survey(), within)
     for curve in curves:
         mapped.add(curve)
     mapped.complete(progress or _nothing)
@@ -247,14 +252,16 @@ class _Mapping:
 
     def __init__(
         self, family: Family, spans: Spans, settings: Settings, orders: tuple[int, ...],
-        survey: Survey,
+        survey: Survey, within: Pair | None,
     ) -> None:  # fmt: skip
         self.family, self.spans, self.orders, self.survey = family, spans, orders, survey
+        self.within = settings.window if within is None else within
         self.settings = tuple(replace(settings, span=each) for each in spans)
         self.curves = list[Curve]()
-        self.places = dict[Pair, Census]()
+        self.places, self._counted = dict[Pair, Census](), dict[Pair, Census]()
         self.tries = Counter[Pair]()
-        self.lines: MultiLineString = lines_of((), spans)
+        self.given_up = list[Pair]()
+        self.lines: MultiLineString = lines_of((), spans, self.survey.beside)
         self.faces = faces_of(self.lines)
         self._random = np.random.default_rng(survey.seed)
         self.fresh = list[Pair]()
@@ -263,39 +270,47 @@ class _Mapping:
 
     def census(self, place: Pair) -> Census:
         """Cycles at a place of the square."""
-        if place not in self.places:
+        if place not in self._counted:
             values = unscaled(place, self.spans)
             map_ = self.family.over(0, values)
-            self.places[place] = census_at(map_, values[0], self.orders, self.settings[0])
-        return self.places[place]
+            self._counted[place] = census_at(map_, values[0], self.orders, self.settings[0])
+        return self._counted[place]
+
+    def look(self, place: Pair) -> None:
+        """Count at a place that stands for its face."""
+        self.places[place] = self.census(place)
 
     def add(self, curve: Curve) -> None:
-        """Cut the faces by one more curve."""
+        """Cut the faces by one more curve, which may hold others that came to nothing."""
+        self.curves = [each for each in self.curves if not self._is_known(each, curve)]
         self.curves.append(curve)
-        self.lines = lines_of(self.curves, self.spans)
+        self.lines = lines_of(self.curves, self.spans, self.survey.beside)
         self.faces = faces_of(self.lines)
 
-    def clear(self, place: Pair) -> bool:
-        """Whether a place is far enough from all borders."""
-        return self.lines.is_empty or bool(
-            shapely.distance(Point(place), self.lines) > self.survey.beside
-        )
+    def clear(self, places: Sequence[Pair]) -> npt.NDArray[np.bool_]:
+        """Whether places (n,) are far enough from all borders."""
+        if self.lines.is_empty:
+            return np.ones(len(places), dtype=bool)
+        away = shapely.distance(shapely.points(np.reshape(places, (-1, 2))), self.lines)
+        return np.asarray(away > self.survey.beside)
 
-    def faces_with_places(self) -> Iterator[tuple[Polygon, list[Pair]]]:
+    def faces_with_places(self) -> list[tuple[Polygon, list[Pair]]]:
         """Faces that are not thin, each with the places in it that are far from its border."""
+        looked = list(self.places)
+        looked = [place for place, far in zip(looked, self.clear(looked), strict=True) if far]
         inside = dict[int, list[Pair]]()
-        for place in self.places:
-            if self.clear(place):
-                inside.setdefault(face_of(place, self.faces), []).append(place)
+        for place, face in zip(looked, faces_of_places(looked, self.faces), strict=True):
+            inside.setdefault(face, []).append(place)
+        found = []
         for k, face in enumerate(self.faces):
-            own = inside.get(k, [])
-            if not own:
-                place, radius = inner_place(face)
-                if radius < self.survey.thin:
-                    continue
-                self.census(place)
-                own = [place]
-            yield face, own
+            if k in inside:
+                found.append((face, inside[k]))
+                continue
+            place, radius = inner_place(face)
+            if radius >= self.survey.thin:
+                self.look(place)
+                found.append((face, [place]))
+        return found
 
     # --- Looking for curves -------------------------------------------------------------------
 
@@ -308,7 +323,7 @@ class _Mapping:
                     return
                 self.fresh = [*self._draw()]
                 for place in self.fresh:
-                    self.census(place)
+                    self.look(place)
                 continue
             found = self._between(*pair) if len(self.curves) < self.survey.curves else []
             for curve in found:
@@ -321,12 +336,12 @@ class _Mapping:
 
     def _draw(self) -> Iterator[Pair]:
         """Random places, far from borders."""
-        count = 0
-        while count < self.survey.checks:
-            x, y = self._random.random(2).tolist()
-            if self.clear((x, y)):
-                count += 1
-                yield x, y
+        left = self.survey.checks
+        while left:
+            drawn = [(x, y) for x, y in self._random.random((left, 2)).tolist()]
+            far = [place for place, clear in zip(drawn, self.clear(drawn), strict=True) if clear]
+            left -= len(far)
+            yield from far
 
     def _conflict(self) -> tuple[Pair, Pair] | None:
         """A place that shows what most of its face show, and one that does not.
@@ -346,7 +361,10 @@ class _Mapping:
     def _between(self, a: Pair, b: Pair) -> list[Curve]:
         """Curves that lead between two places that disagree, and are not known."""
         a, b = self._narrowed(a, b)
-        if LineString([a, b]).intersects(self.lines):
+        near = self.survey.beside
+        if LineString([a, b]).intersects(self.lines) or any(
+            math.dist(a, c) < near for c in self.given_up
+        ):
             return []
         corner = b[0], a[1]
         legs = [(axis, one, other) for axis, one, other in ((0, a, corner), (1, corner, b))
@@ -357,6 +375,8 @@ class _Mapping:
                 curve = self._followed(point, value, axis)
                 if curve is not None and not any(self._is_known(curve, each) for each in found):
                     found.append(curve)
+        if not found:
+            self.given_up.append(a)
         return found
 
     def _narrowed(self, a: Pair, b: Pair) -> tuple[Pair, Pair]:
@@ -382,7 +402,7 @@ class _Mapping:
         return [
             (point, ends[0][1 - axis])
             for point in found.diagram.points
-            if point.kind in CURVED and point.status is PointStatus.LOCATED
+            if has_curve(point) and point.status is PointStatus.LOCATED
         ]
 
     def _followed(self, point: SpecialPoint, other: float, axis: int) -> Curve | None:
@@ -398,17 +418,20 @@ class _Mapping:
 
     def _is_known(self, curve: Curve, other: Curve) -> bool:
         """Whether a curve is part of another one."""
-        if (curve.kind, curve.order) != (other.kind, other.order):
+        if (curve.kind, curve.order) != (other.kind, other.order) or len(other) < 2:
             return False
-        middle = len(curve) // 2
-        here = Point(scaled(curve.values[middle], self.spans))
         points = scaled(other.values, self.spans)
-        if len(points) < 2 or here.distance(LineString(points)) > self.survey.beside:
-            return False
-        near = int(np.argmin(np.abs(points - np.array(here.coords[0])).sum(axis=1)))
-        x = other.x[max(near - 1, 0) : near + 2]
-        slack = self.survey.beside * self.settings[0].x_scale + np.ptp(x, axis=0).max()
-        return bool(np.abs(np.sort(x, axis=1) - np.sort(curve.x[middle])).max() <= slack)
+        line, slack = LineString(points), self.survey.beside * self.settings[0].x_scale
+        for k in np.linspace(0, len(curve) - 1, PROBES).astype(int).tolist():
+            here = scaled(curve.values[k], self.spans)
+            if Point(here).distance(line) > self.survey.beside:
+                return False
+            near = int(np.abs(points - here).sum(axis=1).argmin())
+            x = np.sort(other.x[max(near - 1, 0) : near + 2], axis=1)
+            away = float(np.abs(x - np.sort(curve.x[k])).max(axis=1).min())
+            if away > slack + float(np.ptp(x, axis=0).max()):
+                return False
+        return True
 
     # --- The result ---------------------------------------------------------------------------
 
@@ -424,11 +447,12 @@ class _Mapping:
             pieces = whole.geoms if hasattr(whole, "geoms") else [whole]
             shown += [(census, piece) for piece in pieces if isinstance(piece, Polygon)]
         shown.sort(key=lambda each: -each[1].area)
+        looked = list(self.places)
+        inside = faces_of_places(looked, [piece for _, piece in shown])
         differ = [
-            (unscaled(place, self.spans), counts)
-            for place, counts in self.places.items()
-            for census, piece in shown
-            if counts != census and self.clear(place) and piece.contains(Point(place))
+            (unscaled(place, self.spans), self.places[place])
+            for place, clear, k in zip(looked, self.clear(looked), inside, strict=True)
+            if clear and k >= 0 and self.places[place] != shown[k][0]
         ]
         return Regions(
             names=self.family.names, spans=self.spans, orders=self.orders,
@@ -462,7 +486,7 @@ class _Mapping:
             place=values,
             census=census,
             attractors=attractors_at(
-                self.family.over(0, values), values[0], self.settings[0],
+                self.family.over(0, values), values[0], self.settings[0], self.within,
                 starts=survey.starts, transient=survey.transient, keep=survey.keep,
             ),
             agree=sum(

@@ -16,6 +16,7 @@ from woodpecker.piecewise.margins import nearest_code
 from woodpecker.piecewise.orbits import (
     Closed,
     Condition,
+    Coordinate,
     Margin,
     Orbit,
     minimal_period,
@@ -24,12 +25,12 @@ from woodpecker.piecewise.orbits import (
 )
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Settings
-from woodpecker.plane.places import Locus, Place, Plane
+from woodpecker.plane.places import Locus, Place, Plane, Unknown
 
 T = TypeVar("T")
 MULTIPLIERS = {PointKind.LP: 1.0, PointKind.PD: -1.0}
 COLLISIONS = (PointKind.BC, PointKind.FF)
-CURVED = (*MULTIPLIERS, *COLLISIONS)  # special points that have a curve
+AT_EDGE = "end of the window"
 PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LOST,
              BorderKind.SMOOTH)  # fmt: skip
 
@@ -59,11 +60,16 @@ def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> t
     ValueError
         If it is of a kind that has no curve, or there is no such point.
     """
-    if point.kind not in CURVED:
-        raise ValueError(f"a curve starts at LP, PD, BC or FF, got {point.id}, {point.kind.label}")
+    if not has_curve(point):
+        raise ValueError(
+            f"a curve starts at LP, PD, BC or FF, or at an end of the window, got {point.id}, "
+            f"{point.kind.label}"
+        )
     p, settings = point.parameter, plane.settings[axis]
     map_ = plane.map(_both(p, other, axis), axis)
-    if point.kind in MULTIPLIERS:
+    if point.kind is PointKind.EP:
+        found = _leaving(map_, point, settings)
+    elif point.kind in MULTIPLIERS:
         found = _turning(map_, point, settings)
     else:
         found = _colliding(map_, point, settings)
@@ -78,22 +84,47 @@ def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> t
     return plane.place(orbit.pieces, orbit.x, _both(orbit.p, other, axis)), locus
 
 
+def has_curve(point: SpecialPoint) -> bool:
+    """Whether a special point can be followed over two parameters."""
+    at_edge = point.kind is PointKind.EP and point.note == AT_EDGE
+    return at_edge or point.kind in (*MULTIPLIERS, *COLLISIONS)
+
+
 def _both(over: T, held: T, axis: int) -> tuple[T, T]:
     """What belongs to the parameter of an axis and to the other one, in the order of the family."""
     return (over, held) if axis == 0 else (held, over)
+
+
+def _from_start(map_: PiecewiseMap, point: SpecialPoint) -> Orbit | None:
+    """The orbit from a point, as long as its cycle; None if it ends before."""
+    x, images = [point.x], [map_.at(point.x, point.parameter)]
+    while len(images) < point.order and not images[-1].reason:
+        x.append(images[-1].value)
+        images.append(map_.at(x[-1], point.parameter))
+    return None if images[-1].reason else Orbit(np.array(x), point.parameter, tuple(images))
+
+
+def _leaving(
+    map_: PiecewiseMap, point: SpecialPoint, settings: Settings
+) -> tuple[Orbit, Locus] | None:
+    """The cycle of which a point lies on an end of the window."""
+    guess = _from_start(map_, point)
+    if guess is None:
+        return None
+    away = np.abs(guess.x[:, None] - np.array(settings.window))
+    index, end = (int(k) for k in np.unravel_index(away.argmin(), away.shape))
+    edge = settings.window[end]
+    found = _solved(guess, (Closed(), Coordinate(index, edge)), settings)
+    return None if found is None else (found, Locus(Unknown(index, edge)))
 
 
 def _turning(
     map_: PiecewiseMap, point: SpecialPoint, settings: Settings
 ) -> tuple[Orbit, Locus] | None:
     """The cycle of a fold or a flip."""
-    x, images = [point.x], [map_.at(point.x, point.parameter)]
-    while len(images) < point.order and not images[-1].reason:
-        x.append(images[-1].value)
-        images.append(map_.at(x[-1], point.parameter))
-    if images[-1].reason:
+    guess, value = _from_start(map_, point), MULTIPLIERS[point.kind]
+    if guess is None:
         return None
-    guess, value = Orbit(np.array(x), point.parameter, tuple(images)), MULTIPLIERS[point.kind]
     found = _solved(guess, (Closed(), Multiplier(value, settings, settings.nearest)), settings)
     return None if found is None else (found, Locus(value))
 

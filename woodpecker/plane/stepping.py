@@ -249,7 +249,8 @@ class Stepper:
         return min(found, key=lambda each: found[each])
 
     def _ends(self, a: Node, b: Node, step: float) -> Iterator[Event]:
-        bounds = [(WINDOW, i, self.settings.window) for i in range(len(a.place))]
+        own = self.locus.held.index if isinstance(self.locus.held, Unknown) else -1
+        bounds = [(WINDOW, i, self.settings.window) for i in range(len(a.place)) if i != own]
         bounds += [(SPAN, axis - 2, self.plane.settings[axis].span) for axis in (0, 1)]
         for cause, index, (low, high) in bounds:
             one, other = float(a.place.point[index]), float(b.place.point[index])

@@ -18,6 +18,7 @@ COLOURS = {
     PointKind.BC: "#2166ac",
     PointKind.LP: "#4d4d4d",
     PointKind.PD: "#1b7837",
+    PointKind.EP: "#bdbdbd",
 }
 MEANINGS = {
     (PointKind.FF, "fold"): "fold-flip at a jump (FF)",
@@ -25,6 +26,7 @@ MEANINGS = {
     (PointKind.BC, "persistence"): "border collision, persistence (BC)",
     (PointKind.LP, ""): "fold (LP)",
     (PointKind.PD, ""): "flip (PD)",
+    (PointKind.EP, ""): "a cycle leaves the window",
 }
 DASHED = "persistence"
 MARKERS = {
@@ -75,11 +77,11 @@ def plot_curves(
         _, ax = plt.subplots(figsize=(8.4, 4.8), layout="constrained")
     (first, second) = next(iter(names))
     for name, curve in curves.items():
-        _draw(ax, curve)
+        draw_curve(ax, curve)
         _mark(ax, curve)
         _name(ax, name, curve)
-    ax.set_xlabel(_label(first))
-    ax.set_ylabel(_label(second))
+    ax.set_xlabel(label(first))
+    ax.set_ylabel(label(second))
     ax.margins(0.02)
     if legend:
         ax.legend(handles=handles(curves.values()), fontsize=7.5, frameon=False,
@@ -87,7 +89,7 @@ def plot_curves(
     return ax
 
 
-def _draw(ax: Axes, curve: Curve) -> None:
+def draw_curve(ax: Axes, curve: Curve) -> None:
     """The stretches of a curve, each as what it is; a short one is joined to the next."""
     for code, note, first, last in curve.stretches():
         part = curve.values[first : last + 2]
@@ -125,7 +127,7 @@ def _length(curve: Curve, first: int, last: int) -> float:
     return float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum())
 
 
-def _label(name: str) -> str:
+def label(name: str) -> str:
     """A parameter for an axis."""
     symbol = SYMBOLS.get(name, name)
     if name not in parameters():

@@ -1,0 +1,112 @@
+"""The command ``woodpecker regions``: where in the plane of two parameters which cycles live."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from rich.table import Table
+
+from pwmap.diagrams.files import write_figure, write_table
+from woodpecker.cli.curves import Parameters, Second, second_of, two_of
+from woodpecker.cli.diagram import orders_of
+from woodpecker.cli.options import (
+    Out,
+    Window,
+    console,
+    option,
+    progress,
+    report,
+    results_in,
+    say,
+)
+from woodpecker.mechanics.toy import Toy
+from woodpecker.plane.curve import Curve
+from woodpecker.plane.regions import Regions, Survey
+from woodpecker.runs import WINDOW
+from woodpecker.toyregions import parameter_regions
+
+FILES = ("regions.png", "regions.csv", "region_borders.csv")
+
+
+def regions(
+    toy: Toy,
+    parameters: Parameters = "eps_n1,mu_2",
+    span: Annotated[tuple[float, float], option("Interval of the first parameter.")] = (0.1, 0.9),
+    second_span: Second = None,
+    orders: Annotated[str, option("Periods of the cycles that are counted.")] = "1",
+    window: Window = WINDOW,
+    checks: Annotated[
+        int, option("Random places at which cycles are counted.", min=1)
+    ] = Survey().checks,
+    out: Out = Path("out"),
+) -> None:
+    """Cut the plane of two parameters into regions in which the same cycles live.
+
+    Curves between regions are found by counting cycles at random places. In the whole window there
+    are hundreds of islands: a smaller one gives a simpler picture, sooner.
+
+    Example: woodpecker regions --second-span 0.29 0.34 --window -0.9 -0.45
+    """
+    first, second = two_of(parameters)
+    spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
+    with results_in(out) as target:
+        with progress() as bar:
+            task = bar.add_task(f"{first}, {second}", total=None)
+
+            def show(curve: Curve) -> None:
+                bar.update(task, description=f"{curve.kind} over {first}, {second}")
+
+            found = parameter_regions(
+                toy, (first, second), spans, orders=wanted, window=window,
+                survey=Survey(checks=checks), progress=show,
+            )  # fmt: skip
+        _write(found, target)
+    console.print(_table(found))
+    say(
+        f"{len(found.open)} places disagree with their region: a curve is missing there"
+        if found.open
+        else f"all of {found.checks} random places agree"
+    )
+    report(target, *FILES)
+
+
+def _write(found: Regions, target: Path) -> None:
+    from woodpecker.plot.regions import plot_regions
+
+    write_figure(target / FILES[0], plot_regions(found).figure)
+    counts = [f"{word}_{n}" for n in found.orders for word in ("stable", "unstable")]
+    write_table(
+        target / FILES[1],
+        ("region", "share", *found.names, *counts, "attractors", "agree"),
+        (
+            (
+                number, region.share, *region.place,
+                *(count for each in region.census for count in each[1:]),
+                ", ".join(map(str, region.attractors)), region.agree,
+            )
+            for number, region in enumerate(found.regions, start=1)
+        ),
+    )  # fmt: skip
+    write_table(
+        target / FILES[2],
+        ("region", "ring", *found.names),
+        (
+            (number, ring, *place)
+            for number, region in enumerate(found.regions, start=1)
+            for ring, outline in enumerate((region.outline, *region.holes))
+            for place in outline.tolist()
+        ),
+    )
+
+
+def _table(found: Regions) -> Table:
+    from woodpecker.plot.regions import described
+
+    table = Table("region", "share", *found.names, "lives there", "orbits come to")
+    for number, region in enumerate(found.regions, start=1):
+        table.add_row(
+            str(number), f"{100.0 * region.share:.3g} %", *(f"{v:.5g}" for v in region.place),
+            described(region.census), ", ".join(map(str, region.attractors)),
+        )  # fmt: skip
+    return table

@@ -1,0 +1,98 @@
+"""Regions of two parameters, as a picture."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+
+from woodpecker.plane.census import Census
+from woodpecker.plane.regions import Region, Regions
+from woodpecker.plot.plane import draw_curve, label
+
+MAPS = ("Greys", "Blues", "Oranges", "Purples")  # no stable cycle, one of period 1, 2, of both
+LIGHTEST, STEP, DARKEST = 0.08, 0.1, 0.75  # of a colour map: the more cycles, the darker
+
+
+def plot_regions(regions: Regions, ax: Axes | None = None, *, legend: bool = True) -> Axes:
+    """Draw regions, coloured by the cycles that live in them, and the curves between them.
+
+    Parameters
+    ----------
+    regions
+        From :func:`woodpecker.parameter_regions`.
+    ax
+        Where to draw; a new figure by default.
+    legend
+        Whether to say, beside the axes, which cycles live where.
+
+    Returns
+    -------
+    Axes
+        Where they are drawn.
+    """
+    if ax is None:
+        _, ax = plt.subplots(figsize=(8.4, 4.8), layout="constrained")
+    for region in regions.regions:
+        ax.add_patch(
+            PathPatch(_path(region), facecolor=colour(region.census), edgecolor="none", zorder=0)
+        )
+    for curve in regions.curves:
+        draw_curve(ax, curve)
+    for (first, second), _ in regions.open:
+        ax.plot(first, second, "x", color="black", ms=3.5, mew=0.7, zorder=4)
+    ax.set(
+        xlim=regions.spans[0], ylim=regions.spans[1], xlabel=label(regions.names[0]),
+        ylabel=label(regions.names[1]),
+    )  # fmt: skip
+    if legend:
+        ax.legend(handles=region_handles(regions), fontsize=7.5, frameon=False,
+                  bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
+    return ax
+
+
+def colour(census: Census) -> tuple[float, float, float, float]:
+    """The colour of what lives in a region: its hue says what is stable."""
+    one = any(each.stable and each.period == 1 for each in census)
+    more = any(each.stable and each.period > 1 for each in census)
+    total = sum(each.stable + each.unstable for each in census)
+    depth = min(LIGHTEST + STEP * total, DARKEST)
+    red, green, blue, alpha = mpl.colormaps[MAPS[one + 2 * more]](depth)
+    return float(red), float(green), float(blue), float(alpha)
+
+
+def described(census: Census) -> str:
+    """What lives in a region, in a few words."""
+    parts = []
+    for each in census:
+        counts = [
+            f"{number} {word}"
+            for number, word in ((each.stable, "stable"), (each.unstable, "unstable"))
+            if number
+        ]
+        if counts:
+            parts.append(f"period {each.period}: {', '.join(counts)}")
+    return "; ".join(parts) or "none"
+
+
+def region_handles(regions: Regions) -> list[Patch]:
+    """What a legend of regions shows: what lives in them, the commonest first."""
+    shares: dict[Census, float] = {}
+    for region in regions.regions:
+        shares[region.census] = shares.get(region.census, 0.0) + region.share
+    ordered = sorted(shares, key=lambda census: -shares[census])
+    return [
+        Patch(facecolor=colour(census), edgecolor="0.6", lw=0.4, label=described(census))
+        for census in ordered
+    ]
+
+
+def _path(region: Region) -> Path:
+    """The outline with its holes."""
+    rings = (region.outline, *region.holes)
+    codes = [Path.MOVETO, Path.LINETO, Path.CLOSEPOLY]
+    every = [np.repeat(np.array(codes, dtype=np.uint8), [1, len(ring) - 2, 1]) for ring in rings]
+    return Path(np.concatenate(rings), np.concatenate(every))
