@@ -41,12 +41,15 @@ class Node:
         The border that is met, if one is.
     gap
         There: the limit of P_n beyond it, less that inside; nan if it has none.
+    along
+        Whether it goes the way of the oriented tangent of the equations; None if that is not known.
     """
 
     place: Place
     tangent: Floats
     border: Border | None = None
     gap: float = 0.0
+    along: bool | None = None
 
     @property
     def orbit(self) -> Orbit:

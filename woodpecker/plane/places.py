@@ -214,14 +214,27 @@ class Solved:
 
 
 def solve(
-    plane: Plane, start: Place, equations: Sequence[Equation], *, contracts: bool = False
-) -> Solved:
-    """Newton's method for a place with the pieces of ``start`` that obeys three equations."""
+    plane: Plane, start: Place, equations: Sequence[Equation], *, contracts: bool = False,
+    anchor: Place | None = None,
+) -> Solved:  # fmt: skip
+    """Newton's method for a place with the pieces of ``start`` that obeys three equations.
+
+    Every piece remembers the times of the return where it was met last. Beyond a border next to
+    which two of them come together the next ones may be the others: with an ``anchor`` all places
+    are met from there.
+    """
     scale = plane.scales(len(start))
+
+    def shifted(place: Place, move: Sequence[float]) -> Place:
+        by = np.array(move) * scale
+        if anchor is None:
+            return plane.moved(place, by)
+        return plane.moved(anchor, place.point + by - anchor.point)
+
     place, converged, _ = newton(
         start,
         lambda place: _step(place, equations, scale),
-        lambda place, move: plane.moved(place, np.array(move) * scale),
+        shifted,
         lambda place: _is_rounded(place, equations, plane.first),
         plane.first,
         contracts=contracts,
@@ -267,13 +280,18 @@ def _is_rounded(place: Place, equations: Sequence[Equation], settings: Settings)
 
 
 def tangent(plane: Plane, place: Place, locus: Locus) -> Floats:
-    """Unit tangent (n + 2,), in scaled unknowns, of the curve through a place; nan if none."""
+    """Unit tangent (n + 2,), in scaled unknowns, of the curve through a place; nan if none.
+
+    The determinant of the equations with the tangent as their last row is positive, so it points
+    the same way all along a curve.
+    """
     rows = _rows(place, locus.equations(plane)) * plane.scales(len(place))
     size = np.abs(rows).sum(axis=1)
     if not (np.isfinite(size).all() and (size > 0.0).all()):
         return np.full(len(place) + 2, np.nan)
     direction: Floats = np.linalg.svd(rows / size[:, None])[2][-1]
-    return direction
+    sign, _ = np.linalg.slogdet(np.vstack([rows / size[:, None], direction]))
+    return direction if sign >= 0.0 else -direction
 
 
 def precision(plane: Plane, place: Place, equations: Sequence[Equation]) -> Pair:

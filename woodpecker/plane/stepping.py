@@ -89,24 +89,53 @@ class Stepper:
         along = tangent(self.plane, place, self.locus)
         if not np.isfinite(along).all():
             return None
-        return node_at(self.plane, self.locus, place, along if along @ like >= 0.0 else -along)
+        same = bool(along @ like >= 0.0)
+        found = node_at(self.plane, self.locus, place, along if same else -along)
+        return replace(found, along=same) if isinstance(self.locus.held, float) else found
 
     def advance(self, last: Node, step: float, before: Node | None = None) -> Node | float:
         """The node one step ahead, or a shorter step to try."""
         predicted = self._predicted(last, step, before)
-        if not predicted.defined:
-            return 0.5 * step
         ahead = Along(last.place.point, last.tangent, step, self.scale)
-        solution = solve(self.plane, predicted, [*self.equations, ahead], contracts=True)
-        if not solution.converged:
-            return 0.5 * step
-        found = self.node(solution.place, last.tangent)
-        if found is None:
+        found = None
+        for guess in (self._beside_border(last, before, predicted, ahead), predicted):
+            if guess is None or not guess.defined:
+                continue
+            solution = solve(self.plane, guess, [*self.equations, ahead], contracts=True)
+            found = self.node(solution.place, last.tangent) if solution.converged else None
+            if found is not None:
+                break
+        if found is None or _turned_back(last, found):
             return 0.5 * step
         turned, most = angle(last.tangent, found.tangent), self.settings.max_turn
         if turned > most:
             return max(self.numerics.retry, self.numerics.kept_turn * most / turned) * step
         return found
+
+    def _beside_border(
+        self, last: Node, before: Node | None, predicted: Place, ahead: Along
+    ) -> Place | None:
+        """Where a curve may go on that leads along a border; None if it does not.
+
+        Beside a root folds and flips lie so close to a border that a step would cross it. There its
+        margin is predicted, by a power of what it was, instead of the point.
+        """
+        near = self._nearest(last)
+        if not (isinstance(self.locus.held, float) and predicted.defined) or near is None:
+            return None
+        margin, away = near
+        if not 0.0 < away < self.numerics.hugs * ahead.distance:
+            return None
+        value = last.orbit.images[margin.index].margin(margin.code)
+        if before is not None and before.orbit.keys == last.orbit.keys:
+            once = before.orbit.images[margin.index].margin(margin.code)
+            part = ahead.distance / self._length(before, last)
+            if once > 0.0 and math.isfinite(part):
+                value *= min(max((value / once) ** part, 0.5), 2.0)
+        cycle, *_ = self.equations
+        kept = held(replace(margin, value=value), self.plane)
+        found = solve(self.plane, predicted, [cycle, kept, ahead], anchor=last.place)
+        return found.place if found.converged else None
 
     def to_end(self, last: Node, step: float) -> Node | None:
         """The node at the end of a span, if a step leads there: beyond, there may be no map."""
@@ -197,9 +226,10 @@ class Stepper:
         third order, and steps towards it become ever shorter. So the border is followed until the
         piece beyond it has a fold or a flip next to it.
         """
-        if self.locus.border is not None:
+        near = self._nearest(last)
+        if not isinstance(self.locus.held, float) or near is None:
             return None
-        margin = self._nearest(last)
+        margin, _ = near
         on_border = Stepper(self.plane, Locus(margin), len(last.place))
         here = Along(last.place.point, last.tangent, 0.0, self.scale)
         solution = solve(self.plane, last.place, [*on_border.equations, here])
@@ -238,15 +268,15 @@ class Stepper:
                 return node
         return None
 
-    def _nearest(self, node: Node) -> Margin:
-        """The margin nearest to vanishing, in scaled units."""
+    def _nearest(self, node: Node) -> tuple[Margin, float] | None:
+        """The margin nearest to vanishing, and how far away that is in scaled unknowns."""
         found = dict[Margin, float]()
         for i, image in enumerate(node.orbit.images):
             size = np.linalg.norm(node.place.gradients(i) * self.plane.scales(1), axis=1)
             for code, margin, most in zip(image.causes, image.margins, size, strict=True):
                 if most > 0.0:
                     found[Margin(i, int(code))] = abs(float(margin)) / float(most)
-        return min(found, key=lambda each: found[each])
+        return min(found.items(), key=lambda item: item[1], default=None)
 
     def _ends(self, a: Node, b: Node, step: float) -> Iterator[Event]:
         own = self.locus.held.index if isinstance(self.locus.held, Unknown) else -1
@@ -433,6 +463,11 @@ def follow(
     return Arc(tuple(nodes), tuple(events), _given_up(nodes[-1], MANY), step)
 
 
+def _turned_back(last: Node, found: Node) -> bool:
+    """Whether a step led onto the other arm of a needle, where the curve goes the other way."""
+    return last.along is not None and found.along is not None and last.along is not found.along
+
+
 def _given_up(node: Node, cause: str) -> Event:
     return Event(PlaneKind.END, node, 0.0, cause, ends=True, status=PointStatus.OPEN)
 
@@ -450,4 +485,5 @@ def _leaves(stepper: Stepper, start: Node) -> Event | None:
 
 def turned_round(node: Node) -> Node:
     """The same the other way."""
-    return replace(node, tangent=-node.tangent)
+    along = None if node.along is None else not node.along
+    return replace(node, tangent=-node.tangent, along=along)

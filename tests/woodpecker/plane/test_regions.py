@@ -1,0 +1,150 @@
+"""Regions of two parameters: against exact cells, and against counting."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+import sympy
+from needs import NEEDS_NUMBA
+
+from pwmap import PiecewiseLinearMap, parameter_plane
+from woodpecker import (
+    Regions,
+    Settings,
+    Survey,
+    Toy,
+    family_from_sympy,
+    parameter_regions,
+    regions_of,
+    shoot,
+)
+
+X, A, R = sympy.symbols("x a r")
+PAPER = sympy.Piecewise((-2 + R, X < 0), (-A * X + R, True))
+SPAN = ((-1.0, 4.0), (0.5, 3.0))
+BESIDE = Survey().beside  # parts of the spans: a place closer to a border is not compared
+
+
+@cache
+def of_the_paper() -> Regions:
+    """P1^L [Leine2001, Eq. 14] over r and a, from nothing."""
+    family = family_from_sympy(PAPER, X, (R, A))
+    return regions_of(family, span=SPAN, settings=Settings(window=(-20.0, 20.0)), orders=(1, 2))
+
+
+def exact(r: float, a: float) -> tuple[tuple[int, int, int], ...]:
+    """Cycles of P1^L by hand: (period, stable, unstable).
+
+    The fixed point r - 2 of the flat piece lives for r < 2, and r/(1 + a) of the other one, of
+    slope -a, for r > 0. A cycle of period 2 has a point on each side: the image r - 2 > 0 of the
+    flat piece, and its image r - a (r - 2) < 0.
+    """
+    flat, steep = r < 2.0, r > 0.0
+    one = int(flat) + int(steep and a < 1.0), int(steep and a > 1.0)
+    two = int(r > 2.0 and r - a * (r - 2.0) < 0.0)
+    return (1, *one), (2, two, 0)
+
+
+@pytest.mark.slow
+def test_regions_of_the_paper_are_those_of_the_formulas() -> None:
+    found = of_the_paper()
+    assert found.open == ()
+    rng = np.random.default_rng(4)
+    compared = 0
+    for r, a in zip(rng.uniform(*SPAN[0], 400), rng.uniform(*SPAN[1], 400), strict=True):
+        borders = [abs(r) / 5.0, abs(r - 2.0) / 5.0, abs(a - 1.0) / 2.5]
+        if a > 1.0:
+            borders.append(abs(r - 2.0 * a / (a - 1.0)) / 5.0 / (1.0 + 2.0 / (a - 1.0) ** 2))
+        if min(borders) > BESIDE:
+            compared += 1
+            assert found.at(r, a).census == exact(r, a)
+    assert compared > 350
+
+
+def test_shares_of_the_paper_are_areas() -> None:
+    """By integrals of the borders: r = 0, r = 2, a = 1 and r = 2 a/(a - 1)."""
+    found = {region.census: region.share for region in of_the_paper().regions}
+    whole = 5.0 * 2.5
+    # 2 a/(a - 1) < 4 for a > 2: the area right of it is the integral of 4 - 2 a/(a - 1)
+    two = (4.0 - 2.0) - 2.0 * np.log(2.0)
+    expected = {
+        ((1, 1, 0), (2, 0, 0)): (1.0 * 2.5 + 2.0 * 0.5) / whole,
+        ((1, 2, 0), (2, 0, 0)): 2.0 * 0.5 / whole,
+        ((1, 1, 1), (2, 0, 0)): 2.0 * 2.0 / whole,
+        ((1, 0, 1), (2, 1, 0)): two / whole,
+        ((1, 0, 1), (2, 0, 0)): (2.0 * 2.0 - two) / whole,
+    }
+    shares: dict[object, float] = {}
+    for region in of_the_paper().regions:
+        shares[region.census] = shares.get(region.census, 0.0) + region.share
+    assert found.keys() == expected.keys()
+    for census, share in expected.items():
+        # straight lines between samples of the one border that bends: 2 a/(a - 1)
+        assert shares[census] == pytest.approx(share, abs=2e-5)
+
+
+def counted(map_: PiecewiseLinearMap) -> tuple[tuple[int, int, int], ...]:
+    """The same from what pwmap proves in a cell."""
+    found = []
+    for order in (1, 2):
+        own = [p for p in map_.iterate(order).fixed_points() if p.admissible and p.period == order]
+        stable = sum(point.stable for point in own)
+        found.append((order, stable // order, (len(own) - stable) // order))
+    return tuple(found)
+
+
+def test_the_exact_plane_of_pwmap_agrees() -> None:
+    x, a, r = sympy.symbols("x a r")
+    formula = sympy.Piecewise((r - 2, x <= 0), (r - a * x, True))
+    whole = PiecewiseLinearMap.from_sympy(formula, x, given=[a > 0])
+    plane = parameter_plane(whole, a, r, (sympy.Rational(1, 2), 3), (-1, 4), orders=(1, 2))
+    found, compared = of_the_paper(), 0
+    for strip in plane.strips:
+        middle = (strip.lower + strip.upper) / 2
+        for cell in strip.cells:
+            low, high = (edge.subs(a, middle) for edge in (cell.lower, cell.upper))
+            if not cell.is_edge:
+                place = float((low + high) / 2), float(middle)
+                assert found.at(*place).census == counted(cell.map)
+                compared += 1
+    assert compared == 3 + 3 + 4  # below a = 1, up to where 2 a/(a - 1) leaves the span, beyond
+
+
+def test_a_place_on_a_border_is_in_no_region() -> None:
+    with pytest.raises(ValueError, match="within a region"):
+        of_the_paper().at(10.0, 1.0)
+
+
+def test_wrong_input_is_refused() -> None:
+    family = family_from_sympy(PAPER, X, (R, A))
+    with pytest.raises(ValueError, match="finite window"):
+        regions_of(family, span=SPAN, settings=Settings())
+    with pytest.raises(ValueError, match="checks must be at least 1, got 0"):
+        Survey(checks=0)
+    with pytest.raises(ValueError, match="beside must lie in"):
+        Survey(beside=1.5)
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_regions_of_the_toy_beside_the_flip() -> None:
+    """Right of the flip at 0.6485 the cycle is unstable; shooting says the same."""
+    toy = Toy()
+    found = parameter_regions(
+        toy, ("eps_n1", "mu_2"), ((0.55, 0.75), (0.297, 0.303)), window=(-0.6, -0.45),
+        survey=Survey(checks=20),
+    )  # fmt: skip
+    assert found.open == ()
+    assert found.checks == 20
+    assert any(curve.kind == "PD" for curve in found.curves)
+    rng = np.random.default_rng(9)
+    for eps_n1, mu_2 in zip(
+        rng.uniform(0.55, 0.75, 20), rng.uniform(0.297, 0.303, 20), strict=True
+    ):
+        orbit = shoot(toy.replace(eps_n1=eps_n1, mu_2=mu_2), -0.52)
+        assert orbit.success
+        if abs(abs(orbit.multiplier) - 1.0) > 0.01:
+            ((_, stable, unstable),) = found.at(eps_n1, mu_2).census
+            assert (stable, unstable) == ((1, 0) if orbit.stable else (0, 1))
