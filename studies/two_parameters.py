@@ -9,9 +9,12 @@ for the parameter at which a fixed point is lost, as one does without curves.
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.figure import Figure
 
 from studies.common.clocks import timed
@@ -19,7 +22,16 @@ from studies.common.motion import GUESS
 from studies.common.record import Results, command
 from studies.common.style import WIDTH, grid, keep
 from studies.main_job import PAPER
-from woodpecker import Curve, Settings, Toy, ToyPieces, continuation, local_model, shoot
+from woodpecker import (
+    Curve,
+    Settings,
+    Toy,
+    ToyPieces,
+    connected,
+    continuation,
+    local_model,
+    shoot,
+)
 from woodpecker.plot.plane import handles, plot_curves
 from woodpecker.runs import DEFAULT
 
@@ -28,6 +40,10 @@ SECOND = {"mu_2": (0.28, 0.36), "l_s": (0.019, 0.0222), "c_phi": (0.003, 0.012)}
 NAMES, FLIP = ("A", "B", "C", "FF1", "BC2"), "PD1"
 FINE = Settings(window=DEFAULT.window, max_step=0.006)  # some 200 places from A upwards
 BESIDE = 1e-7  # rad: a collision is looked for from right beside the jump
+BESIDES = (1e-7, 1e-6, 1e-8)  # the same, where a jump is steep or another one is near
+WIDTHS = (1e-4, 1e-5, 1e-6)  # of a diagram across a flip, to both sides
+RIGHT_AT = 1e-5  # of a special point: there its own events are not told from those of the curve
+CONFIRMED = 1e-9  # in the first parameter: the same special point
 NEAR = 0.1  # rad: the fixed point that is lost lies so close to the jump
 HALVINGS = 40  # of an interval of 0.02, to rounding
 
@@ -68,7 +84,10 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     every = range(5, len(curve) - 5, 40 if fast else 10)
     return {
         "curves": {
-            second: {name: _about(curve) for name, curve in own.items()}
+            second: {
+                name: _about(curve) | confirmed(toy, curve, 40 if fast else 10)
+                for name, curve in own.items()
+            }
             for second, own in curves.items()
         },
         "a": {"places": len(curve), "seconds": clock.wall}
@@ -84,6 +103,65 @@ def _about(curve: Curve) -> Results:
         "points": [[str(p.kind), *p.values, p.cause] for p in curve.points[1:-1]],
         "ends": [[*p.values, p.cause, str(p.status)] for p in curve.ends],
     }
+
+
+def confirmed(toy: Toy, curve: Curve, every: int) -> Results:
+    """How many places of a curve, every tenth, one-parameter computations find, and how far off.
+
+    A collision has to have the code of the curve, too. Right where words change, and at special
+    points, slopes may be those of a root, or the code either: there the next place is taken.
+    """
+    own = {point.sample for point in curve.points} | {word.first for word in curve.words}
+    special = np.column_stack([curve.values, curve.x])[
+        sorted({point.sample for point in curve.points})
+    ]
+    taken = [
+        k
+        for k, place in enumerate(np.column_stack([curve.values, curve.x]))
+        if not {k, k + 1} & own and np.abs(special - place).max(axis=1).min() > RIGHT_AT
+    ]
+    starts = range(0, len(curve) - every, every)
+    places = [next(k for k in taken if k >= start) for start in starts if start <= taken[-1]]
+    off = [_flip_off(toy, curve, k) if curve.border_index < 0 else _collision_off(toy, curve, k)
+           for k in places]  # fmt: skip
+    found = [each for each in off if each < CONFIRMED]
+    return {"looked": len(places), "confirmed": len(found), "off": max(found, default=None)}
+
+
+def _collision_off(toy: Toy, curve: Curve, k: int) -> float:
+    """Distance of the local model's collision of the same code; infinite if there is none."""
+    first, second = curve.values[k].tolist()
+    map_ = ToyPieces(toy.replace(**{curve.names[1]: second}), curve.names[0])
+    x, code = float(curve.x[k, 0]), (curve.codes[k], curve.notes[k])
+    for beside in BESIDES:
+        for side in (1.0, -1.0):
+            try:
+                model = local_model(map_, x + side * beside, first, (1, 2), DEFAULT)
+            except ValueError:  # no jump next to it on this side
+                continue
+            if (model.point.kind, model.point.note) == code:
+                return float(abs(model.p - first))
+    return math.inf
+
+
+def _flip_off(toy: Toy, curve: Curve, k: int) -> float:
+    """Distance of the flip in a diagram across the place; infinite if there is none."""
+    first, second = curve.values[k].tolist()
+    map_ = ToyPieces(toy.replace(**{curve.names[1]: second}), curve.names[0])
+    best = math.inf
+    for width in WIDTHS:
+        for part in (0.0, 0.5, -0.5):
+            start = min(max(first + part * width, 0.0), 1.0)
+            span = max(first - width, 0.0), min(first + width, 1.0)
+            try:
+                found = connected(map_, float(curve.x[k, 0]), start, replace(DEFAULT, span=span))
+            except ValueError:  # there the cycle is too far away
+                continue
+            off = [float(abs(p.parameter - first)) for p in found.points if p.kind == curve.kind]
+            best = min(best, *off, math.inf)
+            if best < CONFIRMED:
+                return best
+    return best
 
 
 def _located_anew(toy: Toy, curve: Curve, every: range) -> Results:

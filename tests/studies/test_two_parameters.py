@@ -5,7 +5,10 @@ from pathlib import Path
 import pytest
 from needs import NEEDS_NUMBA
 
-from studies.two_parameters import main
+from studies.common.motion import GUESS
+from studies.main_job import PAPER
+from studies.two_parameters import FIRST, FLIP, NAMES, SECOND, SPAN, confirmed, main
+from woodpecker import Toy, continuation, shoot
 
 
 @pytest.mark.slow
@@ -18,4 +21,18 @@ def test_places_of_a_are_those_of_one_parameter(tmp_path: Path) -> None:
     assert a["anew_off"] < 1e-9  # both are located to rounding, some 1e-15
     assert a["bisected_off"] < 1e-9  # forty halvings of 0.02 leave 2e-14
     assert set(found["curves"]) == {"mu_2"}
+    assert all(each["confirmed"] == each["looked"] for each in found["curves"]["mu_2"].values())
     assert (tmp_path / "two_parameters.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("name", [*NAMES, FLIP])
+def test_every_tenth_place_of_every_curve_is_that_of_one_parameter(name: str) -> None:
+    """A collision with its code from the local model, a flip from a diagram across it."""
+    toy = Toy()
+    point = continuation(toy, shoot(toy, GUESS), FIRST, SPAN).named(PAPER).point(name)
+    curve = continuation(toy, point, (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
+    found = confirmed(toy, curve, 10)
+    assert found["looked"] >= len(curve) // 10 - 1
+    assert found["confirmed"] == found["looked"]

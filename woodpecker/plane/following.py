@@ -187,7 +187,7 @@ def _curve(plane: Plane, samples: list[_Sample], closed: bool) -> Curve:
         codes=tuple(code for code, _ in codes),
         notes=tuple(note for _, note in codes),
         words=_words(samples),
-        points=_points(plane, samples),
+        points=_points(plane, samples, closed),
         closed=closed,
         cause=cause,
     )
@@ -205,9 +205,11 @@ def _words(samples: list[_Sample]) -> tuple[PlaneStretch, ...]:
     return tuple(found)
 
 
-def _points(plane: Plane, samples: list[_Sample]) -> tuple[PlanePoint, ...]:
+def _points(plane: Plane, samples: list[_Sample], closed: bool) -> tuple[PlanePoint, ...]:
     """Special points, and both ends."""
     last = len(samples) - 1
+    if closed:
+        samples = [replace(samples[0], cause=CLOSED), *samples[1:]]
     kept = [(k, each) for k, each in enumerate(samples) if each.kind is not None or k in (0, last)]
     kinds = [each.kind or PlaneKind.END for _, each in kept]
     found = []

@@ -32,6 +32,7 @@ from woodpecker.plane.places import (
 
 SPAN, WINDOW = "end of the span", "end of the window"
 CLOSED, SHORT, MANY = "the curve closes", "steps become too short", "as many samples as allowed"
+TOO_CLOSE = "closer to a border than rounding tells"
 
 
 class UnclearError(Exception):
@@ -246,6 +247,12 @@ class Stepper:
                 return found, node.orbit.images[margin.index].piece.cause(margin.code)
         return None
 
+    def too_short(self, last: Node) -> str:
+        """Why steps have become too short at a node."""
+        near = self._nearest(last)
+        own = isinstance(self.locus.held, float)
+        return TOO_CLOSE if own and near is not None and near[1] <= self.settings.same else SHORT
+
     def _beyond(self, last: Node, on_border: Node, index: int) -> Node | None:
         """The node with the piece beyond a border, as far from the last one as a place on it."""
         border = on_border.border
@@ -427,7 +434,7 @@ def follow(
         return Arc((start,), (), leaving, step)
     while len(nodes) < settings.max_samples:
         if step < settings.min_step:
-            event = _given_up(nodes[-1], SHORT)
+            event = _given_up(nodes[-1], stepper.too_short(nodes[-1]))
             return Arc(tuple(nodes), tuple(events), event, step)
         last = nodes[-1]
         smooth = len(nodes) > 1 and (not events or events[-1][0] < len(nodes) - 1)
