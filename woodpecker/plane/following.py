@@ -17,9 +17,18 @@ from woodpecker.plane.nodes import Node, code_of, node_at
 from woodpecker.plane.passing import passed
 from woodpecker.plane.places import Along, Equation, Locus, Place, Plane, held, precision, tangent
 from woodpecker.plane.starting import located
-from woodpecker.plane.stepping import CLOSED, Event, Stepper, follow, turned_round
+from woodpecker.plane.stepping import (
+    CLOSED,
+    MANY,
+    Event,
+    Stepper,
+    follow,
+    given_up,
+    turned_round,
+)
 from woodpecker.plane.switching import Seed, starts_at
 
+LEGS = 150  # words that a curve takes each way: where it goes back and forth it is left
 Spans = tuple[Pair, Pair]
 
 
@@ -134,8 +143,10 @@ def _leg(
     plane: Plane, start: Node, locus: Locus, origin: Node | None
 ) -> tuple[list[_Sample], bool]:
     """Samples from a node to where the curve ends, through borders at which it goes on."""
-    samples, step = [_Sample(start, locus)], math.inf
-    while True:
+    samples, step, most = [_Sample(start, locus)], math.inf, plane.first.max_samples
+    for _ in range(LEGS):
+        if len(samples) > most:
+            break
         stepper = Stepper(plane, locus, len(start.place))
         arc = follow(stepper, samples[-1].node, step, origin)
         happened = dict(arc.events)
@@ -164,6 +175,8 @@ def _leg(
         samples[-1] = replace(samples[-1], kind=on.kind)
         samples.append(_Sample(on.node, on.locus))
         locus, step = on.locus, max(arc.step, plane.first.again)
+    last = given_up(samples[-1].node, MANY)
+    return [*samples[:-1], replace(samples[-1], event=last, kind=last.kind, cause=MANY)], False
 
 
 def _curve(plane: Plane, samples: list[_Sample], closed: bool) -> Curve:

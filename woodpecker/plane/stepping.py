@@ -34,6 +34,8 @@ SPAN, WINDOW = "end of the span", "end of the window"
 CLOSED, SHORT, MANY = "the curve closes", "steps become too short", "as many samples as allowed"
 TOO_CLOSE = "closer to a border than rounding tells"
 
+DOUBLINGS = 80  # of a step along a border, from the shortest to the longest, and some in vain
+
 
 class UnclearError(Exception):
     """A shorter step is needed to tell what lies between two nodes."""
@@ -236,7 +238,9 @@ class Stepper:
         solution = solve(self.plane, last.place, [*on_border.equations, here])
         node = on_border.node(solution.place, last.tangent) if solution.converged else None
         step, way = self.settings.again, 0.0
-        while node is not None and way <= self.settings.max_step and step >= self.settings.min_step:
+        for _ in range(DOUBLINGS):
+            if node is None or way > self.settings.max_step or step < self.settings.min_step:
+                break
             ahead = on_border.advance(node, step)
             if isinstance(ahead, float):
                 step = ahead
@@ -434,7 +438,7 @@ def follow(
         return Arc((start,), (), leaving, step)
     while len(nodes) < settings.max_samples:
         if step < settings.min_step:
-            event = _given_up(nodes[-1], stepper.too_short(nodes[-1]))
+            event = given_up(nodes[-1], stepper.too_short(nodes[-1]))
             return Arc(tuple(nodes), tuple(events), event, step)
         last = nodes[-1]
         smooth = len(nodes) > 1 and (not events or events[-1][0] < len(nodes) - 1)
@@ -467,7 +471,7 @@ def follow(
         wanted, growth = settings.numerics.kept_turn, 2.0 if grows else 1.0
         growth = wanted / turned if growth * turned > wanted else growth
         step, grows = min(settings.max_step, step * growth), True
-    return Arc(tuple(nodes), tuple(events), _given_up(nodes[-1], MANY), step)
+    return Arc(tuple(nodes), tuple(events), given_up(nodes[-1], MANY), step)
 
 
 def _turned_back(last: Node, found: Node) -> bool:
@@ -475,7 +479,8 @@ def _turned_back(last: Node, found: Node) -> bool:
     return last.along is not None and found.along is not None and last.along is not found.along
 
 
-def _given_up(node: Node, cause: str) -> Event:
+def given_up(node: Node, cause: str) -> Event:
+    """The open end of a curve that is left here."""
     return Event(PlaneKind.END, node, 0.0, cause, ends=True, status=PointStatus.OPEN)
 
 
