@@ -40,6 +40,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "fig07_frames": "studies.figures.fig07_frames",
     "main_job": "studies.main_job",
     "two_parameters": "studies.two_parameters",
+    "regions": "studies.regions",
     "robustness": "studies.robustness",
     "fig08_return_map": "studies.figures.fig08_return_map",
     "fig08_vertices": "studies.figures.fig08_vertices",

@@ -34,7 +34,7 @@ SPAN, WINDOW = "end of the span", "end of the window"
 CLOSED, SHORT, MANY = "the curve closes", "steps become too short", "as many samples as allowed"
 TOO_CLOSE = "closer to a border than rounding tells"
 
-DOUBLINGS = 80  # of a step along a border, from the shortest to the longest, and some in vain
+ADVANCES = 400  # along a border, most of them in vain where slopes right at it are those of a root
 
 
 class UnclearError(Exception):
@@ -238,7 +238,7 @@ class Stepper:
         solution = solve(self.plane, last.place, [*on_border.equations, here])
         node = on_border.node(solution.place, last.tangent) if solution.converged else None
         step, way = self.settings.again, 0.0
-        for _ in range(DOUBLINGS):
+        for _ in range(ADVANCES):
             if node is None or way > self.settings.max_step or step < self.settings.min_step:
                 break
             ahead = on_border.advance(node, step)

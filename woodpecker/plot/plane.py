@@ -79,7 +79,7 @@ def plot_curves(
     for name, curve in curves.items():
         draw_curve(ax, curve)
         _mark(ax, curve)
-        _name(ax, name, curve)
+        name_curve(ax, name, curve)
     ax.set_xlabel(label(first))
     ax.set_ylabel(label(second))
     ax.margins(0.02)
@@ -109,7 +109,7 @@ def _mark(ax: Axes, curve: Curve) -> None:
             )  # fmt: skip
 
 
-def _name(ax: Axes, name: str, curve: Curve) -> None:
+def name_curve(ax: Axes, name: str, curve: Curve) -> None:
     """The name of a curve, on the longest of its stretches."""
     if name:
         _, _, first, last = max(curve.stretches(), key=lambda each: _length(curve, *each[2:]))

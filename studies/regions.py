@@ -1,0 +1,128 @@
+"""Where in the plane of two parameters which cycles of the toy live.
+
+    python -m studies.regions [--fast] [--out DIR]
+
+Three planes about the toy of the paper are cut into regions by the curves of A, B, C and others.
+Further curves between regions are found where cycles counted at two places differ; random places
+say how much is still wrong.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from pwmap import SpecialPoint
+from studies.common.clocks import timed
+from studies.common.motion import GUESS
+from studies.common.record import Results, command
+from studies.common.style import WIDTH, grid, keep
+from studies.main_job import PAPER
+from studies.two_parameters import FLIP
+from studies.two_parameters import NAMES as POINTS
+from woodpecker import Curve, Regions, Survey, Toy, continuation, parameter_regions, shoot
+from woodpecker.plot.plane import handles, name_curve
+from woodpecker.plot.regions import described, plot_regions, region_handles
+
+FIRST, SPAN = "eps_n1", (0.1, 0.9)
+SECOND = {"mu_2": (0.29, 0.34), "l_s": (0.0197, 0.02025), "c_phi": (0.005, 0.0064)}
+Spans = tuple[tuple[float, float], tuple[float, float]]
+WINDOW = (-0.9, -0.45)  # of phi_S: with the stable motion, and A, B and C
+NAMES = {  # special points over eps_N1 of the paper's toy in this window
+    "A": 0.11197091445663, "B": 0.29152171188505, "C": 0.18512695093092,
+    "FF1": 0.18815862092540, "BC2": 0.7911249390906, "PD1": 0.64854920022763, "I1": 0.3883495889,
+}  # fmt: skip
+SAME = 1e-3  # of such a value: curves are straight between their samples
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Cut the planes, and draw them.
+
+    Parameters
+    ----------
+    fast
+        A part of the first plane only.
+    out
+        Folder for the picture ``regions.png``.
+
+    Returns
+    -------
+    dict
+        For each second parameter seconds, curves, random places and how many disagree, and the
+        regions: share of the rectangle, a place, what lives there, and what orbits come to.
+    """
+    toy = Toy()
+    names = (FLIP,) if fast else (*POINTS, FLIP)
+    diagram = continuation(toy, shoot(toy, GUESS), FIRST).named(PAPER)
+    found, results = dict[str, Regions](), dict[str, Results]()
+    for second, span in ({"mu_2": (0.297, 0.303)} if fast else SECOND).items():
+        spans = ((0.55, 0.75) if fast else SPAN, span)
+        survey = Survey(checks=20 if fast else Survey().checks)
+        cut = partial(_regions, toy, [diagram.point(name) for name in names], second, spans, survey)
+        found[second], clock = timed(cut)
+        results[second] = _about(found[second]) | {"seconds": clock.wall}
+    if out is not None:
+        keep(draw(toy, found), out / "regions.png")
+    return results
+
+
+def _regions(
+    toy: Toy, points: list[SpecialPoint], second: str, spans: Spans, survey: Survey
+) -> Regions:
+    """The curves of special points, and the regions between these and others."""
+    over = FIRST, second
+    curves = [continuation(toy, point, over, spans) for point in points]
+    return parameter_regions(toy, over, spans, curves=curves, window=WINDOW, survey=survey)
+
+
+def _about(found: Regions) -> Results:
+    return {
+        "curves": len(found.curves),
+        "checks": found.checks,
+        "open": [list(place) for place, _ in found.open],
+        "regions": [
+            {
+                "share": each.share, "place": list(each.place), "lives": described(each.census),
+                "attractors": [str(attractor) for attractor in each.attractors],
+                "agree": each.agree,
+            }
+            for each in found.regions
+        ],
+    }  # fmt: skip
+
+
+def draw(toy: Toy, found: dict[str, Regions]) -> Figure:
+    """One panel for each second parameter."""
+    figure = plt.figure(figsize=(WIDTH, 0.62 * WIDTH), layout="constrained")
+    axes = figure.subplots(1, len(found), squeeze=False)[0].tolist()
+    for ax, (name, regions) in zip(axes, found.items(), strict=True):
+        grid(ax)
+        plot_regions(regions, ax, legend=False)
+        for curve in regions.curves:
+            name_curve(ax, _name(curve, getattr(toy, name)), curve)
+        ax.plot(toy.eps_n1, getattr(toy, name), "*", color="black", ms=6.0, zorder=5)
+    curves = [curve for regions in found.values() for curve in regions.curves]
+    areas = {
+        each.get_label(): each for regions in found.values() for each in region_handles(regions)
+    }
+    star = Line2D([], [], ls="", marker="*", color="black", ms=6.0, label="the paper's toy")
+    cross = Line2D([], [], ls="", marker="x", color="black", ms=3.5, label="disagrees")
+    lines = [each for each in handles(curves) if each.get_linestyle() != "None"]
+    shown = [*areas.values(), *lines, star, cross]
+    figure.legend(handles=shown, loc="outside lower center", ncols=4, fontsize=7, frameon=False)
+    return figure
+
+
+def _name(curve: Curve, second: float) -> str:
+    """The name of a curve by where it passes the toy of the paper; empty if it has none."""
+    met = np.array([first for first, _ in curve.crossings(1, second)])
+    return next((n for n, at in NAMES.items() if len(met) and np.abs(met - at).min() < SAME), "")
+
+
+if __name__ == "__main__":
+    command(main, "regions")
