@@ -29,6 +29,7 @@ from woodpecker.plane.stepping import (
 from woodpecker.plane.switching import Seed, starts_at
 
 LEGS = 150  # words that a curve takes each way: where it goes back and forth it is left
+LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
 Spans = tuple[Pair, Pair]
 
 
@@ -76,7 +77,9 @@ def curve_through(
     Returns
     -------
     Curve
-        Through any number of special points of codimension two.
+        Through any number of special points of codimension two; at the place itself the second
+        parameter rises, or the first if the second does not change. From a point of codimension
+        two on it leads away.
 
     Raises
     ------
@@ -114,11 +117,16 @@ def _seed(point: PlanePoint, kind: PointKind | str | None) -> Seed:
 
 
 def _both_ways(plane: Plane, place: Place, locus: Locus) -> tuple[list[_Sample], bool]:
-    """Samples through a place, and whether they close."""
+    """Samples through a place, and whether they close.
+
+    The second parameter rises at the place itself, or the first where the second does not change.
+    """
     along = tangent(plane, place, locus)
     if not np.isfinite(along).all():
         raise ValueError("the equations are singular at this point: no curve leads on from it")
     start = node_at(plane, locus, place, along)
+    if along[-1] < -LEVEL or (along[-1] <= LEVEL and along[-2] < 0.0):
+        start = turned_round(start)
     forward, closed = _leg(plane, start, locus, start)
     if closed:
         return forward, True

@@ -101,7 +101,8 @@ def test_help_describes_the_toy(command: str, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_units_of_the_toy_are_those_of_the_readme() -> None:
-    table = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+    table = text.partition("| symbol | in code | unit |")[2].partition("\n\n")[0]
     found = set()
     for name, units in re.findall(r"\| ((?:`\w+`(?:, )?)+) \| ([^|]+) \|", table):
         names = set(re.findall(r"`(\w+)`", name))

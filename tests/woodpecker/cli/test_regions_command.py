@@ -1,0 +1,52 @@
+"""The command ``woodpecker regions``, and its picture."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from needs import NEEDS_NUMBA
+from typer.testing import CliRunner
+
+from woodpecker import Count
+from woodpecker.cli.app import app
+from woodpecker.cli.regions import FILES
+from woodpecker.plot.regions import colour, described
+
+BESIDE_THE_FLIP = (
+    "regions", "--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6",
+    "-0.45", "--checks", "10",
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
+    found = CliRunner().invoke(app, [*BESIDE_THE_FLIP, "--out", str(tmp_path)])
+    assert found.exit_code == 0
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(FILES)
+    with (tmp_path / "regions.csv").open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    lives = {(row["stable_1"], row["unstable_1"]) for row in rows}
+    assert lives == {("1", "0"), ("0", "1")}
+    assert sum(float(row["share"]) for row in rows) == pytest.approx(1.0, abs=1e-9)
+    assert "all of 10 random places agree" in " ".join(found.output.split())
+
+
+def test_wrong_parameters_are_refused(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    found = CliRunner().invoke(app, ["regions", "--parameters", "eps_n1", "--out", str(target)])
+    assert found.exit_code != 0
+    assert "two different names" in " ".join(found.output.split())
+    assert not target.exists()
+
+
+def test_colours_say_what_is_stable() -> None:
+    """The hue by the periods that are stable, darker where more cycles live."""
+    none, one, two = (Count(1, 0, 1),), (Count(1, 1, 0),), (Count(1, 0, 1), Count(2, 1, 0))
+    assert len({colour(each) for each in (none, one, two)}) == 3
+    assert sum(colour((Count(1, 1, 2),))) < sum(colour(one))
+    assert described(one) == "period 1: 1 stable"
+    assert described((Count(1, 0, 0), Count(2, 1, 3))) == "period 2: 1 stable, 3 unstable"
+    assert described((Count(1, 0, 0),)) == "none"
