@@ -2,9 +2,10 @@
 
     python -m studies.two_parameters [--fast] [--out DIR]
 
-Each point of the main job is followed over the beak's restitution and one more parameter. Every
-tenth place of A is located anew by a one-parameter computation; and, for comparison, by bisecting
-for the parameter at which a fixed point is lost, as one does without curves.
+Points of the main job, and both ends of the island I1, are followed over the beak's restitution and
+one more parameter. Every tenth place of every curve is located anew by a one-parameter computation;
+and A, for comparison, by bisecting for the parameter at which a fixed point is lost, as one does
+without curves.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
+from pwmap import PointKind, SpecialPoint
 from studies.common.clocks import timed
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
@@ -38,6 +40,7 @@ from woodpecker.runs import DEFAULT
 FIRST, SPAN = "eps_n1", (0.0, 1.0)
 SECOND = {"mu_2": (0.28, 0.36), "l_s": (0.019, 0.0222), "c_phi": (0.003, 0.012)}
 NAMES, FLIP = ("A", "B", "C", "FF1", "BC2"), "PD1"
+ISLAND, ON_IT = ("I1", "I1 left"), (0.388, -0.885)  # its ends, and a place on its upper arm
 FINE = Settings(window=DEFAULT.window, max_step=0.006)  # some 200 places from A upwards
 BESIDE = 1e-7  # rad: a collision is looked for from right beside the jump
 BESIDES = (1e-7, 1e-6, 1e-8)  # the same, where a jump is steep or another one is near
@@ -66,20 +69,23 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         is located anew, and seconds and distance by bisection.
     """
     toy = Toy()
-    found = continuation(toy, shoot(toy, GUESS), FIRST, SPAN).named(PAPER)
+    points = main_points(toy)
     names = NAMES[:3] if fast else (*NAMES, FLIP)
+    chosen = {name: points[name] for name in names} | ({} if fast else island_ends(toy))
     curves = {
-        second: {
-            name: continuation(toy, found.point(name), (FIRST, second), (SPAN, span))
-            for name in names
-        }
+        second: different(
+            {
+                name: continuation(toy, point, (FIRST, second), (SPAN, span))
+                for name, point in chosen.items()
+            }
+        )
         for second, span in list(SECOND.items())[: 1 if fast else None]
     }
     if out is not None:
         keep(draw(curves), out / "two_parameters.png")
     spans = (SPAN, (0.2975, 0.6))
     curve, clock = timed(
-        lambda: continuation(toy, found.point("A"), (FIRST, "mu_2"), spans, settings=FINE)
+        lambda: continuation(toy, points["A"], (FIRST, "mu_2"), spans, settings=FINE)
     )
     every = range(5, len(curve) - 5, 40 if fast else 10)
     return {
@@ -94,6 +100,39 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         | _located_anew(toy, curve, every)
         | _bisected(toy, curve, every),
     }
+
+
+def main_points(toy: Toy) -> dict[str, SpecialPoint]:
+    """Special points of the main job by the names of the paper."""
+    found = continuation(toy, shoot(toy, GUESS), FIRST, SPAN).named(PAPER)
+    return {name: found.point(name) for name in (*NAMES, FLIP)}
+
+
+def island_ends(toy: Toy) -> dict[str, SpecialPoint]:
+    """Both ends of the island I1 at its top."""
+    start, guess = ON_IT
+    there = toy.replace(**{FIRST: start})
+    found = continuation(there, shoot(there, guess), FIRST, SPAN)
+    right, left = (
+        next(point for point in found.points if point.kind is kind)
+        for kind in (PointKind.FF, PointKind.BC)
+    )
+    return dict(zip(ISLAND, (right, left), strict=True))
+
+
+def different(curves: dict[str, Curve]) -> dict[str, Curve]:
+    """Curves without those that another one of them goes through, the other way round or not."""
+    kept = dict[str, Curve]()
+    for name, curve in curves.items():
+        ends = [end.values for end in curve.ends]
+        others = [[end.values for end in other.ends] for other in kept.values()]
+        if not any(
+            np.allclose(each, ends, rtol=0.0, atol=CONFIRMED)
+            for other in others
+            for each in (other, other[::-1])
+        ):
+            kept[name] = curve
+    return kept
 
 
 def _about(curve: Curve) -> Results:

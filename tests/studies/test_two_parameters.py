@@ -5,10 +5,20 @@ from pathlib import Path
 import pytest
 from needs import NEEDS_NUMBA
 
-from studies.common.motion import GUESS
-from studies.main_job import PAPER
-from studies.two_parameters import FIRST, FLIP, NAMES, SECOND, SPAN, confirmed, main
-from woodpecker import Toy, continuation, shoot
+from studies.two_parameters import (
+    FIRST,
+    FLIP,
+    ISLAND,
+    NAMES,
+    SECOND,
+    SPAN,
+    confirmed,
+    different,
+    island_ends,
+    main,
+    main_points,
+)
+from woodpecker import Toy, continuation
 
 
 @pytest.mark.slow
@@ -27,12 +37,26 @@ def test_places_of_a_are_those_of_one_parameter(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @NEEDS_NUMBA
-@pytest.mark.parametrize("name", [*NAMES, FLIP])
+@pytest.mark.parametrize("name", [*NAMES, FLIP, *ISLAND])
 def test_every_tenth_place_of_every_curve_is_that_of_one_parameter(name: str) -> None:
     """A collision with its code from the local model, a flip from a diagram across it."""
     toy = Toy()
-    point = continuation(toy, shoot(toy, GUESS), FIRST, SPAN).named(PAPER).point(name)
-    curve = continuation(toy, point, (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
+    points = island_ends(toy) if name in ISLAND else main_points(toy)
+    curve = continuation(toy, points[name], (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
     found = confirmed(toy, curve, 10)
     assert found["looked"] >= len(curve) // 10 - 1
     assert found["confirmed"] == found["looked"]
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_both_ends_of_the_island_are_one_curve() -> None:
+    """Over the friction of the lower edge multipliers of +1 and -1 at the border lie between."""
+    toy = Toy()
+    curves = {
+        name: continuation(toy, point, (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
+        for name, point in island_ends(toy).items()
+    }
+    assert list(different(curves)) == ["I1"]
+    codes = set(curves["I1"].codes)
+    assert {"FF", "BC"} <= {str(code) for code in codes}

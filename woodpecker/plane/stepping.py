@@ -314,10 +314,16 @@ class Stepper:
             return
         margin, part = min(crossed, key=lambda each: each[1])
         node, distance = self._solved(a, b, part, held(margin, self.plane), step)
-        if not is_inside(self.plane, self.locus, node.place, margin):
-            raise UnclearError  # another one vanishes before
+        if not is_inside(self.plane, self.locus, node.place, margin) or self._rises(node, margin):
+            raise UnclearError  # another one vanishes before, or this one does
         cause = node.orbit.images[margin.index].piece.cause(margin.code)
         yield Event(None, node, distance, cause, margin)
+
+    def _rises(self, node: Node, margin: Margin) -> bool:
+        """Whether a margin becomes larger along the curve."""
+        _, rates = margins_along(self.plane, node, margin.index)
+        codes = node.orbit.images[margin.index].causes
+        return bool((rates[codes == margin.code] > 0.0).any())
 
     def _crossed(self, a: Node, b: Node) -> Iterator[tuple[Margin, float]]:
         for i, (one, other) in enumerate(zip(a.orbit.images, b.orbit.images, strict=True)):

@@ -81,6 +81,15 @@ def test_it_ends_where_the_span_does() -> None:
     assert found.given[0] == "friction in the expansion: summed"
 
 
+def test_a_step_over_a_margin_that_dips_does_not_turn_back() -> None:
+    """Near (0.152, 0.288) the word changes four times within a step of C, by one margin."""
+    point = diagram().point("C")
+    found = continuation(Toy(), point, OVER, ((0.0, 1.0), (0.28, 0.36)))
+    assert abs(found.ends[0].values[0] - found.ends[1].values[0]) > 0.05
+    closes = [each.values for each in found.points if each.kind is PlaneKind.JUMP_CLOSES]
+    assert len(closes) == len(set(closes)) == 2
+
+
 def test_flips_start_where_a_collision_has_the_multiplier_minus_one() -> None:
     found = curve("C")
     flip = next(point for point in found.points if PointKind.PD in point.starts)
