@@ -5,8 +5,11 @@ Everything is in the unit square: parameters in parts of their spans.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 
+import networkx as nx
 import numpy as np
 import shapely
 from shapely import LineString, MultiLineString, Polygon, STRtree
@@ -84,3 +87,38 @@ def faces_of_places(places: Sequence[Pair], faces: Sequence[Polygon]) -> list[in
     for k, number in zip(own, face, strict=True):
         found[k] = number
     return found
+
+
+def way_between(face: Polygon, lines: MultiLineString, a: Pair, b: Pair, near: float) -> list[Pair]:
+    """A way within a face that keeps away from lines, which may end inside it; empty if none does.
+
+    It goes from triangle to triangle through the middles of their sides.
+    """
+    straight = LineString([a, b])
+    if face.contains(straight) and not straight.intersects(lines):
+        return [a, b]
+    free = face.difference(lines.buffer(near))
+    triangles = [
+        triangle
+        for part in getattr(free, "geoms", [free])
+        for triangle in shapely.constrained_delaunay_triangles(part).geoms
+    ]
+    ends = [next((k for k, each in enumerate(triangles) if each.covers(shapely.Point(place))), -1)
+            for place in (a, b)]  # fmt: skip
+    if -1 in ends:
+        return []
+    sides = nx.Graph()
+    owners = dict[frozenset[Pair], int]()
+    for k, triangle in enumerate(triangles):
+        for one, other in pairwise(triangle.exterior.coords):
+            neighbour = owners.setdefault(frozenset((one, other)), k)
+            if neighbour != k:
+                middle = 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])
+                away = math.dist(*(triangles[i].centroid.coords[0] for i in (k, neighbour)))
+                sides.add_edge(k, neighbour, weight=away, middle=middle)
+    sides.add_nodes_from(ends)
+    try:
+        passed = nx.shortest_path(sides, *ends, weight="weight")
+    except nx.NetworkXNoPath:
+        return []
+    return [a, *(sides.edges[each]["middle"] for each in pairwise(passed)), b]

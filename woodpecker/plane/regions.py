@@ -38,6 +38,7 @@ from woodpecker.plane.cutting import (
     lines_of,
     scaled,
     unscaled,
+    way_between,
 )
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
@@ -325,14 +326,14 @@ class _Mapping:
                 for place in self.fresh:
                     self.look(place)
                 continue
-            found = self._between(*pair) if len(self.curves) < self.survey.curves else []
+            found = self._between(pair) if len(self.curves) < self.survey.curves else []
             for curve in found:
                 self.add(curve)
                 progress(curve)
             if found:
                 self.fresh = []
             else:
-                self.tries[pair[1]] += 1
+                self.tries[pair[-1]] += 1
 
     def _draw(self) -> Iterator[Pair]:
         """Random places, far from borders."""
@@ -343,24 +344,28 @@ class _Mapping:
             left -= len(far)
             yield from far
 
-    def _conflict(self) -> tuple[Pair, Pair] | None:
-        """A place that shows what most of its face show, and one that does not.
+    def _conflict(self) -> list[Pair] | None:
+        """The way from a place that shows what most of its face show to one that does not.
 
-        The closest two, whose way lies within the face if there are such.
+        Between the closest two, and straight if it can be without crossing a curve.
         """
         best, least = None, (True, math.inf)
         for face, own in self.faces_with_places():
             usual = self._most(own)
             odd = [b for b in own if self.places[b] != usual and self.tries[b] < TRIES]
             for a, b in product([a for a in own if self.places[a] == usual], odd):
-                rank = not face.contains(LineString([a, b])), math.dist(a, b)
+                way = LineString([a, b])
+                rank = not face.contains(way) or way.intersects(self.lines), math.dist(a, b)
                 if rank < least:
-                    best, least = (a, b), rank
-        return best
+                    best, least = (face, a, b), rank
+        if best is None:
+            return None
+        _, a, b = best
+        return way_between(best[0], self.lines, a, b, 0.5 * self.survey.beside) or [a, b]
 
-    def _between(self, a: Pair, b: Pair) -> list[Curve]:
+    def _between(self, way: Sequence[Pair]) -> list[Curve]:
         """Curves that lead between two places that disagree, and are not known."""
-        a, b = self._narrowed(a, b)
+        a, b = self._narrowed(way)
         near = self.survey.beside
         if LineString([a, b]).intersects(self.lines) or any(
             math.dist(a, c) < near for c in self.given_up
@@ -379,9 +384,13 @@ class _Mapping:
             self.given_up.append(a)
         return found
 
-    def _narrowed(self, a: Pair, b: Pair) -> tuple[Pair, Pair]:
-        """Two close places between two others that still disagree."""
-        first = self.census(a)
+    def _narrowed(self, way: Sequence[Pair]) -> tuple[Pair, Pair]:
+        """Two close places on a way that still disagree, as its ends do."""
+        first, k, last = self.census(way[0]), 0, len(way) - 1
+        while last - k > 1:
+            half = (k + last) // 2
+            k, last = (half, last) if self.census(way[half]) == first else (k, half)
+        a, b = way[k], way[last]
         while math.dist(a, b) > self.survey.finest:
             middle = 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
             if self.census(middle) == first:

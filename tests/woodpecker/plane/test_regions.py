@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import sympy
 from needs import NEEDS_NUMBA
+from shapely import LineString, MultiLineString
 
 from pwmap import PiecewiseLinearMap, parameter_plane
 from woodpecker import (
@@ -20,6 +21,7 @@ from woodpecker import (
     regions_of,
     shoot,
 )
+from woodpecker.plane.cutting import SQUARE, way_between
 
 X, A, R = sympy.symbols("x a r")
 PAPER = sympy.Piecewise((-2 + R, X < 0), (-A * X + R, True))
@@ -148,3 +150,16 @@ def test_regions_of_the_toy_beside_the_flip() -> None:
         if abs(abs(orbit.multiplier) - 1.0) > 0.01:
             ((_, stable, unstable),) = found.at(eps_n1, mu_2).census
             assert (stable, unstable) == ((1, 0) if orbit.stable else (0, 1))
+
+
+def test_a_way_leads_round_a_line_that_ends_inside() -> None:
+    """Over the end of the slit at (1/2, 3/4), not through it; and none through a whole cut."""
+    a, b = (0.25, 0.25), (0.75, 0.25)
+    slit = MultiLineString([[(0.5, 0.0), (0.5, 0.75)]])
+    way = LineString(way_between(SQUARE, slit, a, b, 0.01))
+    assert (way.coords[0], way.coords[-1]) == (a, b)
+    assert SQUARE.contains(way)
+    assert way.distance(slit) > 0.0
+    cut = MultiLineString([[(0.5, 0.0), (0.5, 1.0)]])
+    assert way_between(SQUARE, cut, a, b, 0.01) == []
+    assert way_between(SQUARE, MultiLineString(), a, b, 0.01) == [a, b]
