@@ -13,7 +13,7 @@ from woodpecker.base.checks import interval
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import OPEN, Curve, PlaneKind, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair
-from woodpecker.plane.nodes import Node, code_of, node_at
+from woodpecker.plane.nodes import Node, code_of, node_at, tests_of
 from woodpecker.plane.passing import passed
 from woodpecker.plane.places import Along, Equation, Locus, Place, Plane, held, precision, tangent
 from woodpecker.plane.starting import located
@@ -42,6 +42,9 @@ class _Sample:
     event: Event | None = None
     kind: PlaneKind | None = None
     cause: str = ""
+    off: Pair | None = (
+        None  # how far away both parameters may be, if that is not for rounding to say
+    )
 
 
 def curve_through(
@@ -180,11 +183,31 @@ def _leg(
             why = f"{end.cause}: {on.cause}" if on.cause else end.cause
             samples[-1] = replace(samples[-1], kind=on.kind, cause=why)
             return samples, False
-        samples[-1] = replace(samples[-1], kind=on.kind)
+        samples[-1] = (
+            replace(samples[-1], kind=on.kind)
+            if on.kind
+            else _at_word_change(plane, samples[-1], on.node)
+        )
         samples.append(_Sample(on.node, on.locus))
         locus, step = on.locus, max(arc.step, plane.first.again)
     last = given_up(samples[-1].node, MANY)
     return [*samples[:-1], replace(samples[-1], event=last, kind=last.kind, cause=MANY)], False
+
+
+def _at_word_change(plane: Plane, sample: _Sample, beyond: Node) -> _Sample:
+    """A sample on a border where a word changes, with the test that changes its sign right there.
+
+    Beside a root in the map slopes change fast: a multiplier may pass through -1 before the first
+    node beyond, which then is what tells how well the place is known.
+    """
+    on_border = sample.locus.border is not None
+    for test in tests_of(plane, sample.locus, len(sample.node.place)) if on_border else ():
+        before, after = test.value(sample.node), test.value(beyond)
+        if before * after < 0.0:
+            away = np.abs(beyond.place.point - sample.node.place.point)[-2:].tolist()
+            cause = f"{test.kind.meaning}; {sample.cause}"
+            return replace(sample, kind=test.kind, cause=cause, off=(away[0], away[1]))
+    return sample
 
 
 def _curve(plane: Plane, samples: list[_Sample], closed: bool) -> Curve:
@@ -250,6 +273,8 @@ def _points(plane: Plane, samples: list[_Sample], closed: bool) -> tuple[PlanePo
 
 def _precision(plane: Plane, sample: _Sample) -> Pair:
     """How well a special point is located."""
+    if sample.off is not None:
+        return sample.off
     node, locus, event = sample.node, sample.locus, sample.event
     scale = plane.scales(len(node.place))
     extra: Equation = Along(node.place.point, node.tangent, 0.0, scale)

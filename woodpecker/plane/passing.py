@@ -9,7 +9,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.crossings import border_at
-from woodpecker.piecewise.orbits import Margin
+from woodpecker.piecewise.orbits import SPACING, Margin
 from woodpecker.piecewise.pieces import Piece
 from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.families import Pair
@@ -111,7 +111,7 @@ def _round_corner(plane: Plane, locus: Locus, node: Node, margin: Margin) -> Pas
     wedge = _wedge(plane, place, i, first, second)
     if isinstance(wedge, str):
         return Passed(PlaneKind.DOMAIN, cause=wedge)
-    there = replaced(plane, place, i, wedge.piece)
+    there = _right_inside(plane, place, i, wedge)
     inner, outer = place.orbit.images[i], there.orbit.images[i]
     same = plane.first.jump * plane.first.x_scale
     if not (there.defined and abs(outer.value - inner.value) <= same):
@@ -230,6 +230,22 @@ def _wedge(plane: Plane, place: Place, i: int, first: Floats, second: Floats) ->
             return _Wedge(image.piece, way)
         away, reason = away * plane.first.numerics.nearer, image.reason
     return reason
+
+
+def _right_inside(plane: Plane, place: Place, i: int, wedge: _Wedge) -> Place:
+    """The corner, seen from a piece beside it, which rounding may deny right there.
+
+    At a grazing the root is a double one, and what is left of its discriminant may be negative.
+    Then it is seen from as few roundings inside as are needed; the root is off by the root of them.
+    """
+    aside = np.zeros(len(place) + 2)
+    aside[[i, -2, -1]] = wedge.way * plane.scales(1)
+    start, away = replaced(plane, place, i, wedge.piece), SPACING
+    there = start
+    while not there.defined and away < plane.first.nearest:
+        away *= 2.0
+        there = plane.moved(start, away * aside)
+    return there
 
 
 def _shifted(plane: Plane, place: Place, i: int, way: Floats) -> tuple[float, Pair]:

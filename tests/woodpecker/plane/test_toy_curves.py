@@ -101,6 +101,18 @@ def test_flips_start_where_a_collision_has_the_multiplier_minus_one() -> None:
         continuation(Toy(), flip, OVER, SPAN, kind="LP")
 
 
+def test_a_fold_flip_becomes_a_collision_where_the_multiplier_passes_minus_one() -> None:
+    """Wherever C's code changes a point is marked, though a word changes there, too."""
+    found = curve("C")
+    changes = [k for k in range(1, len(found)) if found.codes[k] is not found.codes[k - 1]]
+    marked = [point.sample for point in found.points]
+    assert changes
+    assert all({k - 1, k} & set(marked) for k in changes)
+    flip = next(point for point in found.points if abs(point.values[0] - 0.1934294) < 1e-6)
+    assert flip.kind is PlaneKind.FLIP_BORDER
+    assert max(flip.precision) < 1e-6  # as close as the first place beyond the word change lies
+
+
 def test_wrong_arguments() -> None:
     toy, orbit = Toy(), shoot(Toy(), -0.53)
     point = diagram().point("A")
