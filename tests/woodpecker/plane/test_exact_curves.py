@@ -137,7 +137,7 @@ class TestPaper:
 def test_skew_tent_folds_and_flips_at_its_border() -> None:
     """Slopes 1/2 and b: a BC at p = 0 that persists for b < 1 and folds for b > 1.
 
-    At b = -1 the fixed point beyond flips, at b = 1/2 there is no border [Nusse1992].
+    At b = -1 the fixed point beyond flips, at b = 1/2 there is no border [NusseYorke1992].
     """
     family = family_from_sympy(sympy.Piecewise((X / 2 + P, X < 0), (B * X + P, True)), X, (P, B))
     curve = through(family, (0.0, -2.0), 0.0, 1, ((-1.0, 1.0), (-3.0, 3.0)))
