@@ -1,0 +1,1 @@
+"""What a map does in the long run, exactly: attractors, entropy, densities, crises."""

@@ -1,0 +1,321 @@
+"""Invariant densities: steps whose jumps travel along critical orbits.
+
+The density h of a chaotic attractor is what the map's transfer operator leaves as it is. Its jumps
+are of two kinds: one at the image of each end of a piece, as high as h beside that end over the
+slope; and the image of each other jump, divided by the slope. So h is known once its values beside
+the ends of the pieces are: few unknowns, however many steps h has. They obey linear equations whose
+coefficients are sums along critical orbits [Kopf1990; Gora2009]. If these orbits are finite the
+sums are finite or geometric, and everything is exact; otherwise what is cut off is bounded by a
+geometric series, and everything is enclosed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import mpmath
+import sympy
+from sympy import QQ
+
+from pwmap.dynamics.attractors import Bands
+from pwmap.dynamics.fates import abs_
+from pwmap.dynamics.line import Germ, Interval, Line
+from pwmap.dynamics.numbers import (
+    Element,
+    Exact,
+    enclosed,
+    exact_to_sympy,
+    log_bounds,
+)
+
+LEAST = QQ(1, 2**60)  # of a weight: what follows along an orbit is bounded, not summed
+LONGEST = 600  # orbits that are summed
+MANY = 4096  # words whose slopes are compared to find out whether an iterate expands
+BITS = 120  # of enclosures
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """One end of a piece inside a band, with the jumps that leave it.
+
+    Attributes
+    ----------
+    germ
+        The end, with the side on which the piece lies.
+    jumps
+        Where jumps are, and how high if the density beside the end is one.
+    rest
+        A bound of the heights of all further ones.
+    """
+
+    germ: Germ
+    jumps: tuple[tuple[Exact, Exact], ...]
+    rest: float
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """The invariant density of a chaotic attractor.
+
+    Attributes
+    ----------
+    bands
+        Where it is positive.
+    exact
+        Whether all numbers are; if not they are enclosed.
+    places
+        Where it jumps, from left to right; the first and the last are ends of bands.
+    values
+        Between two places; zero between bands. If it is not exact they are close to it.
+    error
+        How far the density is from these values at most; zero if it is exact.
+    """
+
+    line: Line
+    bands: Bands
+    exact: bool
+    places: tuple[Exact, ...]
+    values: tuple[Any, ...]
+    error: float
+
+    def measure(self, low: Exact, high: Exact) -> Any:
+        """How much of the attractor lies between two points: exact, or an interval of mpmath."""
+        total = QQ.zero if self.exact else mpmath.iv.mpf(0)
+        for a, b, value in self.steps():
+            part = min(b, high) - max(a, low)
+            if part > 0:
+                total = total + (part * value if self.exact else _enclosure(part) * value)
+        if self.exact:
+            return total
+        part = min(high, self.places[-1]) - max(low, self.places[0])
+        slack = _enclosure(max(part, QQ.zero)) * mpmath.iv.mpf([-self.error, self.error])
+        return total + slack
+
+    def steps(self) -> Iterator[tuple[Exact, Exact, Any]]:
+        """Both ends of each step, and the value between them."""
+        return zip(self.places[:-1], self.places[1:], self.values, strict=True)
+
+    @cached_property
+    def shares(self) -> tuple[tuple[Exact, Any], ...]:
+        """The size of each slope, and how much of the attractor has it."""
+        found = dict[Exact, Any]()
+        for interval in self.bands.intervals:
+            for branch, (low, high) in self.line.parts(interval):
+                size = abs_(branch.slope)
+                part = self.measure(low, high)
+                found[size] = found[size] + part if size in found else part
+        return tuple(found.items())
+
+    @property
+    def exponent(self) -> sympy.Expr | None:
+        """The Lyapunov exponent as a sum of logarithms; None if the density is not exact."""
+        if not self.exact:
+            return None
+        return sympy.Add(
+            *(exact_to_sympy(part) * sympy.log(exact_to_sympy(size)) for size, part in self.shares)
+        )
+
+    @cached_property
+    def exponent_bounds(self) -> tuple[float, float]:
+        """Doubles below and above the Lyapunov exponent."""
+        total = mpmath.iv.mpf(0)
+        for size, part in self.shares:
+            low, high = log_bounds(size)
+            total += (_enclosure(part) if self.exact else part) * mpmath.iv.mpf([low, high])
+        return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
+
+
+def density_of(line: Line, bands: Bands) -> Density | None:
+    """The invariant density of a chaotic attractor.
+
+    Parameters
+    ----------
+    line
+        The map.
+    bands
+        An attractor of it.
+
+    Returns
+    -------
+    Density or None
+        None if no iterate is found that expands everywhere, or rounding leaves open which it is.
+    """
+    mpmath.iv.prec = BITS
+    later = _tail(line, bands)
+    if later is None:
+        return None
+    ends = [
+        _followed(line, bands, Germ(x, side), later)
+        for interval in bands.intervals
+        for _, (low, high) in line.parts(interval)
+        for x, side in ((low, 1), (high, -1))
+    ]
+    exact = all(end.rest == 0.0 for end in ends)
+    number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure
+    rows = [_row(end.germ, ends, number, k, exact=exact) for k, end in enumerate(ends)]
+    top = bands.intervals[-1][1]
+    mass = [
+        number(_sign(end) * sum((w * (top - x) for x, w in end.jumps), start=QQ.zero))
+        + (0 if exact else _slack(end.rest) * number(top - bands.intervals[0][0]))
+        for end in ends
+    ]
+    found = _normed(rows, mass, number, exact=exact)
+    return None if found is None else _density(line, bands, ends, found, exact=exact)
+
+
+def _sign(end: _End) -> int:
+    """The jump at the image of a left end goes up, and that at a right end goes down."""
+    return end.germ.side
+
+
+def _slack(rest: float) -> Any:
+    return mpmath.iv.mpf([-rest, rest])
+
+
+def _enclosure(x: Exact) -> Any:
+    """A number as an interval of mpmath."""
+    if not isinstance(x, Element):
+        (low, _) = enclosed(x)
+        return mpmath.iv.mpf(low.numerator) / mpmath.iv.mpf(low.denominator)
+    low, high = (
+        mpmath.iv.mpf(e.numerator) / mpmath.iv.mpf(e.denominator) for e in enclosed(x, BITS)
+    )
+    return mpmath.iv.mpf([low.a, high.b])
+
+
+def _followed(line: Line, bands: Bands, germ: Germ, later: float) -> _End:
+    """An end of a piece with its jumps, until they end in a break, come again, or are small."""
+    branch = line.beside(germ)
+    x, weight = branch(germ.x), 1 / branch.slope
+    stops = {*line.breaks, *(end for interval in bands.intervals for end in interval)}
+    seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
+    while True:
+        if x in seen:  # from there on each round is the last one over the multiplier
+            start = seen[x]
+            ratio = weight / found[start][1]
+            found[start:] = [(y, w / (1 - ratio)) for y, w in found[start:]]
+            return _End(germ, tuple(found), 0.0)
+        seen[x] = len(found)
+        found.append((x, weight))
+        if x in stops:
+            return _End(germ, tuple(found), 0.0)
+        if len(found) >= LONGEST or abs_(weight) < LEAST:
+            size = max(enclosed(abs_(weight)))
+            rest = math.nextafter(float(size), math.inf) * later
+            return _End(germ, tuple(found), math.nextafter(rest, math.inf))
+        branch = line.beside(Germ(x, 0))
+        x, weight = branch(x), weight / branch.slope
+
+
+def _tail(line: Line, bands: Bands) -> float | None:
+    """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., the slopes along any orbit; None if none is found."""
+    parts: list[tuple[list[Interval], Exact]] = [
+        ([interval], QQ.one) for interval in bands.intervals
+    ]
+    total = 0.0
+    while len(parts) <= MANY:
+        longer = list[tuple[list[Interval], Exact]]()
+        for intervals, slope in parts:
+            for interval in intervals:
+                for branch, part in line.parts(interval):
+                    if part[0] < part[1]:
+                        longer.append((line.images([part]), slope * abs_(branch.slope)))
+        parts = longer
+        least = min(slope for _, slope in parts)
+        if not least:
+            return None
+        inverse = math.nextafter(float(max(enclosed(1 / least))), math.inf)
+        total = math.nextafter(total + inverse, math.inf)
+        if inverse < 1.0:
+            return math.nextafter(math.nextafter(total, math.inf) / (1.0 - inverse), math.inf) * (
+                1.0 + 2.0**-50
+            )
+    return None
+
+
+def _row(
+    here: Germ, ends: Sequence[_End], number: Callable[[Any], Any], k: int, *, exact: bool
+) -> list[Any]:
+    """Coefficients of the values at all ends: that at one of them, less the jumps before it."""
+    row = []
+    for i, end in enumerate(ends):
+        before = (w for x, w in end.jumps if x < here.x or (here.side > 0 and x == here.x))
+        entry = number(-_sign(end) * sum(before, start=QQ.zero))
+        if not exact:
+            entry = entry + _slack(end.rest)
+        row.append(entry + 1 if i == k else entry)
+    return row
+
+
+def _normed(
+    rows: list[list[Any]], mass: list[Any], number: Callable[[Any], Any], *, exact: bool
+) -> list[Any] | None:
+    """The solution of homogeneous equations, of which one follows from the others, of mass one."""
+    zero, one = number(QQ.zero), number(QQ.one)
+    for left_out in range(len(rows)):
+        kept = [row for k, row in enumerate(rows) if k != left_out]
+        matrix = [[*row, zero] for row in kept] + [[*mass, one]]
+        found = _solved(matrix, exact=exact)
+        if found is not None:
+            return found
+    return None
+
+
+def _solved(matrix: list[list[Any]], *, exact: bool) -> list[Any] | None:
+    """The solution of linear equations, the right side last; None if a pivot may be zero."""
+    n = len(matrix)
+    matrix = [list(row) for row in matrix]
+    for k in range(n):
+        pivot = max(range(k, n), key=lambda i: _size(matrix[i][k], exact=exact))
+        if not _size(matrix[pivot][k], exact=exact):
+            return None
+        matrix[k], matrix[pivot] = matrix[pivot], matrix[k]
+        for i in range(k + 1, n):
+            if exact and not matrix[i][k]:
+                continue
+            ratio = matrix[i][k] / matrix[k][k]
+            matrix[i] = [a - ratio * b for a, b in zip(matrix[i], matrix[k], strict=True)]
+    found = [None] * n
+    for k in range(n - 1, -1, -1):
+        total = matrix[k][n]
+        for i in range(k + 1, n):
+            total = total - matrix[k][i] * found[i]
+        found[k] = total / matrix[k][k]
+    return found
+
+
+def _size(x: Any, *, exact: bool) -> Any:
+    """The least size of a number, zero if it may be zero."""
+    if exact:
+        return abs_(x)
+    return mpmath.mpf(0) if 0 in x else min(abs(mpmath.mpf(x.a)), abs(mpmath.mpf(x.b)))
+
+
+def _density(
+    line: Line, bands: Bands, ends: Sequence[_End], found: Sequence[Any], *, exact: bool
+) -> Density:
+    """The steps that the values at ends make."""
+    number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure
+    heights = dict[Exact, Any]()
+    for end, value in zip(ends, found, strict=True):
+        for x, weight in end.jumps:
+            jump = number(_sign(end) * weight) * value
+            heights[x] = heights[x] + jump if x in heights else jump
+    for interval in bands.intervals:
+        for x in interval:
+            heights.setdefault(x, number(QQ.zero))
+    places = sorted(heights)
+    values, height = list[Any](), number(QQ.zero)
+    for x in places[:-1]:
+        height = height + heights[x]
+        values.append(height)
+    error = (
+        0.0
+        if exact
+        else sum(float(abs(value).b) * end.rest for end, value in zip(ends, found, strict=True))
+    )
+    return Density(line, bands, exact, tuple(places), tuple(values), error * (1.0 + 2.0**-40))

@@ -1,0 +1,296 @@
+"""Topological entropy: exact where critical orbits have an end, enclosed where they have not.
+
+The laps of the iterates are the paths of a graph [Hofbauer1979]: its nodes are intervals on which
+the map is one affine piece, first the pieces themselves, and from each node ways lead to the parts
+into which the breaks cut its image. All ends are images of breaks. If there are finitely many nodes
+the growth of the number of laps is the spectral radius of a finite matrix, an algebraic number. If
+not, nodes beyond some order are left out for a lower bound, and taken for whole pieces for an upper
+one: what is wrong about them becomes small like the inverse of the growth to the power of the
+order. What is drawn into a cycle or runs away has no further laps, and is cut off.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import mpmath
+import networkx as nx
+import numpy as np
+import numpy.typing as npt
+import sympy
+from sympy import QQ, ZZ
+from sympy.polys.matrices import DomainMatrix
+
+from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
+from pwmap.dynamics.attractors import Attractors
+from pwmap.dynamics.fates import escapes
+from pwmap.dynamics.line import Line
+from pwmap.dynamics.numbers import Element, Exact, log_bounds
+
+Part = tuple[Exact | None, Exact | None]  # an open interval, an end that is None is infinite
+Node = tuple[int, Exact | None, Exact | None]  # the number of a piece, and a part of its interval
+LARGEST = 48  # matrix whose characteristic polynomial is factored
+SHARP = 2**44  # rounding of the vector that bounds a spectral radius
+ORDERS = (12, 24, 48, 96)  # that are tried one after the other
+WIDTH = 1e-12  # of bounds that are close enough
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entropy:
+    """The topological entropy of a map: the growth rate of its laps, in natural units.
+
+    Attributes
+    ----------
+    low, high
+        Doubles below and above it.
+    value
+        The logarithm of an algebraic number, if it is known exactly; else None.
+    order
+        Up to which order nodes were found.
+    """
+
+    low: float
+    high: float
+    value: sympy.Expr | None
+    order: int
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether it is known exactly."""
+        return self.value is not None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Laps:
+    """The graph of laps of a map up to some order.
+
+    Attributes
+    ----------
+    nodes
+        By order; nodes of the last order may lead to others, which are not here.
+    ways
+        From each node to others, by their numbers.
+    whole
+        The same, with further ones taken for whole pieces.
+    """
+
+    nodes: tuple[Node, ...]
+    ways: tuple[tuple[int, ...], ...]
+    whole: tuple[tuple[int, ...], ...]
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether no way leads to further nodes."""
+        return self.ways == self.whole
+
+
+def laps_of(line: Line, found: Attractors, order: int) -> Laps:
+    """The graph of laps up to an order.
+
+    Parameters
+    ----------
+    line, found
+        The map and its attractors.
+    order
+        At least 1.
+    """
+    cut_off = _without_laps(line, found)
+    pieces = [(k, *part) for k, branch in enumerate(line.branches)
+              for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
+    number = {node: k for k, node in enumerate(pieces)}
+    first = [[number[node] for node in pieces if node[0] == k] for k in range(len(line.branches))]
+    leads, newest = list[list[Node]](), list(pieces)
+    for _ in range(order):
+        onward = [list(_onward(line, node, cut_off)) for node in newest]
+        leads += onward
+        newest = list(dict.fromkeys(n for nodes in onward for n in nodes if n not in number))
+        for node in newest:
+            number[node] = len(number)
+    known = len(leads)
+    ways = tuple(tuple(number[node] for node in onward if number[node] < known) for onward in leads)
+    whole = tuple(
+        tuple(
+            other
+            for node in onward
+            for other in ((number[node],) if number[node] < known else first[node[0]])
+        )
+        for onward in leads
+    )
+    return Laps(tuple(number)[:known], ways, whole)
+
+
+def _without_laps(line: Line, found: Attractors) -> list[Part]:
+    """Where the iterates have no further laps, sorted: what is lost, and what cycles draw in."""
+    below, above = escapes(line)
+    parts = [
+        (x - reach, x + reach)
+        for cycle in found.cycles
+        for x, reach in zip(cycle.points, cycle.reach, strict=True)
+        if reach is not None
+    ]
+    parts.sort()
+    return [
+        *([(None, below)] if below is not None else []),
+        *parts,
+        *([(above, None)] if above is not None else []),
+    ]
+
+
+def _clipped(part: Part, cut_off: Sequence[Part]) -> Iterator[Part]:
+    """The parts of an interval outside of others, which are sorted and apart."""
+    low, high = part
+    for start, stop in cut_off:
+        if (high is not None and start is not None and start >= high) or (
+            low is not None and stop is not None and stop <= low
+        ):
+            continue
+        if start is not None and (low is None or low < start):
+            yield low, start
+        if stop is None or (high is not None and stop >= high):
+            return
+        low = stop
+    yield low, high
+
+
+def _onward(line: Line, node: Node, cut_off: Sequence[Part]) -> Iterator[Node]:
+    """Where the ways from a node lead."""
+    k, low, high = node
+    branch = line.branches[k]
+    if not branch.slope:
+        return
+    ends = [None if x is None else branch(x) for x in (low, high)]
+    if branch.slope < 0:
+        ends.reverse()
+    for a, b in _clipped((ends[0], ends[1]), cut_off):
+        yield from _cut(line, a, b)
+
+
+def _cut(line: Line, low: Exact | None, high: Exact | None) -> Iterator[Node]:
+    """An open interval cut at the breaks inside it."""
+    breaks = line.breaks
+    first = 0 if low is None else bisect_right(breaks, low)
+    last = len(breaks) if high is None else bisect_left(breaks, high)
+    cuts = [low, *breaks[first:last], high]
+    for k in range(len(cuts) - 1):
+        yield first + k, cuts[k], cuts[k + 1]
+
+
+def entropy_of(line: Line, found: Attractors, orders: Sequence[int] = ORDERS) -> Entropy:
+    """The topological entropy of a map.
+
+    Parameters
+    ----------
+    line, found
+        The map and its attractors.
+    orders
+        Up to which nodes are found, one after the other, until that is close enough.
+    """
+    best = Entropy(low=0.0, high=math.inf, value=None, order=0)
+    for order in orders:
+        laps = laps_of(line, found, order)
+        if laps.is_finite:
+            growth = growth_of(laps.ways)
+            if growth is not None:
+                low, high = (0.0, 0.0) if growth == 1 else log_bounds(_number(growth))
+                value = sympy.log(real_to_sympy(growth))
+                return Entropy(low=low, high=high, value=value, order=order)
+        low = max(best.low, _log(spectral_bounds(laps.ways)[0])[0])
+        high = min(best.high, _log(spectral_bounds(laps.whole)[1])[1])
+        best = Entropy(low=low, high=high, value=None, order=order)
+        if laps.is_finite or high - low <= WIDTH:
+            break
+    return best
+
+
+def _number(x: Real) -> Exact:
+    return Element(x, (QQ.one, QQ.zero)) if isinstance(x, RealRoot) else x
+
+
+def _log(x: Fraction) -> tuple[float, float]:
+    """Doubles below and above the logarithm of a fraction, or 0 if it is less than one."""
+    if x <= 1:
+        return 0.0, 0.0
+    found = mpmath.iv.log(mpmath.iv.mpf(x.numerator) / mpmath.iv.mpf(x.denominator))
+    return math.nextafter(float(found.a), 0.0), math.nextafter(float(found.b), math.inf)
+
+
+def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
+    """The strongly connected sets of intervals in which orbits can go round."""
+    graph = nx.DiGraph((k, other) for k, others in enumerate(ways) for other in others)
+    return [
+        sorted(each)
+        for each in nx.strongly_connected_components(graph)
+        if len(each) > 1 or graph.has_edge(*(2 * tuple(each)))
+    ]
+
+
+def _matrix(ways: Sequence[Sequence[int]], nodes: Sequence[int]) -> npt.NDArray[np.int64]:
+    number = {node: k for k, node in enumerate(nodes)}
+    matrix = np.zeros((len(nodes), len(nodes)), dtype=np.int64)
+    for node, k in number.items():
+        for other in ways[node]:
+            if other in number:
+                matrix[k, number[other]] += 1
+    return matrix
+
+
+def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
+    """Fractions below and above the spectral radius of a matrix of zeros and ones.
+
+    For a connected part, and any positive vector v, it lies between the least and the largest
+    quotient of (A v)_i and v_i [Collatz1942]; v is close to the eigenvector, in integers.
+    """
+    low = high = Fraction(0)
+    for nodes in _components(ways):
+        matrix = _matrix(ways, nodes)
+        vector = _perron(matrix)
+        image = [sum(vector[j] for j in np.flatnonzero(row)) for row in matrix]
+        quotients = [Fraction(a, b) for a, b in zip(image, vector, strict=True)]
+        low, high = max(low, min(quotients)), max(high, max(quotients))
+    return low, high
+
+
+def _perron(matrix: npt.NDArray[np.int64]) -> list[int]:
+    """About the eigenvector of the spectral radius of a connected matrix, in positive integers."""
+    values, vectors = np.linalg.eig(matrix.astype(float))
+    vector = np.abs(np.real(vectors[:, int(np.argmax(np.real(values)))]))
+    return [int(x * SHARP) + 1 for x in vector / vector.max()]
+
+
+def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
+    """The spectral radius of a matrix of zeros and ones, at least 1; None if it is too large."""
+    best: Real = QQ.one
+    for nodes in _components(ways):
+        if len(nodes) > LARGEST:
+            return None
+        matrix = _matrix(ways, nodes)
+        rows = [[ZZ(int(x)) for x in row] for row in matrix]
+        polynomial = DomainMatrix(rows, matrix.shape, ZZ).charpoly()
+        best = max(best, real_roots([QQ(int(c)) for c in polynomial])[-1])
+    return best
+
+
+def lap_numbers(line: Line, order: int) -> list[int]:
+    """How many intervals iterates up to an order cut the line into, each affine on every one.
+
+    Nodes of the graph of laps are counted with how many paths lead there, so that the cost grows
+    with the square of the order, not with the number of laps. An interval that is mapped to a
+    point remains one.
+    """
+    found = list[int]()
+    counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
+    ended = 0
+    for _ in range(order):
+        found.append(sum(counted.values()) + ended)
+        more = dict[Node, int]()
+        for node, times in counted.items():
+            if not line.branches[node[0]].slope:
+                ended += times
+            for other in _onward(line, node, ()):
+                more[other] = more.get(other, 0) + times
+        counted = more
+    return found

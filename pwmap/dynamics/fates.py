@@ -1,0 +1,262 @@
+"""What becomes of germs: periodic after a while, drawn into a cycle, lost to infinity, or open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from sympy import QQ
+
+from pwmap.dynamics.line import Branch, Germ, Interval, Line
+from pwmap.dynamics.numbers import Exact, sign
+
+REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
+FIRST = 16  # step at which that is asked for the first time; then at every power of two
+
+
+class Fate(Enum):
+    """What becomes of an orbit; the value says it in words."""
+
+    FINITE = "periodic after a while"
+    DRAWN = "drawn into a cycle"
+    LOST = "lost to infinity"
+    OPEN = "not known"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AttractingCycle:
+    """A cycle to which all orbits close to it come.
+
+    Attributes
+    ----------
+    points
+        In the order in which they are visited, from the smallest on.
+    word
+        The letters of the pieces they lie in.
+    multiplier
+        Product of the slopes; its size is less than one.
+    reach
+        How close an orbit must come to each point to be drawn in; None if any distance will do.
+    """
+
+    points: tuple[Exact, ...]
+    word: str
+    multiplier: Exact
+    reach: tuple[Exact | None, ...]
+
+    def draws(self, x: Exact) -> bool:
+        """Whether an orbit that comes to a point is known to be drawn in."""
+        return any(
+            reach is None or abs_(x - point) < reach
+            for point, reach in zip(self.points, self.reach, strict=True)
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Orbit:
+    """A germ's orbit, as far as it was followed.
+
+    Attributes
+    ----------
+    germs
+        The germ itself and its images, each once.
+    letters
+        Of the pieces by which they are mapped.
+    fate
+        What becomes of it.
+    start
+        If it is finite, the number of the first germ that comes again.
+    cycle
+        What draws it in.
+    """
+
+    germs: tuple[Germ, ...]
+    letters: tuple[str, ...]
+    fate: Fate
+    start: int = -1
+    cycle: AttractingCycle | None = None
+
+    @property
+    def period(self) -> int:
+        """If it is finite, of what it ends in."""
+        return len(self.germs) - self.start
+
+    def kneading(self) -> str:
+        """The letters, with those that come again and again in brackets; open ends with dots."""
+        word = "".join(self.letters)
+        if self.fate is Fate.FINITE:
+            return f"{word[: self.start]}({word[self.start :]})"
+        return f"{word}..."
+
+
+class Fates:
+    """Follows orbits, and keeps the attracting cycles that it meets.
+
+    Parameters
+    ----------
+    line
+        The map.
+    steps
+        How far an orbit is followed at most.
+    """
+
+    def __init__(self, line: Line, steps: int) -> None:
+        self.line, self.steps = line, steps
+        self.lost_below, self.lost_above = escapes(line)
+        self.cycles = list[AttractingCycle]()
+
+    def is_lost(self, x: Exact) -> bool:
+        """Whether the orbit of a point is known to tend to infinity."""
+        return (self.lost_below is not None and x < self.lost_below) or (
+            self.lost_above is not None and x > self.lost_above
+        )
+
+    def orbit(self, germ: Germ) -> Orbit:
+        """The orbit of a germ until its fate is known."""
+        seen, germs, letters = dict[Germ, int](), list[Germ](), list[str]()
+        for step in range(self.steps):
+            if germ in seen:
+                self._kept(self._cycle_at(germ, step - seen[germ]))
+                return Orbit(tuple(germs), tuple(letters), Fate.FINITE, seen[germ])
+            if self.is_lost(germ.x):
+                return Orbit(tuple(germs), tuple(letters), Fate.LOST)
+            drawn = next((each for each in self.cycles if each.draws(germ.x)), None)
+            if drawn is None and step >= FIRST and not step & (step - 1):
+                drawn = self._drawn(germ, letters)
+            if drawn is not None and germ.x not in drawn.points:
+                return Orbit(tuple(germs), tuple(letters), Fate.DRAWN, cycle=drawn)
+            seen[germ] = step
+            germs.append(germ)
+            letters.append(self.line.letter(germ))
+            germ = self.line.image(germ)
+        return Orbit(tuple(germs), tuple(letters), Fate.OPEN)
+
+    def _kept(self, cycle: AttractingCycle | None) -> AttractingCycle | None:
+        if cycle is not None and all(cycle.points != each.points for each in self.cycles):
+            self.cycles.append(cycle)
+        return cycle
+
+    def _drawn(self, germ: Germ, letters: list[str]) -> AttractingCycle | None:
+        """The cycle that an orbit has begun to follow, if it draws it in."""
+        for period in range(1, len(letters) // REPEATS + 1):
+            word = letters[-period:]
+            if letters[-REPEATS * period :] != word * REPEATS:
+                continue
+            cycle = self._cycle_at(germ, period)
+            if cycle is not None and cycle.draws(germ.x):
+                return self._kept(cycle)
+        return None
+
+    def _cycle_at(self, germ: Germ, period: int) -> AttractingCycle | None:
+        """The attracting cycle whose pieces a germ visits."""
+        slope, intercept, here = QQ.one, QQ.zero, germ
+        for _ in range(period):
+            branch = self.line.beside(here)
+            slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
+            here = self.line.image(here)
+        if not abs_(slope) < 1:
+            return None
+        return self._attracting(intercept / (1 - slope), period)
+
+    def _attracting(self, x: Exact, period: int) -> AttractingCycle | None:
+        """The attracting cycle of a point; None if it is none, or a jump of it is in the way.
+
+        What lies as close to a point as its reach follows its pieces: the first time round it stays
+        within them, and then it is closer.
+        """
+        points, slopes, word = list[Exact](), list[Exact](), list[str]()
+        for _ in range(period):
+            if x in self.line.breaks:
+                return None
+            branch = self.line.beside(Germ(x, 0))
+            points.append(x)
+            slopes.append(branch.slope)
+            word.append(branch.letter)
+            x = branch(x)
+            if x == points[0]:
+                break
+        if x != points[0]:
+            return None
+        first = points.index(min(points))
+        points, slopes, word = (each[first:] + each[:first] for each in (points, slopes, word))
+        multiplier = QQ.one
+        for each in slopes:
+            multiplier = multiplier * each
+        reach = tuple(
+            self._reach(points[k:] + points[:k], slopes[k:] + slopes[:k])
+            for k in range(len(points))
+        )
+        return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
+
+    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> Exact | None:
+        """How close to the first point orbits follow a cycle once round."""
+        found, scale = None, QQ.one
+        for point, slope in zip(points, slopes, strict=True):
+            away = min((abs_(point - x) for x in self.line.breaks), default=None)
+            if away is not None and scale:
+                found = away / scale if found is None else min(found, away / scale)
+            scale = scale * abs_(slope)
+        return found
+
+
+def abs_(x: Exact) -> Exact:
+    """The size of a number."""
+    return -x if x < 0 else x
+
+
+def escapes(line: Line) -> tuple[Exact | None, Exact | None]:
+    """Ends beyond which orbits tend to infinity, below and above; None where they do not.
+
+    Where both outer pieces rise each side is for itself; a falling one maps its far end to the
+    other side, and two falling ones map both to each other.
+    """
+    left, right = line.branches[0], line.branches[-1]
+    below, above = _own(left, -1), _own(right, 1)
+    turns = sign(left.slope), sign(right.slope)
+    if len(line.branches) == 1:
+        return below, above
+    if turns[0] < 0 and above is not None:
+        below = _least(left.upper, (above - left.intercept) / left.slope)
+    if turns[1] < 0 and below is not None:
+        above = _most(right.lower, (below - right.intercept) / right.slope)
+    if turns == (-1, -1) and left.slope * right.slope > 1:
+        return _swapped(left, right)
+    return below, above
+
+
+def _own(branch: Branch, side: int) -> Exact | None:
+    """Beyond which point of an outer piece that rises orbits run away on its own side."""
+    end = branch.upper if side < 0 else branch.lower
+    if branch.slope > 1:
+        fixed = branch.intercept / (1 - branch.slope)
+        return fixed if end is None else (min if side < 0 else max)(fixed, end)
+    if branch.slope == 1 and side * sign(branch.intercept) > 0:
+        return end
+    return None
+
+
+def _least(end: Exact | None, x: Exact) -> Exact:
+    return x if end is None else min(end, x)
+
+
+def _most(end: Exact | None, x: Exact) -> Exact:
+    return x if end is None else max(end, x)
+
+
+def _swapped(left: Branch, right: Branch) -> tuple[Exact | None, Exact | None]:
+    """The ends where two falling pieces map what lies beyond to each other's side.
+
+    Twice, each is an affine map that runs away from its fixed point, a 2-cycle of the two pieces;
+    if that does not lie in them, from where both images do.
+    """
+    slope = left.slope * right.slope
+    low = (right.slope * left.intercept + right.intercept) / (1 - slope)
+    low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
+    high = left(low)
+    return low, max(high, right.lower)
+
+
+def hull(intervals: Sequence[Interval]) -> Interval:
+    """The shortest interval that holds all of them."""
+    return min(low for low, _ in intervals), max(high for _, high in intervals)

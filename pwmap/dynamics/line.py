@@ -1,0 +1,261 @@
+"""A piecewise-linear map of the line at one place of its parameters, in exact numbers.
+
+What orbits do beside a break is the orbit of a *germ*: a point with a side, to which all points
+close to it on that side stay close as long as they are not cut by another break. A germ maps to a
+germ, by the piece on its side; only where that piece is flat it becomes a point without a side.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import sympy
+from sympy import QQ
+
+from pwmap.algebra.exact import dense
+from pwmap.algebra.roots import RealRoot
+from pwmap.algebra.terms import own_name
+from pwmap.dynamics.numbers import Element, Exact, algebraic, exact_to_sympy, sign
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+
+Interval = tuple[Exact, Exact]  # closed; both ends may be the same
+
+
+class Germ(NamedTuple):
+    """A point with a side: -1 left of it, +1 right of it, 0 the point itself."""
+
+    x: Exact
+    side: int
+
+
+class Branch(NamedTuple):
+    """One affine piece on an open interval: slope x + intercept between two ends, None infinite."""
+
+    slope: Exact
+    intercept: Exact
+    lower: Exact | None
+    upper: Exact | None
+    letter: str
+
+    def __call__(self, x: Exact) -> Exact:
+        """The value of its formula at a point."""
+        return self.slope * x + self.intercept
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A map at one place of its parameters.
+
+    Attributes
+    ----------
+    branches
+        The pieces on open intervals, from left to right.
+    values
+        The value at each break between two of them.
+    """
+
+    branches: tuple[Branch, ...]
+    values: tuple[Exact, ...]
+
+    @cached_property
+    def breaks(self) -> tuple[Exact, ...]:
+        """Ends of branches, from left to right."""
+        return tuple(branch.upper for branch in self.branches[:-1])
+
+    @cached_property
+    def germs(self) -> tuple[Germ, ...]:
+        """Both sides of all breaks."""
+        return tuple(Germ(x, side) for x in self.breaks for side in (-1, 1))
+
+    def beside(self, germ: Germ) -> Branch:
+        """The branch on the side of a germ; for a point within a branch that branch."""
+        if germ.side < 0:
+            return self.branches[bisect_left(self.breaks, germ.x)]
+        return self.branches[bisect_right(self.breaks, germ.x)]
+
+    def image(self, germ: Germ) -> Germ:
+        """Where a germ maps to."""
+        if not germ.side:
+            return Germ(self(germ.x), 0)
+        branch = self.beside(germ)
+        return Germ(branch(germ.x), germ.side * sign(branch.slope))
+
+    def __call__(self, x: Exact) -> Exact:
+        """The value at a point."""
+        k = bisect_left(self.breaks, x)
+        if k < len(self.breaks) and self.breaks[k] == x:
+            return self.values[k]
+        return self.branches[k](x)
+
+    def letter(self, germ: Germ) -> str:
+        """The letter of the piece that a germ is mapped by; at a break itself that of its value."""
+        return self.beside(germ).letter
+
+    def parts(self, interval: Interval) -> Iterator[tuple[Branch, Interval]]:
+        """An interval, longer than a point, cut at the breaks inside it."""
+        low, high = interval
+        first, last = bisect_right(self.breaks, low), bisect_left(self.breaks, high)
+        cuts = (low, *self.breaks[first:last], high)
+        for k, part in enumerate(pairwise(cuts), start=first):
+            yield self.branches[k], part
+
+    def images(self, intervals: Iterable[Interval]) -> list[Interval]:
+        """The closures of the images of intervals, joined; a point maps to its value."""
+        found = list[Interval]()
+        for low, high in intervals:
+            if low == high:
+                value = self(low)
+                found.append((value, value))
+                continue
+            for branch, (a, b) in self.parts((low, high)):
+                ends = branch(a), branch(b)
+                found.append(ends if ends[0] <= ends[1] else ends[::-1])
+        return joined(found)
+
+
+def joined(intervals: Iterable[Interval]) -> list[Interval]:
+    """The same set as intervals that do not touch, from left to right."""
+    found = list[Interval]()
+    for low, high in sorted(intervals, key=lambda each: each[0]):
+        if found and low <= found[-1][1]:
+            if high > found[-1][1]:
+                found[-1] = found[-1][0], high
+        else:
+            found.append((low, high))
+    return found
+
+
+def outside(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
+    """Closures of the parts of intervals that known ones, sorted and apart, do not cover."""
+    found = list[Interval]()
+    for low, high in intervals:
+        k = bisect_left(known, low, key=lambda each: each[1])
+        start, ends = low, False
+        while k < len(known) and known[k][0] <= high:
+            if known[k][0] > start:
+                found.append((start, known[k][0]))
+            start, ends = known[k][1], True
+            k += 1
+        if start < high or (start == high and not ends):
+            found.append((start, high))
+    return found
+
+
+def length(intervals: Iterable[Interval]) -> Exact:
+    """The total length of intervals that do not overlap."""
+    return sum((high - low for low, high in intervals), start=QQ.zero)
+
+
+def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None) -> Line:
+    """A map at one place of its parameters.
+
+    Parameters
+    ----------
+    map_
+        The map, or an iterate of it.
+    values
+        Of its parameters by symbol or name: rationals, and one may be a real algebraic number given
+        as an expression, such as ``(1 + sqrt(5))/2``.
+
+    Raises
+    ------
+    ValueError
+        If a parameter has no value, or several have algebraic values, or of an iterate.
+    TypeError
+        If a value is a float.
+    """
+    rationals, roots = dict[str, object](), dict[str, RealRoot]()
+    for name, value in (values or {}).items():
+        own = str(own_name(name, map_.parameters))
+        found = algebraic(value) if isinstance(value, sympy.Expr) else value
+        if isinstance(found, RealRoot):
+            roots[own] = found
+        else:
+            rationals[own] = QQ.to_sympy(found) if isinstance(value, sympy.Expr) else value
+    map_ = map_.at(rationals) if rationals else map_
+    missing = [str(each) for each in map_.parameters if str(each) not in roots]
+    if missing:
+        raise ValueError(f"every parameter needs a value, got none for {', '.join(missing)}")
+    if not roots:
+        return _of_pieces(map_)
+    if len(roots) > 1:
+        raise ValueError(f"one parameter may have an algebraic value, got {', '.join(roots)}")
+    if map_.order > 1:
+        raise ValueError(f"an algebraic value needs the map itself, got an iterate of {map_.order}")
+    return _of_table(map_, next(iter(roots.values())))
+
+
+def _of_pieces(map_: PiecewiseLinearMap) -> Line:
+    """A map, or an iterate, whose parameters have rational values."""
+    orbits, branches, values = map_.orbits, list[Branch](), list[Exact]()
+
+    def quotient(fraction: tuple[Any, Any]) -> Exact:
+        return fraction[0] / fraction[1]
+
+    last: Exact | None = None
+    for cylinder in map_.cylinders:
+        slope, intercept = (
+            quotient(orbits.slope(cylinder.word)),
+            quotient(orbits.intercept(cylinder.word)),
+        )
+        upper = cylinder.upper
+        end = (
+            None
+            if upper is None
+            else quotient(orbits.preimage(upper.k, cylinder.word[: upper.steps]))
+        )
+        if cylinder.is_point or (last is not None and cylinder.lower_closed):
+            values.append(slope * last + intercept)
+        if cylinder.is_point:
+            continue
+        branches.append(Branch(slope, intercept, last, end, map_.spelled(cylinder.word)))
+        if cylinder.upper_closed:
+            values.append(slope * end + intercept)
+        last = end
+    return Line(tuple(branches), tuple(values))
+
+
+def _of_table(map_: PiecewiseLinearMap, root: RealRoot) -> Line:
+    """A map with one parameter, at an algebraic value of it.
+
+    Raises
+    ------
+    ValueError
+        If that contradicts what is assumed of it.
+    """
+    table, ring = map_.definition.table, map_.definition.ring
+
+    def element(polynomial: Any) -> Element:
+        return Element(root, root.reduced(dense(polynomial)))
+
+    for constraint in map_.definition.region.constraints:
+        found = sign(element(constraint.polynomial))
+        if found < 0 or (constraint.strict and not found):
+            value = f"{ring.symbols[0]} = {root.to_sympy()}"
+            raise ValueError(f"{value} contradicts the assumption {constraint}")
+    bottom = element(table.denominator)
+    slopes, intercepts, breaks = (
+        [element(each) / bottom for each in group]
+        for group in (table.slopes, table.intercepts, table.breaks)
+    )
+    layout = table.layouts[map_.chain[0]]
+    cuts = [None, *(breaks[k] for k in layout.breaks), None]
+    branches = tuple(
+        Branch(slopes[letter], intercepts[letter], cuts[i], cuts[i + 1], map_.letters[letter])
+        for i, letter in enumerate(layout.slots[::2])
+    )
+    values = tuple(
+        slopes[letter] * x + intercepts[letter]
+        for letter, x in zip(layout.slots[1::2], cuts[1:-1], strict=True)
+    )
+    return Line(branches, values)
+
+
+def shown(interval: Interval) -> sympy.Set:
+    """An interval as a set of sympy."""
+    return sympy.Interval(exact_to_sympy(interval[0]), exact_to_sympy(interval[1]))

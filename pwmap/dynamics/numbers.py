@@ -1,0 +1,186 @@
+"""Real numbers that can be added, multiplied, divided and compared exactly.
+
+These are the rationals, and the numbers of a field Q(t) of one real algebraic number t, such as the
+golden mean. Both have + - * / and < and ==, so that what computes with them need not know which
+they are.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from functools import total_ordering
+from typing import Any
+
+import mpmath
+import sympy
+from sympy import QQ
+from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
+
+from pwmap.algebra.exact import Number, pair, to_float
+from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, real_roots
+
+Exact = Any  # an element of QQ, or an Element
+
+
+@total_ordering
+class Element:
+    """A number of the field of one real root: a polynomial in it, of a lower degree than its own.
+
+    Parameters
+    ----------
+    root
+        The algebraic number that generates the field.
+    value
+        Coefficients, highest power first, reduced.
+    """
+
+    __slots__ = ("root", "value")
+
+    def __init__(self, root: RealRoot, value: Dense) -> None:
+        self.root = root
+        self.value = tuple(value)
+
+    def _dense(self, other: object) -> Dense | None:
+        if isinstance(other, Element):
+            return other.value
+        if isinstance(other, (int, Fraction)):
+            other = QQ(other) if isinstance(other, int) else QQ(other.numerator, other.denominator)
+        return None if isinstance(other, float) else ((other,) if other else ())
+
+    def _made(self, value: list[Number]) -> Element:
+        return Element(self.root, self.root.reduced(tuple(value)))
+
+    def __add__(self, other: object) -> Element:
+        right = self._dense(other)
+        if right is None:
+            return NotImplemented
+        return Element(self.root, tuple(dup_add(list(self.value), list(right), QQ)))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Element:
+        return Element(self.root, tuple(dup_neg(list(self.value), QQ)))
+
+    def __sub__(self, other: object) -> Element:
+        right = self._dense(other)
+        if right is None:
+            return NotImplemented
+        return Element(self.root, tuple(dup_sub(list(self.value), list(right), QQ)))
+
+    def __rsub__(self, other: object) -> Element:
+        return -self + other
+
+    def __mul__(self, other: object) -> Element:
+        right = self._dense(other)
+        if right is None:
+            return NotImplemented
+        return self._made(dup_mul(list(self.value), list(right), QQ))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: object) -> Element:
+        right = self._dense(other)
+        if right is None:
+            return NotImplemented
+        if not right:
+            raise ZeroDivisionError(f"{self} is divided by zero")
+        return Element(self.root, self.root.quotient(self.value, right))
+
+    def __rtruediv__(self, other: object) -> Element:
+        return Element(self.root, self._dense(other) or ()) / self
+
+    def __bool__(self) -> bool:
+        return bool(self.value)
+
+    def __eq__(self, other: object) -> bool:
+        right = self._dense(other)
+        return right is not None and self.value == right
+
+    def __hash__(self) -> int:
+        return hash((self.root, self.value))
+
+    def __lt__(self, other: object) -> bool:
+        return self.root.sign_of(integers((self - other).value)) < 0
+
+    def __float__(self) -> float:
+        return self.root.to_float(self.value, (QQ.one,))
+
+    def __repr__(self) -> str:
+        return str(exact_to_sympy(self))
+
+
+def sign(x: Exact) -> int:
+    """The sign of a number."""
+    return int(x > 0) - int(x < 0)
+
+
+def to_double(x: Exact) -> float:
+    """The double nearest to a number, but for the last bit."""
+    return float(x) if isinstance(x, Element) else to_float(x)
+
+
+def exact_to_sympy(x: Exact) -> sympy.Expr:
+    """A number as an expression."""
+    if isinstance(x, Element):
+        return x.root.element_to_sympy(x.value)
+    return QQ.to_sympy(x)
+
+
+def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
+    """Fractions below and above a number, equal if it is rational, else 2**-bits apart or closer.
+
+    The width is in units of the number's own size, and of one if that is smaller.
+    """
+    if not isinstance(x, Element):
+        exact = Fraction(*pair(x))
+        return exact, exact
+    while True:
+        low: Fraction = Fraction(0)
+        high: Fraction = Fraction(0)
+        ends = [Fraction(*pair(end)) for end in bounds(x.root)]
+        for coefficient in x.value:
+            shift = Fraction(*pair(coefficient))
+            sums = [end * other + shift for end in ends for other in (low, high)]
+            low, high = min(sums), max(sums)
+        if high - low <= max(1, abs(low)) * Fraction(1, 1 << bits):
+            return low, high
+        x.root.refine()
+
+
+def algebraic(expression: sympy.Expr) -> Real:
+    """A real algebraic number given as an expression without symbols, such as ``(1 + sqrt(5))/2``.
+
+    Raises
+    ------
+    ValueError
+        If it is not real, or not algebraic.
+    """
+    expression = sympy.sympify(expression)
+    if expression.is_Rational:
+        return QQ.from_sympy(expression)
+    t = sympy.Symbol("t")
+    try:
+        polynomial = sympy.minimal_polynomial(expression, t, polys=True)
+    except (NotImplementedError, sympy.polys.polyerrors.PolynomialError):
+        raise ValueError(f"expected a real algebraic number, got {expression}") from None
+    if not expression.is_real:
+        raise ValueError(f"expected a real algebraic number, got {expression}")
+    roots = real_roots(QQ.from_sympy(c) for c in polynomial.all_coeffs())
+    digits = 20
+    while True:  # the roots are apart: with more digits one alone is near
+        value = QQ.from_sympy(sympy.Rational(str(sympy.N(expression, digits))))
+        off = QQ(1, 10 ** (digits - 4)) * (1 + abs(value))
+        near = [root for root in roots if value - off < root < value + off]
+        if len(near) == 1:
+            return near[0]
+        digits *= 2
+
+
+def log_bounds(x: Exact) -> tuple[float, float]:
+    """Doubles below and above the logarithm of a positive number."""
+    found = [
+        mpmath.iv.log(mpmath.iv.mpf(end.numerator) / mpmath.iv.mpf(end.denominator))
+        for end in enclosed(x)
+    ]
+    return math.nextafter(float(found[0].a), -math.inf), math.nextafter(float(found[1].b), math.inf)
