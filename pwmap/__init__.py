@@ -11,6 +11,9 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from pwmap.diagrams.graph import read_graph, write_graph
+from pwmap.longrun.densities import Density
+from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
+from pwmap.longrun.entropies import Entropy
 from pwmap.maps.budget import Budget, BudgetError, Progress
 from pwmap.maps.piecewise_linear import (
     Cycle,
@@ -26,16 +29,21 @@ from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cell
 from pwmap.parameters.plane import ParameterPlane, Strip, parameter_plane
 
 __all__ = [
+    "Attractor",
     "Branch",
     "BranchKind",
     "Budget",
     "BudgetError",
     "Cycle",
+    "Density",
     "Diagram",
+    "Dynamics",
+    "Entropy",
     "FixedInterval",
     "FixedPoint",
     "Jump",
     "JumpCrossing",
+    "Kneading",
     "ParameterCell",
     "ParameterCells",
     "ParameterPlane",
@@ -49,6 +57,7 @@ __all__ = [
     "Strip",
     "UndecidedError",
     "bifurcation_diagram",
+    "dynamics",
     "parameter_cells",
     "parameter_plane",
     "read_graph",

@@ -20,7 +20,7 @@ from sympy import QQ
 from pwmap.algebra.exact import dense
 from pwmap.algebra.roots import RealRoot
 from pwmap.algebra.terms import own_name
-from pwmap.dynamics.numbers import Element, Exact, algebraic, exact_to_sympy, sign
+from pwmap.longrun.numbers import Element, Exact, algebraic, sign
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 Interval = tuple[Exact, Exact]  # closed; both ends may be the same
@@ -254,8 +254,3 @@ def _of_table(map_: PiecewiseLinearMap, root: RealRoot) -> Line:
         for letter, x in zip(layout.slots[1::2], cuts[1:-1], strict=True)
     )
     return Line(branches, values)
-
-
-def shown(interval: Interval) -> sympy.Set:
-    """An interval as a set of sympy."""
-    return sympy.Interval(exact_to_sympy(interval[0]), exact_to_sympy(interval[1]))

@@ -16,9 +16,9 @@ from math import gcd
 
 from sympy import QQ
 
-from pwmap.dynamics.fates import AttractingCycle, Fate, Fates, Orbit, abs_, hull
-from pwmap.dynamics.line import Germ, Interval, Line, joined, length, outside
-from pwmap.dynamics.numbers import Exact
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, hull
+from pwmap.longrun.line import Germ, Interval, Line, joined, length, outside
+from pwmap.longrun.numbers import Exact
 
 STEPS = 600  # of an orbit, and of what grows from a break
 PARTS = 2000  # of what grows from a break at most, at any time
@@ -201,18 +201,6 @@ def _grown(fates: Fates, x: Exact, away: Exact, steps: int) -> list[Interval] | 
         if len(known) > PARTS:
             return None
     return None
-
-
-def period_of(line: Line, bands: Bands) -> int:
-    """The greatest common divisor of the lengths of all ways from a band back to itself."""
-    number = {interval: k for k, interval in enumerate(bands.intervals)}
-    ways = list[list[int]]()
-    for interval in bands.intervals:
-        images = line.images([interval])
-        ways.append(
-            [k for low, high in images for (a, b), k in number.items() if a < high and low < b]
-        )
-    return common_period(ways)
 
 
 def common_period(ways: Sequence[Sequence[int]]) -> int:

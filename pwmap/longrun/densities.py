@@ -21,10 +21,10 @@ import mpmath
 import sympy
 from sympy import QQ
 
-from pwmap.dynamics.attractors import Bands
-from pwmap.dynamics.fates import abs_
-from pwmap.dynamics.line import Germ, Interval, Line
-from pwmap.dynamics.numbers import (
+from pwmap.longrun.attractors import Bands
+from pwmap.longrun.fates import abs_
+from pwmap.longrun.line import Germ, Interval, Line
+from pwmap.longrun.numbers import (
     Element,
     Exact,
     enclosed,

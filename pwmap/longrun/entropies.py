@@ -26,10 +26,10 @@ from sympy import QQ, ZZ
 from sympy.polys.matrices import DomainMatrix
 
 from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
-from pwmap.dynamics.attractors import Attractors
-from pwmap.dynamics.fates import escapes
-from pwmap.dynamics.line import Line
-from pwmap.dynamics.numbers import Element, Exact, log_bounds
+from pwmap.longrun.attractors import Attractors
+from pwmap.longrun.fates import escapes
+from pwmap.longrun.line import Line
+from pwmap.longrun.numbers import Element, Exact, log_bounds
 
 Part = tuple[Exact | None, Exact | None]  # an open interval, an end that is None is infinite
 Node = tuple[int, Exact | None, Exact | None]  # the number of a piece, and a part of its interval

@@ -8,8 +8,8 @@ from enum import Enum
 
 from sympy import QQ
 
-from pwmap.dynamics.line import Branch, Germ, Interval, Line
-from pwmap.dynamics.numbers import Exact, sign
+from pwmap.longrun.line import Branch, Germ, Interval, Line
+from pwmap.longrun.numbers import Exact, sign
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
 FIRST = 16  # step at which that is asked for the first time; then at every power of two

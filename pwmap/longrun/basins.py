@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from sympy import QQ
 
-from pwmap.dynamics.line import Germ, Interval, Line
-from pwmap.dynamics.numbers import Exact
+from pwmap.longrun.line import Germ, Interval, Line
+from pwmap.longrun.numbers import Exact
 
 ROUNDS = 40  # of extending all intervals on both sides
 MOST = 16  # intervals of which iterates are looked at until all have come back
@@ -79,8 +79,8 @@ def basin_of(line: Line, start: Sequence[Interval]) -> Basin:
 def _extended(line: Line, known: Sequence[tuple[End, End]], k: int, side: int) -> tuple[End, End]:
     """An interval with what lies beside it, on one piece of the map, and is mapped into the known.
 
-    Iterates are looked at until all ends may have come back, twice: what is mapped to the other side
-    of a repelling point comes back the second time.
+    Iterates are looked at until all ends may have come back, twice: what is mapped to the other
+    side of a repelling point comes back the second time.
     """
     end = known[k][side > 0]
     if end is None:

@@ -136,15 +136,13 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
         exact = Fraction(*pair(x))
         return exact, exact
     while True:
-        low: Fraction = Fraction(0)
-        high: Fraction = Fraction(0)
         ends = [Fraction(*pair(end)) for end in bounds(x.root)]
+        found = [Fraction(0)]
         for coefficient in x.value:
-            shift = Fraction(*pair(coefficient))
-            sums = [end * other + shift for end in ends for other in (low, high)]
-            low, high = min(sums), max(sums)
-        if high - low <= max(1, abs(low)) * Fraction(1, 1 << bits):
-            return low, high
+            sums = [end * other + Fraction(*pair(coefficient)) for end in ends for other in found]
+            found = [min(sums), max(sums)]
+        if found[-1] - found[0] <= max(Fraction(1), abs(found[0])) / (1 << bits):
+            return found[0], found[-1]
         x.root.refine()
 
 

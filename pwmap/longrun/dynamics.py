@@ -1,0 +1,297 @@
+"""The long run of a map at one place of its parameters, as a user sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy
+
+from pwmap.algebra.arithmetic import rational
+from pwmap.longrun.attractors import Attractors, Bands, attractors_of, common_period, share
+from pwmap.longrun.basins import Basin, basin_of
+from pwmap.longrun.densities import Density, density_of
+from pwmap.longrun.entropies import ORDERS, Entropy, entropy_of, lap_numbers
+from pwmap.longrun.fates import AttractingCycle, Fate
+from pwmap.longrun.line import Interval, Line, line_of
+from pwmap.longrun.numbers import exact_to_sympy
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kneading:
+    """The letters along the orbit of one side of a break.
+
+    Attributes
+    ----------
+    x
+        The break.
+    side
+        -1 for the limit from the left, +1 from the right.
+    word
+        The letters, those that come again and again in brackets; dots where it was not followed on.
+    fate
+        What becomes of the orbit, in words.
+    """
+
+    x: sympy.Expr
+    side: int
+    word: str
+    fate: str
+
+
+@dataclass(frozen=True, eq=False)
+class Attractor:
+    """An attracting cycle, or the bands of a chaotic attractor, with what surrounds it.
+
+    Attributes
+    ----------
+    line
+        The map.
+    core
+        The cycle or the bands, in exact numbers.
+    """
+
+    line: Line
+    core: AttractingCycle | Bands
+
+    @property
+    def is_chaotic(self) -> bool:
+        """Whether it is made of bands."""
+        return isinstance(self.core, Bands)
+
+    @property
+    def word(self) -> str:
+        """The pieces that an attracting cycle visits; empty for bands."""
+        return self.core.word if isinstance(self.core, AttractingCycle) else ""
+
+    @property
+    def points(self) -> tuple[sympy.Expr, ...]:
+        """The points of a cycle in the order of its word, from the smallest; none for bands."""
+        core = self.core
+        return () if isinstance(core, Bands) else tuple(map(exact_to_sympy, core.points))
+
+    @property
+    def multiplier(self) -> sympy.Expr | None:
+        """Of a cycle; None for bands."""
+        core = self.core
+        return None if isinstance(core, Bands) else exact_to_sympy(core.multiplier)
+
+    @property
+    def bands(self) -> tuple[sympy.Interval, ...]:
+        """Closed intervals from left to right, in which orbits are dense; none for a cycle."""
+        core = self.core
+        return tuple(map(_closed, core.intervals)) if isinstance(core, Bands) else ()
+
+    @cached_property
+    def period(self) -> int:
+        """Of a cycle; for bands the greatest common divisor of the times of return.
+
+        Some iterate of that order, and none of a lower one, mixes in each part [Block1980].
+        """
+        if isinstance(self.core, AttractingCycle):
+            return len(self.core.points)
+        density = self.density
+        if density is not None and density.exact:
+            parts = [(a, b) for a, b, value in density.steps() if value > 0]
+        else:
+            parts = list(self.core.intervals)
+        ways = [
+            [k for k, (a, b) in enumerate(parts)
+             if any(a < high and low < b for low, high in self.line.images([part]))]
+            for part in parts
+        ]  # fmt: skip
+        return common_period(ways)
+
+    @property
+    def is_mixing(self) -> bool:
+        """Whether bands mix: any part of them spreads over all of them, and stays so."""
+        return self.is_chaotic and self.period == 1
+
+    @cached_property
+    def density(self) -> Density | None:
+        """The invariant density of bands; None for cycles, or if it is not known to exist."""
+        return density_of(self.line, self.core) if isinstance(self.core, Bands) else None
+
+    @cached_property
+    def exponent(self) -> sympy.Expr | None:
+        """The Lyapunov exponent, if it is known exactly, else None."""
+        if isinstance(self.core, AttractingCycle):
+            size = abs(exact_to_sympy(self.core.multiplier))
+            return sympy.log(size) / len(self.core.points) if size else -sympy.oo
+        return None if self.density is None else self.density.exponent
+
+    @property
+    def exponent_bounds(self) -> tuple[float, float] | None:
+        """Doubles below and above the Lyapunov exponent of bands; None if there is no density."""
+        return None if self.density is None else self.density.exponent_bounds
+
+    @cached_property
+    def _basin(self) -> Basin:
+        core = self.core
+        if isinstance(core, Bands):
+            return basin_of(self.line, core.intervals)
+        start = [
+            (x - reach, x + reach)
+            for x, reach in zip(core.points, core.reach, strict=True)
+            if reach is not None
+        ]
+        return basin_of(self.line, start) if start else Basin(((None, None),), complete=True)
+
+    @property
+    def basin(self) -> tuple[sympy.Interval, ...]:
+        """The immediate basin: open intervals, whose orbits come here but for repelling cycles."""
+        return tuple(
+            sympy.Interval.open(
+                -sympy.oo if low is None else exact_to_sympy(low),
+                sympy.oo if high is None else exact_to_sympy(high),
+            )
+            for low, high in self._basin.intervals
+        )
+
+    @property
+    def basin_is_complete(self) -> bool:
+        """Whether the basin reaches farther than these intervals on no side."""
+        return self._basin.complete
+
+    def share(self, window: tuple[object, object]) -> sympy.Expr:
+        """The part of a window that the immediate basin covers.
+
+        Parameters
+        ----------
+        window
+            Two rationals.
+        """
+        low, high = (rational(end) for end in window)
+        if not low < high:
+            raise ValueError(f"a window must be an interval (low, high), got {window!r}")
+        return exact_to_sympy(share(self._basin.within((low, high)), (low, high)))
+
+    def __str__(self) -> str:
+        """Its kind, and where it is."""
+        if not self.is_chaotic:
+            return f"cycle {self.word} through {self.points[0]}"
+        shown = ", ".join(f"[{band.start}, {band.end}]" for band in self.bands)
+        return f"{len(self.bands)} band{'s' * (len(self.bands) > 1)}: {shown}"
+
+
+@dataclass(frozen=True, eq=False)
+class Dynamics:
+    """The long run of a map at one place of its parameters.
+
+    Attributes
+    ----------
+    line
+        The map there, in exact numbers.
+    orders
+        Up to which the graph of laps is made for bounds of the entropy, one after the other.
+    """
+
+    line: Line
+    orders: tuple[int, ...] = ORDERS
+
+    @cached_property
+    def _found(self) -> Attractors:
+        return attractors_of(self.line)
+
+    @cached_property
+    def attractors(self) -> tuple[Attractor, ...]:
+        """All bounded attractors: cycles first, then bands, each from left to right."""
+        found = self._found
+        cores: list[AttractingCycle | Bands] = [*found.cycles, *found.bands]
+        return tuple(Attractor(self.line, core) for core in cores)
+
+    @property
+    def open(self) -> tuple[sympy.Expr, ...]:
+        """Breaks of which it was not found out to which attractor they belong, if to any."""
+        return tuple(map(exact_to_sympy, self._found.open))
+
+    @cached_property
+    def absorbing(self) -> sympy.Interval | None:
+        """The smallest interval with all breaks and their images that is mapped into itself.
+
+        None if some of their orbits are lost.
+        """
+        found = self._found.absorbing
+        return None if found is None else _closed(found)
+
+    @cached_property
+    def entropy(self) -> Entropy:
+        """The topological entropy, exact or between bounds."""
+        return entropy_of(self.line, self._found, self.orders)
+
+    @cached_property
+    def kneading(self) -> tuple[Kneading, ...]:
+        """The letters along the orbits of both sides of all breaks, from left to right."""
+        return tuple(
+            Kneading(
+                x=exact_to_sympy(germ.x),
+                side=germ.side,
+                word=orbit.kneading(),
+                fate=orbit.fate.value,
+            )
+            for germ, orbit in zip(self.line.germs, self._found.orbits, strict=True)
+        )
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all critical orbits have an end, so that everything is known exactly."""
+        return all(orbit.fate is not Fate.OPEN for orbit in self._found.orbits)
+
+    def laps(self, order: int) -> list[int]:
+        """Into how many intervals, each with one affine piece, iterates up to one cut the line.
+
+        It takes time in proportion to the square of the order, not to the number of laps.
+        """
+        return lap_numbers(self.line, checked_order(order))
+
+
+def dynamics(
+    map_: PiecewiseLinearMap,
+    values: Mapping[Any, object] | None = None,
+    *,
+    orders: tuple[int, ...] = ORDERS,
+) -> Dynamics:
+    """The long run of a map: attractors, basins, densities, exponents, kneading sequences, entropy.
+
+    Parameters
+    ----------
+    map_
+        The map, or an iterate.
+    values
+        Of its parameters by symbol or name: rationals, and one may be a real algebraic number given
+        as an expression, such as ``(1 + sqrt(5))/2``.
+    orders
+        Up to which the graph of laps is made, one after the other, until the entropy is known to
+        1e-12; higher ones are closer.
+
+    Returns
+    -------
+    Dynamics
+        Everything in it is computed when it is asked for.
+
+    Raises
+    ------
+    ValueError
+        If a parameter has no value, or several have algebraic values.
+    TypeError
+        If a value is a float.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = dynamics(tent, {"a": "7/5"})
+    >>> print(*found.attractors)
+    2 bands: [21/50, 721/1250], [147/250, 7/10]
+    """
+    for order in orders:
+        checked_order(order)
+    return Dynamics(line_of(map_, values), tuple(orders))
+
+
+def _closed(interval: Interval) -> sympy.Interval:
+    """An interval as a set of sympy."""
+    return sympy.Interval(exact_to_sympy(interval[0]), exact_to_sympy(interval[1]))
