@@ -43,6 +43,9 @@ class PointKind(StrEnum):
     FF = "FF"
     FALL = "FALL"
     EP = "EP"
+    MC = "MC"
+    XC = "XC"
+    FC = "FC"
 
     @property
     def meaning(self) -> str:
@@ -63,6 +66,9 @@ _MEANINGS = {
     "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
     "FALL": "free fall: the return is lost",
     "EP": "end point: end of the parameter span or of the window",
+    "MC": "merging crisis: bands of a chaotic attractor meet in a repelling cycle",
+    "XC": "expansion crisis: a chaotic attractor becomes larger at once",
+    "FC": "final crisis: a chaotic attractor is lost",
 }
 
 

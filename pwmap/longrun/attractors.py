@@ -16,15 +16,19 @@ from math import gcd
 
 from sympy import QQ
 
+from pwmap.algebra.exact import pair
 from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, hull
 from pwmap.longrun.line import Germ, Interval, Line, joined, length, outside
-from pwmap.longrun.numbers import Exact
+from pwmap.longrun.numbers import Element, Exact
 
 STEPS = 600  # of an orbit, and of what grows from a break
 PARTS = 2000  # of what grows from a break at most, at any time
 EXPANDING = 96  # the same where every piece expands: nothing draws it in, so it is finite or open
-CLOSE = 2**20  # part of the distance between breaks that the sides have from which something grows
-CLOSER = 2**7  # and part of that the second time, when the same must grow
+GROWTH = 20_000  # steps of what grows from a break
+CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
+HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
+# places at which attractors change, but for the bits of these [Roth1955]
+CLOSER = 2**7  # the same must grow from this part of the sides
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,7 +134,7 @@ def attractors_of(line: Line, steps: int = STEPS) -> Attractors:
             or _ends_in_a_cycle(other, fates)
         ):
             continue
-        found = _grown_twice(fates, x, scale, steps)
+        found = _grown_twice(fates, x, scale)
         if found is None:
             left.append(x)
         elif found:
@@ -151,6 +155,13 @@ def _is_flat(line: Line, x: Exact) -> bool:
     return any(not line.beside(Germ(x, side)).slope for side in (-1, 1))
 
 
+def height(line: Line) -> int:
+    """Bits of the largest denominator of a map's coefficients."""
+    numbers = [*line.breaks, *(x for branch in line.branches for x in branch[:2])]
+    parts = [c for x in numbers for c in (x.value if isinstance(x, Element) else (x,))]
+    return max(pair(part)[1].bit_length() for part in parts)
+
+
 def _ends_in_a_cycle(orbit: Orbit, fates: Fates) -> bool:
     """Whether a finite orbit ends in an attracting cycle."""
     if orbit.fate is not Fate.FINITE:
@@ -168,26 +179,26 @@ def _scale(line: Line) -> Exact:
     return min((gap for gap in gaps if gap > 0), default=QQ.one)
 
 
-def _grown_twice(fates: Fates, x: Exact, scale: Exact, steps: int) -> list[Interval] | None:
+def _grown_twice(fates: Fates, x: Exact, scale: Exact) -> list[Interval] | None:
     """What grows from the sides of a break, [] if it does not stay; None if that is not known.
 
     The same must grow from much less: then its ends are images of breaks.
     """
     try:
-        close = scale * QQ(1, CLOSE)
-        found = _grown(fates, x, close, steps)
-        again = _grown(fates, x, close * QQ(1, CLOSER), steps) if found else found
+        close = scale * QQ(1, 1 << (CLOSE + HEIGHT * height(fates.line)))
+        found = _grown(fates, x, close)
+        again = _grown(fates, x, close * QQ(1, CLOSER)) if found else found
     except _Grown:
         return []
     return found if found == again else None
 
 
-def _grown(fates: Fates, x: Exact, away: Exact, steps: int) -> list[Interval] | None:
+def _grown(fates: Fates, x: Exact, away: Exact) -> list[Interval] | None:
     """All images of the two sides of a break, as intervals."""
     line = fates.line
     new: Sequence[Interval] = [(x - away, x + away)]
     known = list(new)
-    for _ in range(steps):
+    for _ in range(GROWTH):
         images = line.images(new)
         new = outside(images, known)
         if not new:

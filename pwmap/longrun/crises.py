@@ -1,0 +1,612 @@
+"""Attractors over one parameter: cells in which they do not change, and crises between these.
+
+Bands end in images of breaks, and they change where such an image meets a point of a repelling
+cycle [Grebogi1982]: then two bands merge, an attractor becomes larger at once, or it is lost.
+Images and cycles are named by words, so these places are roots of polynomials. An interval of the
+parameter is cut wherever an image up to some order meets a break or a cycle, and what attracts is
+asked once in each part, at a rational place. Where that differs between two parts, and no word up
+to that order says why, the interval between them is halved until longer words do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import pairwise
+from typing import Any
+
+import sympy
+from sympy import QQ
+
+from pwmap.algebra.exact import Fraction_, Number, dense, quotient_to_sympy, to_float
+from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    bounds,
+    real_roots,
+    real_to_sympy,
+    sign_at,
+    simplest_between,
+)
+from pwmap.algebra.terms import own_name
+from pwmap.diagrams.diagram import PointKind
+from pwmap.longrun.attractors import Attractors, attractors_of
+from pwmap.longrun.dynamics import Dynamics
+from pwmap.longrun.line import Branch, Germ, Interval, Line, joined, line_of
+from pwmap.longrun.numbers import Element, Exact, to_double
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.words import CriticalOrbit, Multiplier, Slope, Word
+from pwmap.parameters.admitted import admitted_intervals
+from pwmap.parameters.axis import Axis, axis_of
+from pwmap.parameters.cells import checked_span
+
+LONGEST = 64  # order of images of breaks that are compared with cycles where attractors differ
+PARTS = 16  # into which an interval is cut, whatever happens in it
+TRIED = 4  # halvings after which longer words are tried again
+MANY = 12  # places that they may name: more are looked at in a shorter interval
+BESIDE = 2**8  # part of a distance: so close to a place lies what is beside it
+HALVINGS = 24  # of an interval in which they do, at most
+PERIOD = 8  # of cycles that are compared there, at least
+SAME = 1e-4  # of their length: so little may bands differ that are the same, with other names
+
+
+@dataclass(frozen=True, eq=False)
+class AttractorCell:
+    """An interval of a parameter in which the same words describe all attractors.
+
+    Attributes
+    ----------
+    lower, upper
+        Exact ends; they do not belong to it.
+    sample
+        A rational value inside.
+    cycles
+        Words of the attracting cycles.
+    bands
+        For each chaotic attractor its bands at the sample, from left to right: formulas for both
+        ends, which hold beside it as long as the same images of breaks are the outermost.
+    line
+        The map at the sample.
+    """
+
+    lower: sympy.Expr
+    upper: sympy.Expr
+    sample: sympy.Rational
+    cycles: tuple[str, ...]
+    bands: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
+    line: Line
+
+    @cached_property
+    def dynamics(self) -> Dynamics:
+        """The long run at the sample."""
+        return Dynamics(self.line)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crisis:
+    """A value of a parameter at which attractors change.
+
+    Attributes
+    ----------
+    parameter
+        Exact; if it is open, in the middle of where it lies.
+    kind
+        MC: bands merge; XC: bands become larger at once; FC: bands are lost; BC and PD: bands give
+        way to a cycle that meets a break, or has the multiplier -1 there.
+    bands
+        How many there are on the left and on the right.
+    cycles
+        Words of the cycles that an image of a break meets.
+    images
+        Words along which breaks go to these.
+    width
+        Of the interval in which it lies; zero if it is exact.
+    """
+
+    parameter: sympy.Expr
+    kind: PointKind
+    bands: tuple[int, int]
+    cycles: tuple[str, ...]
+    images: tuple[str, ...]
+    width: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AttractorDiagram:
+    """Attractors over an interval of a parameter.
+
+    Attributes
+    ----------
+    parameter
+        The symbol.
+    order
+        Up to which images of breaks are compared with breaks and cycles everywhere.
+    cells
+        From left to right.
+    crises
+        Of chaotic attractors, from left to right. Other bifurcations of attracting cycles separate
+        cells, too; they are in :func:`pwmap.bifurcation_diagram`.
+    """
+
+    parameter: sympy.Symbol
+    order: int
+    cells: tuple[AttractorCell, ...]
+    crises: tuple[Crisis, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Image:
+    """An image of a break: its number, and the word along which it went."""
+
+    k: int
+    word: Word
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """A part of the axis in which the words of images are constant."""
+
+    low: Real
+    high: Real
+    words: tuple[Word, ...]  # of each germ, as far as it was followed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """What attracts at a place."""
+
+    place: Number
+    line: Line
+    found: Attractors
+    ends: tuple[tuple[tuple[_Image, _Image], ...], ...]
+    cycles: tuple[str, ...]
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """How many bands each chaotic attractor has."""
+        return tuple(sorted(map(len, self.found.bands)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Change:
+    """A place at which what attracts changes, or an interval around it, and what meets there."""
+
+    low: Real
+    high: Real
+    met: tuple[tuple[_Image, Word], ...] = ()
+
+    @property
+    def place(self) -> Real:
+        """The place, or the middle."""
+        return self.low if self.low == self.high else simplest_between(self.low, self.high)
+
+
+def attractor_diagram(
+    map_: PiecewiseLinearMap,
+    parameter: object,
+    span: tuple[object, object],
+    order: int = 5,
+) -> AttractorDiagram:
+    """Attracting cycles and bands over an interval of a parameter, with their crises, exactly.
+
+    Parameters
+    ----------
+    map_
+        A map whose other parameters have values.
+    parameter
+        Symbol or name.
+    span
+        Two rationals.
+    order
+        Up to which images of breaks are compared with breaks, and with repelling cycles of periods
+        up to that, everywhere. All changes by such words are found; of changes by longer ones those
+        which do not undo each other between two of these places.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters, or is an iterate, or the span is no interval.
+    """
+    order = checked_order(order)
+    name = str(own_name(parameter, map_.parameters))
+    names = [str(symbol) for symbol in map_.parameters]
+    if names != [name]:
+        raise ValueError(f"expected a map of {name} alone, this one has {names or 'no parameters'}")
+    if map_.order > 1:
+        raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
+    ends = checked_span(span)
+    axis = axis_of(map_.definition, name, {})
+    admitted_intervals(axis, ends)
+    cells, crises = _Study(map_, name, axis, order).cells(*ends)
+    return AttractorDiagram(parameter=map_.parameters[0], order=order, cells=cells, crises=crises)
+
+
+class _Study:
+    """A map over one parameter, with what is asked of it at places."""
+
+    def __init__(self, map_: PiecewiseLinearMap, name: str, axis: Axis, order: int) -> None:
+        self.map, self.name, self.axis, self.order = map_, name, axis, order
+        self.orbits = axis.orbits
+        self.layout = map_.definition.table.layouts[map_.chain[0]]
+        self.letters = self.layout.slots[::2]
+        self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
+
+    # --- Cutting ------------------------------------------------------------------------------
+
+    def cells(self, low: Real, high: Real) -> tuple[tuple[AttractorCell, ...], tuple[Crisis, ...]]:
+        """Parts of an interval in which nothing changes, and what happens between them."""
+        cuts: set[Real] = {low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)}
+        met = dict[Real, list[tuple[_Image, Word]]]()
+        for part in self._followed(low, high):
+            cuts |= {part.low, part.high}
+            sample = self.axis.between(part.low, part.high)
+            images = {
+                _Image(k, word[:n])
+                for (k, _), word in zip(self.germs, part.words, strict=True)
+                for n in range(1, len(word) + 1)
+            }
+            for image, cycle, roots in self._meetings(
+                part.low, part.high, sample, images, self.order
+            ):
+                for root in roots:
+                    if part.low <= root <= part.high:
+                        cuts.add(root)
+                        met.setdefault(root, []).append((image, cycle))
+        places = sorted(cuts)
+        seen = [self.seen(self.axis.between(a, b)) for a, b in pairwise(places)]
+        shown, crises = list[AttractorCell](), list[Crisis]()
+        start: Real = low
+        last = seen[0]
+        for here, root in zip(seen[1:], places[1:-1], strict=True):
+            for change, before, after in self._changes(
+                last, here, _Change(root, root, tuple(met.get(root, ())))
+            ):
+                kind = self._kind(before, after, change)
+                if kind is None and before.cycles == after.cycles:
+                    continue
+                shown.append(self._cell(start, change.place, before))
+                start = change.place
+                if kind is not None:
+                    crises.append(self._crisis(before, after, kind, change))
+            last = here
+        shown.append(self._cell(start, high, last))
+        return tuple(shown), tuple(crises)
+
+    def _changes(
+        self, left: _Seen, right: _Seen, known: _Change
+    ) -> Iterator[tuple[_Change, _Seen, _Seen]]:
+        """Where what attracts changes between two places; the place known between them is tried.
+
+        If it does not explain the change, the intervals on both sides of it are halved.
+        """
+        if self._same(left, right):
+            return
+        near = [self._beside(known.place, left.place), self._beside(known.place, right.place)]
+        yield from self._halved(left, near[0], HALVINGS)
+        if not self._same(*near):
+            yield known, near[0], near[1]
+        yield from self._halved(near[1], right, HALVINGS)
+
+    def _beside(self, place: Real, other: Number) -> _Seen:
+        """What attracts right beside a place, on the side of another one."""
+        end = bounds(place)[0 if other < place else 1]
+        near = end + (other - end) * QQ(1, BESIDE)
+        return self.seen(simplest_between(*sorted((place, near))))
+
+    def _halved(
+        self, left: _Seen, right: _Seen, times: int
+    ) -> Iterator[tuple[_Change, _Seen, _Seen]]:
+        """Where what attracts changes between two places, by halving the interval."""
+        if self._same(left, right):
+            return
+        found = [] if times % TRIED else self._located(left, right)
+        if found:
+            yield from found
+        elif times:
+            third = (right.place - left.place) / 3
+            middle = self.seen(simplest_between(left.place + third, right.place - third))
+            yield from self._halved(left, middle, times - 1)
+            yield from self._halved(middle, right, times - 1)
+        else:
+            yield _Change(left.place, right.place), left, right
+
+    def _located(self, left: _Seen, right: _Seen) -> list[tuple[_Change, _Seen, _Seen]]:
+        """The places between two others at which longer words say that attractors change, if any.
+
+        Where bands merge both sides must agree there.
+        """
+        roots = dict[Real, list[tuple[_Image, Word]]]()
+        for image, cycle, zeros in self._between(left, right):
+            for root in zeros:
+                if left.place < root < right.place:
+                    roots.setdefault(root, []).append((image, cycle))
+        if not roots or len(roots) > MANY:
+            return []
+        places = sorted(roots)
+        between = [self.seen(simplest_between(a, b)) for a, b in pairwise(places)]
+        found = []
+        for place, before, after in zip(places, (left, *between), (*between, right), strict=True):
+            if not self._same(before, after):
+                found.append((_Change(place, place, tuple(roots[place])), before, after))
+        return found
+
+    def _between(
+        self, left: _Seen, right: _Seen
+    ) -> Iterator[tuple[_Image, Word, tuple[Real, ...]]]:
+        """Images and cycles that meet in a short interval in which what attracts changes."""
+        low, high = left.place, right.place
+        for seen in (left, right):
+            images = set[_Image]()
+            for orbit, (k, _) in zip(seen.found.orbits, self.germs, strict=True):
+                word = self._word(seen.line, orbit.germs[:LONGEST])
+                images |= {_Image(k, word[:n]) for n in range(1, len(word) + 1)}
+            yield from self._meetings(low, high, seen.place, images, max(PERIOD, self.order), True)
+
+    def _same(self, left: _Seen, right: _Seen) -> bool:
+        """Whether the same attracts at two places, up to which images are the outermost."""
+        if (left.counts, left.cycles) != (right.counts, right.cycles):
+            return False
+        return left.ends == right.ends or not left.counts or self._close(left, right)
+
+    def _close(self, left: _Seen, right: _Seen) -> bool:
+        """Whether bands with other names at two places may be the same by what they are there."""
+        one, other = (
+            [to_double(x) for bands in each.found.bands for pair in bands.intervals for x in pair]
+            for each in (left, right)
+        )
+        scale = max(one) - min(one)
+        return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= SAME * scale
+
+    def _followed(self, low: Real, high: Real) -> list[_Part]:
+        """Parts of an interval in each of which germs keep their words."""
+        cuts = {low, high}
+        for letter in set(self.letters):
+            cuts |= self._roots(self.axis.roots(Slope(letter)), low, high)
+            for unit in (1, -1):
+                cuts |= self._roots(self.axis.roots(Multiplier((letter,), unit)), low, high)
+        parts = [_Part(a, b, tuple(() for _ in self.germs)) for a, b in pairwise(sorted(cuts))]
+        for length in range(self.order):
+            parts = [new for part in parts for new in self._longer(part, length)]
+        return parts
+
+    @staticmethod
+    def _roots(roots: tuple[Any, ...] | None, low: Real, high: Real) -> set[Real]:
+        return {root for root in roots or () if low < root < high}
+
+    def _longer(self, part: _Part, length: int) -> Iterator[_Part]:
+        """A part cut where an image meets a break, with words one letter longer."""
+        cuts = {part.low, part.high}
+        for (k, _), word in zip(self.germs, part.words, strict=True):
+            if len(word) == length and word:
+                for other in self.layout.breaks:
+                    decision = CriticalOrbit(k, word, other)
+                    cuts |= self._roots(self.axis.roots(decision), part.low, part.high)
+        for low, high in pairwise(sorted(cuts)):
+            place = self.axis.between(low, high)
+            words = tuple(
+                self._with_letter(k, side, word, place) if len(word) == length else word
+                for (k, side), word in zip(self.germs, part.words, strict=True)
+            )
+            yield _Part(low, high, words)
+
+    def _with_letter(self, k: int, side: int, word: Word, place: Real) -> Word:
+        """The word of a germ with the letter of its piece; as it is after a flat one."""
+        sign = self.axis.sign
+        for letter in word:
+            side *= sign(self.orbits.polynomial(Slope(letter)), place)
+        if not side:
+            return word
+        slot = 0
+        for other in self.layout.breaks:
+            beyond = sign(self.orbits.polynomial(CriticalOrbit(k, word, other)), place)
+            if beyond > 0 or (beyond == 0 and side > 0):
+                slot += 1
+        return (*word, self.letters[slot])
+
+    def _meetings(
+        self, low: Real, high: Real, sample: Number, images: Iterable[_Image], order: int,
+        crossing: bool = False,
+    ) -> Iterator[tuple[_Image, Word, tuple[Real, ...]]]:  # fmt: skip
+        """Images and points of repelling cycles that meet within an interval.
+
+        With ``crossing`` only where they change sides, between two rationals.
+        """
+        ends = [to_double(_number(end)) for end in (low, high)]
+        values = [(image, self.orbits.value(image.k, image.word)) for image in images]
+        for word in self._repelling(self.seen(sample).line, order, sample):
+            fixed = self.orbits.fixed_point(word)
+            for image, value in values:
+                difference = dense(value[0] * fixed[1] - fixed[0] * value[1])
+                if not _may_vanish(difference, *ends):
+                    continue
+                if crossing and sign_at(difference, low) * sign_at(difference, high) >= 0:
+                    continue
+                yield image, word, self._zeros(difference)
+
+    def _zeros(self, polynomial: Dense) -> tuple[Real, ...]:
+        return real_roots(polynomial)
+
+    def _repelling(self, line: Line, order: int, place: Number) -> Iterator[Word]:
+        """Words of the points of all repelling cycles up to a period, each of its own length."""
+        for word in _periodic(line, order):
+            size = QQ.one
+            for k in word:
+                size = size * line.branches[k].slope
+            if size > 1 or size < -1:
+                yield tuple(self.letters[k] for k in word)
+
+    # --- What attracts ------------------------------------------------------------------------
+
+    @cache  # noqa: B019  as long as the study lives
+    def seen(self, place: Number) -> _Seen:
+        """What attracts at a rational place."""
+        line = line_of(self.map, {self.name: QQ.to_sympy(place)})
+        found = attractors_of(line)
+        names = dict[Exact, _Image]()
+        if found.bands:
+            for orbit, (k, _) in zip(found.orbits, self.germs, strict=True):
+                word = self._word(line, orbit.germs)
+                for n, germ in enumerate(orbit.germs):
+                    names.setdefault(germ.x, _Image(k, word[:n]))
+        ends = tuple(
+            tuple((names[a], names[b]) for a, b in bands.intervals if a in names and b in names)
+            for bands in found.bands
+        )
+        words = [_first_turn(cycle.word) for cycle in found.cycles]
+        cycles = tuple(sorted(w if len(w) <= self.order else "..." for w in words))
+        return _Seen(place, line, found, ends, cycles)
+
+    def _word(self, line: Line, germs: Sequence[Germ]) -> Word:
+        """The letters of pieces that germs are mapped by."""
+        numbers = {id(branch): k for k, branch in enumerate(line.branches)}
+        return tuple(self.letters[numbers[id(line.beside(germ))]] for germ in germs)
+
+    def _set_at(self, seen: _Seen, place: Real) -> list[Interval]:
+        """All bands with their ends at another place, joined."""
+        return joined(
+            (self._value(a, place), self._value(b, place)) for bands in seen.ends for a, b in bands
+        )
+
+    def _value(self, image: _Image, place: Real) -> Exact:
+        fraction = self.orbits.value(image.k, image.word)
+        if isinstance(place, RealRoot):
+            top, bottom = (Element(place, place.reduced(dense(part))) for part in fraction)
+            return top / bottom
+        return self.axis.value(fraction, place)
+
+    # --- Changes ------------------------------------------------------------------------------
+
+    def _kind(self, left: _Seen, right: _Seen, change: _Change) -> PointKind | None:
+        """What happens to bands between two places; None if nothing does."""
+        if not left.counts and not right.counts:
+            return None
+        if not (left.counts and right.counts):
+            return self._end(*((left, right) if left.counts else (right, left)))
+        if change.low == change.high:
+            same = self._set_at(left, change.place) == self._set_at(right, change.place)
+        else:
+            same = left.counts == right.counts and self._close(left, right)
+        if not same:
+            return PointKind.XC
+        return None if left.counts == right.counts else PointKind.MC
+
+    def _end(self, chaotic: _Seen, other: _Seen) -> PointKind:
+        """How bands end beyond which there are none."""
+        known = {_first_turn(cycle.word) for cycle in chaotic.found.cycles}
+        new = [c for c in other.found.cycles if _first_turn(c.word) not in known]
+        if not new:
+            return PointKind.FC
+        nearly = QQ(1, 1000)
+        return PointKind.PD if any(c.multiplier < nearly - 1 for c in new) else PointKind.BC
+
+    def _crisis(self, left: _Seen, right: _Seen, kind: PointKind, change: _Change) -> Crisis:
+        spelled = self.map.spelled
+        width = to_double(_number(change.high)) - to_double(_number(change.low))
+        return Crisis(
+            parameter=real_to_sympy(change.place),
+            kind=kind,
+            bands=(sum(left.counts), sum(right.counts)),
+            cycles=tuple(sorted({_first_turn(spelled(c)) for _, c in change.met}, key=_by_length)),
+            images=tuple(sorted({spelled(i.word) for i, _ in change.met}, key=_by_length)),
+            width=width,
+        )
+
+    def _cell(self, low: Real, high: Real, seen: _Seen) -> AttractorCell:
+        value = self.orbits.value
+        return AttractorCell(
+            lower=real_to_sympy(low),
+            upper=real_to_sympy(high),
+            sample=QQ.to_sympy(seen.place),
+            cycles=seen.cycles,
+            bands=tuple(
+                tuple(
+                    (_expression(value(a.k, a.word)), _expression(value(b.k, b.word)))
+                    for a, b in bands
+                )
+                for bands in seen.ends
+            ),
+            line=seen.line,
+        )
+
+
+def _number(place: Real) -> Exact:
+    """A place as a number of its own field."""
+    return Element(place, (QQ.one, QQ.zero)) if isinstance(place, RealRoot) else place
+
+
+def _expression(fraction: Fraction_) -> sympy.Expr:
+    return quotient_to_sympy(fraction) if fraction[1] == 1 else shown_fraction(fraction)
+
+
+def _by_length(word: str) -> tuple[int, str]:
+    return len(word), word
+
+
+def _first_turn(word: str) -> str:
+    """The first of the words of a cycle in the alphabet."""
+    return min(word[i:] + word[:i] for i in range(len(word)))
+
+
+def _may_vanish(polynomial: Sequence[Any], low: float, high: float) -> bool:
+    """False if a polynomial has surely no zero between two doubles: by the mean value form."""
+    if not polynomial:
+        return False
+    coefficients = [to_float(c) for c in polynomial]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 + 1e-9) + 1e-15 * abs(high)
+    largest = max(abs(low), abs(high))
+    value = size = change = 0.0
+    for c in coefficients:
+        change = change * largest + size
+        value = value * middle + c
+        size = size * largest + abs(c)
+    noise = 1e-12 * size  # far more than rounding of Horner's rule makes
+    return not abs(value) > half * change * (1.0 + 1e-9) + noise
+
+
+def _periodic(line: Line, order: int) -> Iterator[tuple[int, ...]]:
+    """Words, as numbers of branches, of periodic points up to a period, each of its own length.
+
+    A point lies inside the interval on which its word is followed.
+    """
+    found: list[tuple[tuple[int, ...], Exact, Exact, tuple[Exact | None, Exact | None]]] = [
+        ((), QQ.one, QQ.zero, (None, None))
+    ]
+    for _ in range(order):
+        longer = []
+        for word, slope, intercept, domain in found:
+            for k, branch in enumerate(line.branches):
+                low, high = _followed_by(branch, slope, intercept, domain)
+                if not slope or (low is not None and high is not None and not low < high):
+                    continue
+                here = (*word, k)
+                whole = branch.slope * slope, branch.slope * intercept + branch.intercept
+                longer.append((here, *whole, (low, high)))
+                if whole[0] == 1 or not _is_primitive(here):
+                    continue
+                x = whole[1] / (1 - whole[0])
+                if (low is None or low < x) and (high is None or x < high):
+                    yield here
+        found = longer
+
+
+def _followed_by(
+    branch: Branch, slope: Exact, intercept: Exact, domain: tuple[Exact | None, Exact | None]
+) -> tuple[Exact | None, Exact | None]:
+    """The part of an interval that an affine map, which is not flat, takes to a branch."""
+    if not slope:
+        return domain
+    ends = [None if x is None else (x - intercept) / slope for x in (branch.lower, branch.upper)]
+    if slope < 0:
+        ends.reverse()
+    lows = [x for x in (domain[0], ends[0]) if x is not None]
+    highs = [x for x in (domain[1], ends[1]) if x is not None]
+    return max(lows, default=None), min(highs, default=None)
+
+
+def _is_primitive(word: tuple[int, ...]) -> bool:
+    """Whether a word is no repetition of a shorter one."""
+    n = len(word)
+    return all(n % d or word != word[:d] * (n // d) for d in range(1, n))
