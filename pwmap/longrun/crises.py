@@ -43,7 +43,8 @@ from pwmap.parameters.admitted import admitted_intervals
 from pwmap.parameters.axis import Axis, axis_of
 from pwmap.parameters.cells import checked_span
 
-LONGEST = 64  # order of images of breaks that are compared with cycles where attractors differ
+LONGEST = (8, 16, 32, 64)  # orders of images of breaks that are compared where attractors differ:
+# the shortest that meet a cycle there are taken
 PARTS = 16  # into which an interval is cut, whatever happens in it
 TRIED = 4  # halvings after which longer words are tried again
 MANY = 12  # places that they may name: more are looked at in a shorter interval
@@ -236,7 +237,9 @@ class _Study:
 
     # --- Cutting ------------------------------------------------------------------------------
 
-    def cells(self, low: Real, high: Real) -> tuple[tuple[AttractorCell, ...], tuple[Crisis, ...]]:
+    def cells(
+        self, low: Number, high: Number
+    ) -> tuple[tuple[AttractorCell, ...], tuple[Crisis, ...]]:
         """Parts of an interval in which nothing changes, and what happens between them."""
         cuts: set[Real] = {low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)}
         met = dict[Real, list[tuple[_Image, Word]]]()
@@ -319,11 +322,14 @@ class _Study:
         Where bands merge both sides must agree there.
         """
         roots = dict[Real, list[tuple[_Image, Word]]]()
-        for image, cycle, zeros in self._between(left, right):
-            for root in zeros:
-                if left.place < root < right.place:
-                    roots.setdefault(root, []).append((image, cycle))
-        if not roots or len(roots) > MANY:
+        for longest in LONGEST:
+            for image, cycle, zeros in self._between(left, right, longest):
+                for root in zeros:
+                    if left.place < root < right.place:
+                        roots.setdefault(root, []).append((image, cycle))
+            if roots:
+                break
+        if not 0 < len(roots) <= MANY:
             return []
         places = sorted(roots)
         between = [self.seen(simplest_between(a, b)) for a, b in pairwise(places)]
@@ -334,14 +340,14 @@ class _Study:
         return found
 
     def _between(
-        self, left: _Seen, right: _Seen
+        self, left: _Seen, right: _Seen, longest: int
     ) -> Iterator[tuple[_Image, Word, tuple[Real, ...]]]:
-        """Images and cycles that meet in a short interval in which what attracts changes."""
+        """Images up to an order and cycles that meet where what attracts changes."""
         low, high = left.place, right.place
         for seen in (left, right):
             images = set[_Image]()
             for orbit, (k, _) in zip(seen.found.orbits, self.germs, strict=True):
-                word = self._word(seen.line, orbit.germs[:LONGEST])
+                word = self._word(seen.line, orbit.germs[:longest])
                 images |= {_Image(k, word[:n]) for n in range(1, len(word) + 1)}
             yield from self._meetings(low, high, seen.place, images, max(PERIOD, self.order), True)
 
@@ -407,7 +413,7 @@ class _Study:
         return (*word, self.letters[slot])
 
     def _meetings(
-        self, low: Real, high: Real, sample: Number, images: Iterable[_Image], order: int,
+        self, low: Any, high: Any, sample: Number, images: Iterable[_Image], order: int,
         crossing: bool = False,
     ) -> Iterator[tuple[_Image, Word, tuple[Real, ...]]]:  # fmt: skip
         """Images and points of repelling cycles that meet within an interval.
