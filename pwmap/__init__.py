@@ -24,6 +24,14 @@ from pwmap.maps.piecewise_linear import (
 from pwmap.parameters.bifurcations import bifurcation_diagram
 from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cells
 from pwmap.parameters.plane import ParameterPlane, Strip, parameter_plane
+from pwmap.rotations.numbers import (
+    RotationInterval,
+    RotationNumber,
+    rotation_interval,
+    rotation_number_at,
+)
+from pwmap.rotations.tongues import Tongue, tongues
+from pwmap.rotations.words import farey, rotation_number, rotational_word
 
 __all__ = [
     "Branch",
@@ -44,13 +52,22 @@ __all__ = [
     "PointKind",
     "PointStatus",
     "Progress",
+    "RotationInterval",
+    "RotationNumber",
     "SpecialPoint",
     "Stretch",
     "Strip",
+    "Tongue",
     "UndecidedError",
     "bifurcation_diagram",
+    "farey",
     "parameter_cells",
     "parameter_plane",
     "read_graph",
+    "rotation_interval",
+    "rotation_number",
+    "rotation_number_at",
+    "rotational_word",
+    "tongues",
     "write_graph",
 ]
