@@ -24,6 +24,7 @@ from pwmap.maps.piecewise_linear import (
 from pwmap.parameters.bifurcations import bifurcation_diagram
 from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cells
 from pwmap.parameters.plane import ParameterPlane, Strip, parameter_plane
+from pwmap.rotations.families import WordFamily, word_family
 from pwmap.rotations.numbers import (
     RotationInterval,
     RotationNumber,
@@ -59,6 +60,7 @@ __all__ = [
     "Strip",
     "Tongue",
     "UndecidedError",
+    "WordFamily",
     "bifurcation_diagram",
     "farey",
     "parameter_cells",
@@ -69,5 +71,6 @@ __all__ = [
     "rotation_number_at",
     "rotational_word",
     "tongues",
+    "word_family",
     "write_graph",
 ]
