@@ -24,6 +24,12 @@ from pwmap.maps.piecewise_linear import (
 from pwmap.parameters.bifurcations import bifurcation_diagram
 from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cells
 from pwmap.parameters.plane import ParameterPlane, Strip, parameter_plane
+from pwmap.rotations.centres import (
+    CentreKind,
+    OrganisingCentre,
+    organising_centre,
+    organising_centres,
+)
 from pwmap.rotations.families import WordFamily, word_family
 from pwmap.rotations.numbers import (
     RotationInterval,
@@ -39,12 +45,14 @@ __all__ = [
     "BranchKind",
     "Budget",
     "BudgetError",
+    "CentreKind",
     "Cycle",
     "Diagram",
     "FixedInterval",
     "FixedPoint",
     "Jump",
     "JumpCrossing",
+    "OrganisingCentre",
     "ParameterCell",
     "ParameterCells",
     "ParameterPlane",
@@ -63,6 +71,8 @@ __all__ = [
     "WordFamily",
     "bifurcation_diagram",
     "farey",
+    "organising_centre",
+    "organising_centres",
     "parameter_cells",
     "parameter_plane",
     "read_graph",

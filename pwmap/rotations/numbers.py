@@ -89,8 +89,8 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
     map_
         A map without parameters; see :meth:`PiecewiseLinearMap.at`.
     iterates
-        How many may be used. Where slopes below one and all coefficients are rational the number
-        is rational [Laurent2018], and found exactly once this is enough.
+        How many may be used. A rational number is found exactly once this is enough; that of a
+        contracted rotation, x -> a x + d mod 1, always is one [Laurent2018].
 
     Raises
     ------

@@ -7,8 +7,8 @@ images of the outermost points, q - 1 and 0, which are the points p - 1 and p, e
 in this way, and last the one over the break, between the points q - p - 1 and q - p. So all gaps
 have its sign: if the largest point on the left and the smallest one on the right are where they
 belong, all points are in order, and all lie where they belong. The multiplier does not matter, nor
-whether the pieces overlap. For contracted rotations these are the conditions of [Bugeaud1993] and
-[Laurent2018], for a circle map of two slopes those of [DingHemmer1987].
+whether the pieces overlap. For contracted rotations, x -> a x + d mod 1, the tongues are those of
+[Bugeaud1993] and [Laurent2018].
 """
 
 from __future__ import annotations

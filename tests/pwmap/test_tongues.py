@@ -103,7 +103,7 @@ def closed_tongue(a: sympy.Rational, rotation: Fraction) -> tuple[sympy.Expr, sy
     At the lower end the leftmost point of the cycle is 0. With the letters w_k = 0, 1 of the
     rotational word, that point is (d - (1 - a) S/(1 - a^q))/(1 - a), S the sum of
     a^(j - 1) w_(q - j), j = 1 ... q. The width is (1 - a)^2 a^(q - 1)/(1 - a^q)
-    [Bugeaud1993; Laurent2018, Thm. 1]. (For 0/1 and 1/1 d is not reduced modulo 1.)
+    [Bugeaud1993; Laurent2018]. (For 0/1 and 1/1 d is not reduced modulo 1.)
     """
     p, q = rotation.as_integer_ratio()
     letters = [(k + 1) * p // q - k * p // q for k in range(q)]
