@@ -123,29 +123,33 @@ def tongues(map_: PiecewiseLinearMap, q_max: int) -> tuple[Tongue, ...]:
 
     Returns
     -------
-    One tongue for each fraction of :func:`pwmap.farey`, in its order. A tongue may be empty.
+    One tongue for each fraction of :func:`pwmap.farey`, in its order. A tongue may be empty. Where
+    the slope of a word is 1 for all values of the parameters it has no isolated cycle: these are
+    left out.
 
     Raises
     ------
     TypeError, ValueError
-        If the map has not two increasing pieces and one break, if ``q_max`` is no integer of at
-        least 1, or if the multiplier of a word is 1 for all values of the parameters.
+        If the map has not two increasing pieces and one break, or if ``q_max`` is no integer of at
+        least 1.
     UndecidedError
         If the assumptions do not say whether the pieces increase.
     """
     pieces = increasing_pieces(map_)
-    return tuple(
-        _tongue(pieces, rotation)
-        for rotation in farey(checked_count(q_max, "the largest denominator"))
-    )
+    letters = "".join(map_.letters)
+    found = []
+    for rotation in farey(checked_count(q_max, "the largest denominator")):
+        text = rotational_word(rotation, letters)
+        top, bottom = map_.orbits.slope(pieces.read(text))
+        if top != bottom:
+            found.append(_tongue(pieces, rotation, text))
+    return tuple(found)
 
 
-def _tongue(pieces: TwoPieces, rotation: Fraction) -> Tongue:
-    map_ = pieces.map_
-    text = rotational_word(rotation, "".join(map_.letters))
+def _tongue(pieces: TwoPieces, rotation: Fraction, text: str) -> Tongue:
     word = pieces.read(text)
     turned = [word[k:] + word[:k] for k in _nearest(rotation)]
-    cycle = map_.cycle(text)
+    cycle = pieces.map_.cycle(text)
     return Tongue(
         rotation=rotation,
         word=text,
@@ -153,7 +157,7 @@ def _tongue(pieces: TwoPieces, rotation: Fraction) -> Tongue:
         borders=tuple(_border(pieces, one) for one in turned),
         multiplier=cycle.multiplier,
         _margins=tuple(map(pieces.margin, turned)),
-        _map=map_,
+        _map=pieces.map_,
     )
 
 

@@ -205,6 +205,35 @@ def test_ends_in_the_slope_are_algebraic() -> None:
             assert sympy.rem(top, sympy.minimal_polynomial(end, a), a) == 0
 
 
+@pytest.mark.parametrize("slopes", [("1/2", "3/4"), ("2", "1/3"), ("5/4", "9/8"), ("1", "1/2")])
+def test_tongues_of_two_slopes_hold_where_brute_force_finds_the_cycle(
+    slopes: tuple[str, str],
+) -> None:
+    """Two conditions against all q, also where pieces overlap and cycles repel."""
+    s, t = map(Fraction, slopes)
+    map_ = GAP.at({"s": rational(s), "t": rational(t)})
+    found = [tongue for tongue in tongues(map_, 9) if len(tongue.word) > 1]
+    assert len(found) == len(farey(9)) - 2
+    for tongue in found:
+        low, high = fraction(tongue.lower), fraction(tongue.upper)
+        step = (high - low) / 100
+        for d in (low - step, low, low + step, (low + high) / 2, high - step, high, high + step):
+            slope, shift = Fraction(1), Fraction(0)
+            for letter in tongue.word:
+                m, c = (s, d) if letter == "L" else (t, d - 1)
+                slope, shift = m * slope, m * shift + c
+            x, fits = shift / (1 - slope), True
+            for letter in tongue.word:
+                fits = fits and (x < 0) == (letter == "L")
+                x = s * x + d if letter == "L" else t * x + d - 1
+            assert (rational(d) in tongue.values) == fits, (tongue.rotation, d)
+
+
+def test_words_of_slope_1_have_no_tongue() -> None:
+    assert [t.word for t in tongues(GAP.at({"s": 1, "t": Rational(1, 2)}), 2)] == ["LR", "R"]
+    assert tongues(GAP.at({"s": 1, "t": 1}), 3) == ()
+
+
 def test_a_tongue_may_be_empty() -> None:
     up = PiecewiseLinearMap([("x/2 + p", "x < 0"), ("x/2 + p + 1", "x >= 0")])
     middle = tongues(up, 2)[1]
