@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from itertools import count
 from typing import NamedTuple
 
 import sympy
@@ -42,8 +43,6 @@ from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit
 from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
-
-_SHEARS = 8  # of the plane, until the centres have different abscissae: more than enough
 
 
 class CentreKind(Enum):
@@ -262,8 +261,9 @@ def _univariate(
 ) -> tuple[PolyElement, tuple[PolyElement, PolyElement]]:
     """A polynomial f(t) and both parameters as polynomials in t, at all common zeros.
 
-    t is a parameter, or a sum of both by which the zeros can be told apart. Then a Groebner basis
-    of the radical has this shape.
+    t is a parameter, or a sum of both by which the zeros can be told apart. Then the Groebner basis
+    of the radical has this shape; an ideal with finitely many zeros is made radical by a polynomial
+    without multiple roots in each variable.
 
     Raises
     ------
@@ -276,14 +276,12 @@ def _univariate(
     given = [to_sympy(equation) for equation in equations]
     if sympy.gcd(*given).free_symbols:
         raise ValueError(f"both limits lie on the break along a curve in ({u}, {v}), no point")
-    for shear in range(_SHEARS):
-        ideal = [*given, t - u - shear * v]
+    radical = [*given, _abscissae(given, v, u), _abscissae(given, u, v)]
+    for shear in count():
+        ideal = [*radical, t - u - shear * v]
         basis = sympy.groebner(ideal, v, u, t, order="lex", domain=QQ)
-        below = [p for p in basis.exprs if not p.free_symbols - {t}]
-        radical = sympy.sqf_part(below[-1], t) if below[-1].free_symbols else sympy.Integer(1)
-        if not radical.free_symbols:  # there are no common zeros
+        if basis.exprs == [1]:  # there are no common zeros
             return line.one, (line.zero, line.zero)
-        basis = sympy.groebner([*ideal, radical], v, u, t, order="lex", domain=QQ)
         shape = {
             symbol: polynomial
             for symbol in (u, v)
@@ -292,8 +290,14 @@ def _univariate(
         }
         if len(shape) == 2:
             pair = tuple(line.from_expr(sympy.expand(g - shape[g].as_expr())) for g in (u, v))
-            return line.from_expr(radical), (pair[0], pair[1])
-    raise AssertionError("no shear tells the common zeros apart")
+            return line.from_expr(basis.exprs[-1]), (pair[0], pair[1])
+    raise AssertionError("there are finitely many zeros, which some shear tells apart")
+
+
+def _abscissae(given: list[sympy.Expr], other: sympy.Symbol, symbol: sympy.Symbol) -> sympy.Expr:
+    """A polynomial in one symbol without multiple roots, which are those of all common zeros."""
+    last = sympy.groebner(given, other, symbol, order="lex", domain=QQ).exprs[-1]
+    return sympy.sqf_part(last, symbol) if last.free_symbols else last
 
 
 def _unit(symbol: sympy.Symbol, symbols: tuple[sympy.Symbol, ...]) -> tuple[int, ...]:

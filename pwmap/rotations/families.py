@@ -36,6 +36,7 @@ from pwmap.algebra.exact import (
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, letter_bounds
 from pwmap.maps.words import Layout, Word
 from pwmap.rotations.patterns import Run, read_pattern
+from pwmap.rotations.pieces import checked_map
 from pwmap.rotations.words import checked_count
 
 Element = Any  # of the field of quotients in the parameters, n and the powers
@@ -199,11 +200,7 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     UndecidedError
         If the assumptions do not say which sign the slope of a repeated word has.
     """
-    if not isinstance(map_, PiecewiseLinearMap):
-        raise TypeError(f"expected a PiecewiseLinearMap, got {type(map_).__name__}")
-    if map_.order != 1:
-        raise ValueError(f"expected a map that is no iterate, got one of order {map_.order}")
-    layout = map_.definition.table.layouts[map_.chain[0]]
+    layout = checked_map(map_)
     for letter in dict.fromkeys(layout.slots):
         if layout.slots.count(letter) == 1 and layout.slots.index(letter) % 2:
             raise ValueError(f"the piece {map_.letters[letter]} is a single point")

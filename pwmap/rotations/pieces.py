@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pwmap.algebra.exact import Fraction_, Number, to_sympy
+from pwmap.algebra.exact import Fraction_, quotient_to_sympy
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import Word
+from pwmap.maps.words import Layout, Word
 
 LEFT, RIGHT = 0, 1  # the letters of the two pieces, as indices
 
@@ -42,13 +42,13 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
     TypeError
         If it is no map.
     ValueError
-        If it has other pieces, or is an iterate.
+        If it has other pieces, is an iterate, or the map of a cell of parameters.
     """
-    if not isinstance(map_, PiecewiseLinearMap):
-        raise TypeError(f"expected a PiecewiseLinearMap, got {type(map_).__name__}")
-    if map_.order != 1:
-        raise ValueError(f"expected a map that is no iterate, got one of order {map_.order}")
-    layout = map_.definition.table.layouts[map_.chain[0]]
+    layout = checked_map(map_)
+    if map_.scope != map_.definition.region:
+        raise ValueError(
+            f"expected a map for all values assumed, got that of the cell {map_.scope}"
+        )
     owners = dict.fromkeys(layout.slots)
     if len(layout.breaks) != 1 or len(owners) != 2:
         raise ValueError(
@@ -71,7 +71,7 @@ def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
     pieces = two_pieces(map_)
     for letter in (LEFT, RIGHT):
         if map_.oracle.slope((letter,)) <= 0:
-            slope = shown(map_.definition.table.slopes[letter])
+            slope = quotient_to_sympy(map_.orbits.slope((letter,)))
             raise ValueError(
                 f"expected two pieces that increase, got the slope {slope} "
                 f"for {map_.letters[letter]}"
@@ -79,6 +79,16 @@ def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
     return pieces
 
 
-def shown(number: Number) -> str:
-    """A coefficient as text."""
-    return str(to_sympy(number))
+def checked_map(map_: PiecewiseLinearMap) -> Layout:
+    """How a map cuts the line.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no map, or an iterate.
+    """
+    if not isinstance(map_, PiecewiseLinearMap):
+        raise TypeError(f"expected a PiecewiseLinearMap, got {type(map_).__name__}")
+    if map_.order != 1:
+        raise ValueError(f"expected a map that is no iterate, got one of order {map_.order}")
+    return map_.definition.table.layouts[map_.chain[0]]

@@ -90,6 +90,7 @@ SIZE = Fraction(1, 1000)
 # --- Period adding --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_period_adding_between_two_positive_slopes() -> None:
     """One rotational cycle at each place; rotation numbers fall from 1 to 0, mediants in between.
 
@@ -290,6 +291,16 @@ def test_a_fold_of_both_limits_is_degenerate() -> None:
     map_ = PiecewiseLinearMap([("x/2 + (u - v)**2", "x < 0"), ("x/3 - v + 1", "x >= 0")])
     centre = organising_centre(map_, U, V)
     assert (centre.values, centre.kind) == ((1, 1), CentreKind.DEGENERATE)
+    flat = PiecewiseLinearMap([("x/2 + u*v", "x < 0"), ("x/3 + u**2 - v**2", "x >= 0")])
+    centre = organising_centre(flat, U, V)
+    assert (centre.values, centre.kind) == ((0, 0), CentreKind.DEGENERATE)
+
+
+def test_centres_above_one_another_are_told_apart() -> None:
+    """A grid of nine: neither parameter is an abscissa for them all."""
+    grid = PiecewiseLinearMap([("x/2 + u**3 - u", "x < 0"), ("x/3 + v**3 - 4*v", "x >= 0")])
+    found = {centre.values for centre in organising_centres(grid, U, V)}
+    assert found == {(u, v) for u in (-1, 0, 1) for v in (-2, 0, 2)}
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from pwmap import (
     PiecewiseLinearMap,
     Tongue,
     farey,
+    parameter_cells,
     rotation_interval,
     rotation_number,
     rotation_number_at,
@@ -31,6 +32,7 @@ GAP = PiecewiseLinearMap([("s*x + d", "x < 0"), ("t*x + d - 1", "x >= 0")])
 POSITIVE = PiecewiseLinearMap(
     [("s*x + d", "x < 0"), ("t*x + d - 1", "x >= 0")], given=["s > 0", "t > 0"]
 )
+CELL = parameter_cells(ROTATION.at({"a": Rational(1, 2)}), "d", orders=(1,)).cells[0].map
 CONTRACTIONS = [Rational(1, 3), Rational(1, 2), Rational(4, 5)]
 Q_MAX = 12
 
@@ -80,6 +82,7 @@ def test_rotational_words_are_those_of_rotations() -> None:
         (lambda: tongues(POSITIVE, 2.5), "must be an integer of at least 1, got 2.5"),  # type: ignore[arg-type]
         (lambda: tongues(GAP.at({"s": -1}), 2), "two pieces that increase, got the slope -1 for L"),
         (lambda: tongues(PiecewiseLinearMap([("x/2", "x < 5 or x >= 5")]), 2), "got 1 pieces"),
+        (lambda: tongues(CELL, 2), "a map for all values assumed, got one of the cell"),
         (lambda: tongues(GAP.iterate(2), 2), "no iterate, got one of order 2"),
         (lambda: rotation_interval(POSITIVE), "(.at), the map still has d, s, t"),
     ],
@@ -264,6 +267,7 @@ def test_rotation_numbers_outside_of_the_listed_tongues() -> None:
         assert left < found.lower < right
 
 
+@pytest.mark.slow
 def test_bounds_when_iterates_run_out_are_neighbours() -> None:
     map_ = GAP.at({"s": Rational(99, 100), "t": Rational(99, 100), "d": Rational(382, 1000)})
     full = rotation_number_at(map_)

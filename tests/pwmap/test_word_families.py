@@ -40,6 +40,7 @@ def check(map_: PiecewiseLinearMap, family: WordFamily, n: int) -> None:
             assert condition.relation.subs(exponent) in (sympy.true, sympy.false)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", TWO_LETTERS)
 def test_families_with_symbols_agree_with_single_cycles(pattern: str) -> None:
     for signs in (["s > 0", "t > 0"], ["0 < s", "t < 0", "t > -1"], ["s < -1", "t > 0"]):
@@ -63,6 +64,7 @@ def test_families_of_three_pieces(pattern: str) -> None:
         check(THREE, family, n)
 
 
+@pytest.mark.slow
 def test_families_of_maps_with_quotients() -> None:
     for pattern in ("R L^n", "L R^n", "(LR)^n L"):
         family = word_family(QUOTIENT, pattern)
