@@ -46,9 +46,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
     """
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
-        raise ValueError(
-            f"expected a map for all values assumed, got that of the cell {map_.scope}"
-        )
+        raise ValueError(f"expected a map for all values assumed, got one of the cell {map_.scope}")
     owners = dict.fromkeys(layout.slots)
     if len(layout.breaks) != 1 or len(owners) != 2:
         raise ValueError(
