@@ -11,6 +11,7 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from pwmap.diagrams.graph import read_graph, write_graph
+from pwmap.longrun.crises import AttractorCell, AttractorDiagram, Crisis, attractor_diagram
 from pwmap.longrun.densities import Density
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropies import Entropy
@@ -27,13 +28,32 @@ from pwmap.maps.piecewise_linear import (
 from pwmap.parameters.bifurcations import bifurcation_diagram
 from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cells
 from pwmap.parameters.plane import ParameterPlane, Strip, parameter_plane
+from pwmap.rotations.centres import (
+    CentreKind,
+    OrganisingCentre,
+    organising_centre,
+    organising_centres,
+)
+from pwmap.rotations.families import WordFamily, word_family
+from pwmap.rotations.numbers import (
+    RotationInterval,
+    RotationNumber,
+    rotation_interval,
+    rotation_number_at,
+)
+from pwmap.rotations.tongues import Tongue, tongues
+from pwmap.rotations.words import farey, rotation_number, rotational_word
 
 __all__ = [
     "Attractor",
+    "AttractorCell",
+    "AttractorDiagram",
     "Branch",
     "BranchKind",
     "Budget",
     "BudgetError",
+    "CentreKind",
+    "Crisis",
     "Cycle",
     "Density",
     "Diagram",
@@ -44,6 +64,7 @@ __all__ = [
     "Jump",
     "JumpCrossing",
     "Kneading",
+    "OrganisingCentre",
     "ParameterCell",
     "ParameterCells",
     "ParameterPlane",
@@ -52,14 +73,28 @@ __all__ = [
     "PointKind",
     "PointStatus",
     "Progress",
+    "RotationInterval",
+    "RotationNumber",
     "SpecialPoint",
     "Stretch",
     "Strip",
+    "Tongue",
     "UndecidedError",
+    "WordFamily",
+    "attractor_diagram",
     "bifurcation_diagram",
     "dynamics",
+    "farey",
+    "organising_centre",
+    "organising_centres",
     "parameter_cells",
     "parameter_plane",
     "read_graph",
+    "rotation_interval",
+    "rotation_number",
+    "rotation_number_at",
+    "rotational_word",
+    "tongues",
+    "word_family",
     "write_graph",
 ]

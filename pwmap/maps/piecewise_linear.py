@@ -735,7 +735,7 @@ class PiecewiseLinearMap:
         for (top, bottom), layout, index in zip(
             points, self._layouts(len(word)), indices, strict=True
         ):
-            for k, side, closed in _bounds(layout, index):
+            for k, side, closed in letter_bounds(layout, index):
                 value = self.orbits.preimage(k, ())
                 over = side * (value[1] * top - value[0] * bottom)
                 if closed and not over:  # the point is this break
@@ -878,7 +878,7 @@ def _less(closed: bool) -> str:
     return "<=" if closed else "<"
 
 
-def _bounds(layout: Layout, letter: int) -> Iterator[tuple[int, int, bool]]:
+def letter_bounds(layout: Layout, letter: int) -> Iterator[tuple[int, int, bool]]:
     """Breaks that bound a letter, the side of each it lies on, and whether it owns them."""
     owned = [slot for slot, owner in enumerate(layout.slots) if owner == letter]
     low, high = min(owned), max(owned)

@@ -1,0 +1,450 @@
+"""Families of cycles whose words grow with n: fixed point, multiplier and conditions for every n.
+
+With A_w(x) = s x + c, the word w^n stands for s^n x + c (1 - s^n)/(1 - s), and for x + n c if s is
+1. So all points of the cycle of a pattern are quotients of polynomials in the parameters, n and
+powers s^n, which are variables of their own here. To follow one word through its replacements in
+this way is what [Avrutin2010] call map replacement.
+
+Which conditions bind: the points y_i = A^i(y_0) that begin with the same letter of a repeated
+word are monotone for s > 0, so that the first and the last decide. For s < 0 they alternate round
+the fixed point of A and come nearer to it for s > -1, where the first two decide, or go away from
+it for s < -1, where the last two do. For s = 0 all but the first are the same. After a run of one
+letter whose slope is positive comes a point on another side of a break: the run goes towards it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import reduce
+from typing import Any, NamedTuple
+
+import sympy
+from sympy import QQ
+from sympy.polys.fields import FracField
+from sympy.polys.orderings import lex
+
+from pwmap.algebra.assumptions import UndecidedError
+from pwmap.algebra.exact import (
+    Fraction_,
+    Number,
+    cancelled,
+    fraction_to_sympy,
+    quotient_to_sympy,
+    to_sympy,
+)
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, letter_bounds
+from pwmap.maps.words import Layout, Word
+from pwmap.rotations.patterns import Run, read_pattern
+from pwmap.rotations.pieces import checked_map
+from pwmap.rotations.words import checked_count
+
+Element = Any  # of the field of quotients in the parameters, n and the powers
+Affine = tuple[Element, Element]  # slope and intercept
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FamilyCondition:
+    """A condition of the cycles of a family.
+
+    Attributes
+    ----------
+    relation
+        In the parameters, n and powers.
+    since
+        The n from which on it is one; for smaller n its point does not exist.
+    """
+
+    relation: sympy.Basic
+    since: int
+    _bound: _Bound = field(repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FamilyCycle:
+    """One cycle of a family: its word, first point, multiplier, and the conditions that bind."""
+
+    word: str
+    x: sympy.Expr
+    multiplier: sympy.Expr
+    conditions: tuple[sympy.Basic, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WordFamily:
+    """The cycles of a pattern of words, for every n.
+
+    Attributes
+    ----------
+    pattern
+        As it was given.
+    n
+        The exponent, a positive integer.
+    least
+        The smallest n for which all exponents are at least 1.
+    x
+        The first point of the cycle, whose word begins as the pattern does. Where the slope of a
+        repeated word is 1 for single values of the parameters, x is the limit there.
+    multiplier
+        Of the cycle.
+    conditions
+        Those that bind: together they say for every n that each point lies in its piece.
+    """
+
+    pattern: str
+    n: sympy.Symbol
+    least: int
+    x: sympy.Expr
+    multiplier: sympy.Expr
+    conditions: tuple[FamilyCondition, ...]
+    _runs: tuple[Run, ...] = field(repr=False)
+    _powers: _Powers = field(repr=False)
+    _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
+
+    def word(self, n: int) -> str:
+        """The word for a value of n.
+
+        Raises
+        ------
+        ValueError
+            If n is no integer of at least :attr:`least`.
+        """
+        count = self._checked(n)
+        return self._powers.map_.spelled(
+            tuple(letter for run in self._runs for letter in run.word * run.count(count))
+        )
+
+    def at(self, n: int) -> FamilyCycle:
+        """The cycle for a value of n, from the formulas that hold for every n.
+
+        It agrees with ``map_.cycle(word)``, of whose conditions it has those that bind.
+
+        Raises
+        ------
+        ValueError
+            If n is no integer of at least :attr:`least`, or the multiplier is 1 for this n.
+        """
+        count, word = self._checked(n), self.word(n)
+        x, multiplier = (self._powers.at(element, count) for element in self._form)
+        if x is None or multiplier is None:
+            raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
+        bounds = [c._bound for c in self.conditions if c.since <= count]
+        found = [self._powers.relation_at(bound, count) for bound in bounds]
+        return FamilyCycle(
+            word=word,
+            x=fraction_to_sympy(x),
+            multiplier=fraction_to_sympy(multiplier),
+            conditions=tuple(c for c in dict.fromkeys(found) if c != sympy.true),
+        )
+
+    def thresholds(self, parameter: object) -> tuple[sympy.Expr, ...]:
+        """Where each of :attr:`conditions` is met with equality, in a parameter linear in it.
+
+        Conditions in which the parameter does not occur are left out.
+
+        Raises
+        ------
+        ValueError
+            If it is no parameter of the map, or occurs in another way.
+        """
+        names = [str(symbol) for symbol in self._powers.map_.parameters]
+        name = str(parameter)
+        if name not in names:
+            raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
+        index = names.index(name)
+        roots = (self._powers.root(condition._bound, index) for condition in self.conditions)
+        return tuple(root for root in roots if root is not None)
+
+    def _checked(self, n: int) -> int:
+        count = checked_count(n, f"the exponent {self.n}")
+        if count < self.least:
+            raise ValueError(f"the exponent {self.n} must be at least {self.least}, got {count}")
+        return count
+
+
+class _Bound(NamedTuple):
+    """A point that must lie beyond a break: on its right (side +1) or left (-1)."""
+
+    point: Element
+    k: int  # of the break
+    side: int
+    closed: bool
+
+    def relation(self, point: sympy.Expr, at: sympy.Expr) -> sympy.Basic:
+        """As a sympy relation."""
+        if self.side > 0:
+            return (sympy.Ge if self.closed else sympy.Gt)(point, at)
+        return (sympy.Le if self.closed else sympy.Lt)(point, at)
+
+
+def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> WordFamily:
+    """The cycles of a pattern of words such as ``R L^n``, for every n.
+
+    Parameters
+    ----------
+    map_
+        A map with any number of pieces and parameters.
+    pattern
+        Letters of the map and groups in parentheses, with or without an exponent: an integer, n,
+        or a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
+    n
+        The name of the exponent.
+
+    Raises
+    ------
+    TypeError
+        If it is no map.
+    ValueError
+        If the pattern cannot be read or has no exponent n, the map is an iterate, has a parameter
+        n or a piece that is a single point, or the multiplier of the words is 1 for every n.
+    UndecidedError
+        If the assumptions do not say which sign the slope of a repeated word has.
+    """
+    layout = checked_map(map_)
+    for letter in dict.fromkeys(layout.slots):
+        if layout.slots.count(letter) == 1 and layout.slots.index(letter) % 2:
+            raise ValueError(f"the piece {map_.letters[letter]} is a single point")
+    name = str(n)
+    if not name.isidentifier() or name in map(str, (*map_.parameters, *map_.letters, map_.x)):
+        raise ValueError(f"the exponent needs a name that is not taken by the map, got {name!r}")
+    runs = read_pattern(pattern, map_.letters, name)
+    return _Builder(map_, layout, runs, name).family(pattern)
+
+
+class _Powers:
+    """The field in which a family is computed: the parameters, n, and a variable for each s^n.
+
+    Parameters
+    ----------
+    map_
+        The map.
+    bases
+        The slopes s of repeated words, without those that are 0 or 1.
+    name
+        Of n.
+    """
+
+    def __init__(self, map_: PiecewiseLinearMap, bases: tuple[Fraction_, ...], name: str) -> None:
+        self.map_ = map_
+        self.n = sympy.Symbol(name, integer=True, positive=True)
+        self._bases = bases
+        self._generators = tuple(sympy.Dummy(f"power_{i}") for i in range(len(bases)))
+        symbols = (*map_.parameters, self.n, *self._generators)
+        self.field = FracField(symbols, QQ, lex)
+        self._ground = FracField(map_.parameters, QQ, lex) if map_.parameters else QQ
+
+    def element(self, fraction: Fraction_) -> Element:
+        """A quotient of the map's ring as an element of the field."""
+        top, bottom = fraction
+        return self.field(top) / self.field(bottom)
+
+    def power(self, base: Fraction_, run: Run) -> Element:
+        """s^m for a run of m words."""
+        i = self._bases.index(base)
+        variable = self.field.gens[len(self.map_.parameters) + 1 + i]
+        return variable * self.element(base) ** run.shift
+
+    def count(self, run: Run) -> Element:
+        """How many words a run has."""
+        return self.field.gens[len(self.map_.parameters)] + run.shift
+
+    def to_sympy(self, element: Element) -> sympy.Expr:
+        """With powers of n."""
+        powers = {
+            variable: (to_sympy(top) / to_sympy(bottom)) ** self.n
+            for variable, (top, bottom) in zip(self._generators, self._bases, strict=True)
+        }
+        return sympy.factor(element.as_expr()).xreplace(powers)
+
+    def at(self, element: Element, n: int) -> Fraction_ | None:
+        """The value for one n as a quotient of the map's ring; None if it has none."""
+        powers = [self._quotient(base) ** n for base in self._bases]
+        top, bottom = (self._value(part, n, powers) for part in (element.numer, element.denom))
+        if not bottom:
+            return None
+        value = top / bottom
+        ring = self.map_.definition.ring
+        if ring is None:
+            return value, QQ.one
+        return value.numer.set_ring(ring), value.denom.set_ring(ring)
+
+    def _quotient(self, fraction: Fraction_) -> Number:
+        top, bottom = fraction
+        return self._ground(top) / self._ground(bottom)
+
+    def _value(self, polynomial: Number, n: int, powers: list[Number]) -> Number:
+        known = len(self.map_.parameters)
+        values = [*getattr(self._ground, "gens", ())[:known], self._ground(n), *powers]
+        total = self._ground(0)
+        for exponents, coefficient in polynomial.terms():
+            term = self._ground(coefficient)
+            for value, exponent in zip(values, exponents, strict=True):
+                term = term * value**exponent
+            total = total + term
+        return total
+
+    def root(self, bound: _Bound, index: int) -> sympy.Expr | None:
+        """Where a point meets its break, solved for a parameter; None if it does not occur."""
+        margin = bound.point - self.element(self.map_.orbits.preimage(bound.k, ()))
+        parts = {0: self.field.ring.zero, 1: self.field.ring.zero}
+        symbol = self.map_.parameters[index]
+        for exponents, coefficient in margin.numer.terms():
+            degree = exponents[index]
+            if degree > 1 or margin.denom.degree(index) > 0:
+                raise ValueError(f"{symbol} does not occur linearly in the points of the cycle")
+            rest = tuple(0 if i == index else e for i, e in enumerate(exponents))
+            parts[degree] += self.field.ring.from_dict({rest: coefficient})
+        return self.to_sympy(self.field(-parts[0]) / self.field(parts[1])) if parts[1] else None
+
+    def relation_at(self, bound: _Bound, n: int) -> sympy.Basic:
+        """A condition for one n."""
+        point = self.at(bound.point, n)
+        assert point is not None  # x has a value
+        at = quotient_to_sympy(self.map_.orbits.preimage(bound.k, ()))
+        return bound.relation(fraction_to_sympy(point), at)
+
+
+class _Builder:
+    """Follows the point of a pattern through its runs."""
+
+    def __init__(
+        self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[Run, ...], name: str
+    ) -> None:
+        self._map, self._layout, self._runs = map_, layout, runs
+        self._slopes = {run.word: cancelled(map_.orbits.slope(run.word)) for run in runs}
+        bases = (self._slopes[run.word] for run in runs if run.grows)
+        self._powers = _Powers(
+            map_, tuple(dict.fromkeys(s for s in bases if s[0] and s[0] != s[1])), name
+        )
+
+    def family(self, pattern: str) -> WordFamily:
+        one = self._powers.field.one
+        slope, intercept = reduce(_then, map(self._whole, self._runs), (one, one - one))
+        if slope == one:
+            raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
+        x = intercept / (one - slope)
+        shifts = [run.shift for run in self._runs if run.grows]
+        least = max(1, 1 - min(shifts))
+        return WordFamily(
+            pattern=pattern,
+            n=self._powers.n,
+            least=least,
+            x=self._powers.to_sympy(x),
+            multiplier=self._powers.to_sympy(slope),
+            conditions=tuple(self._conditions(x, least)),
+            _runs=self._runs,
+            _powers=self._powers,
+            _form=(x, slope),
+        )
+
+    # --- Affine forms ---------------------------------------------------------------------------
+
+    def _word(self, word: Word) -> Affine:
+        orbits = self._map.orbits
+        element = self._powers.element
+        return element(orbits.slope(word)), element(orbits.intercept(word))
+
+    def _whole(self, run: Run) -> Affine:
+        return self._repeated(run.word, run) if run.grows else self._word(run.word)
+
+    def _repeated(self, word: Word, run: Run) -> Affine:
+        """A word as often as a run says; it may be the run's word, turned."""
+        base = self._slopes[run.word]
+        slope, intercept = self._word(word)
+        if not base[0]:
+            return slope, intercept
+        one = self._powers.field.one
+        if base[0] == base[1]:
+            return one, self._powers.count(run) * intercept
+        power = self._powers.power(base, run)
+        return power, intercept * (one - power) / (one - slope)
+
+    # --- Conditions -----------------------------------------------------------------------------
+
+    def _conditions(self, x: Element, least: int) -> Iterator[FamilyCondition]:
+        seen = set[tuple[Element, int, int]]()
+        for run, aim in zip(self._runs, self._aims(), strict=True):
+            for letter, place, point in self._decisive(run, x):
+                for k, side, closed in letter_bounds(self._layout, letter):
+                    if aim and side != (aim if place == 0 else -aim):
+                        continue  # the other end of the run is nearer to this break
+                    bound = _Bound(point, k, side, closed)
+                    margin = side * (point - self._powers.element(self._break(k)))
+                    since = max(least, _needed(place) - run.shift)
+                    if (margin, side, since) in seen or _holds_always(margin, closed):
+                        continue
+                    seen.add((margin, side, since))
+                    at = quotient_to_sympy(self._break(k))
+                    relation = bound.relation(self._powers.to_sympy(point), at)
+                    yield FamilyCondition(relation=relation, since=since, _bound=bound)
+            x = _value(self._whole(run), x)
+
+    def _break(self, k: int) -> Fraction_:
+        return self._map.orbits.preimage(k, ())
+
+    def _decisive(self, run: Run, x: Element) -> Iterator[tuple[int, int, Element]]:
+        """Letters, places and points of a run that may decide; x is its first point."""
+        for j, letter in enumerate(run.word):
+            start = _value(self._word(run.word[:j]), x) if j else x
+            turned = run.word[j:] + run.word[:j]
+            for place in self._places(run):
+                if place > 0:
+                    yield letter, place, _value(self._word(turned), start)
+                elif place == 0:
+                    yield letter, place, start
+                else:
+                    shorter = run._replace(shift=run.shift + place)
+                    yield letter, place, _value(self._repeated(turned, shorter), start)
+
+    def _places(self, run: Run) -> tuple[int, ...]:
+        """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
+        if not run.grows:
+            return (0,)
+        oracle = self._map.oracle
+        sign = oracle.slope(run.word)
+        if sign > 0:
+            return 0, -1
+        try:
+            beyond = oracle.multiplier(run.word, -1) if sign else 1
+        except UndecidedError:
+            return 0, 1, -2, -1
+        return (0, 1) if beyond >= 0 else (-2, -1)
+
+    def _aims(self) -> list[int]:
+        """Where runs of one letter go: to the right (1), to the left (-1); 0 if that is not used.
+
+        It follows from where the next point lies, so that the condition of this point is kept.
+        """
+        aims, kept = [0] * len(self._runs), set[int]()
+        for i, run in enumerate(self._runs):
+            j = (i + 1) % len(self._runs)
+            letter, after = run.word[-1], self._runs[j].word[0]
+            single = run.grows and len(run.word) == 1 and letter != after
+            if i in kept or not single or self._places(run) != (0, -1):
+                continue
+            if 0 in self._places(self._runs[j]) and not aims[j]:
+                aims[i] = 1 if after > letter else -1
+                kept.add(j)
+        return aims
+
+
+def _then(first: Affine, second: Affine) -> Affine:
+    """The second affine map after the first."""
+    return second[0] * first[0], second[0] * first[1] + second[1]
+
+
+def _value(affine: Affine, x: Element) -> Element:
+    return affine[0] * x + affine[1]
+
+
+def _needed(place: int) -> int:
+    """How many repetitions there must be for a place to exist."""
+    return place + 1 if place >= 0 else -place
+
+
+def _holds_always(margin: Element, closed: bool) -> bool:
+    """Whether a margin is a number that is positive, or zero where that is enough."""
+    if not (margin.numer.is_ground and margin.denom.is_ground):
+        return False
+    value = margin.numer.coeff(1) / margin.denom.coeff(1)
+    return bool(value > 0 or (closed and value == 0))

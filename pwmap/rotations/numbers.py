@@ -1,0 +1,234 @@
+"""Rotation numbers of one map without parameters, exact where they are rational.
+
+Let b be the break, t = L(b) and l = R(b) its limits from the left and the right, l < b < t. The
+interval [l, t] with its ends joined is a circle, and the map on it has a lift of degree one: F = L
+left of b and R + (t - l) right of it, which is continuous at b and jumps at the joint, from R(t) to
+L(l). If it jumps upwards the lift increases (the pieces do not overlap, a *gap*) and has one
+rotation number. Otherwise rotation numbers fill an interval. Its ends are those of the monotone
+lifts that bound F from above and below, which are F but for a level piece where they leave the
+overlap out; [Granados2017] surveys this theory.
+
+An orbit of a monotone lift bounds its rotation number: if F^n takes one point by k turns or more,
+the rotation number is at least k/n. It *is* k/n if a cycle has that number, which is a matter of
+the two conditions of :mod:`pwmap.rotations.tongues`, or if the level piece comes back to itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, floor
+from typing import NamedTuple
+
+from sympy import QQ
+
+from pwmap.algebra.exact import Number, constant
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.rotations.pieces import LEFT, RIGHT, increasing_pieces
+from pwmap.rotations.words import checked_count, rotational_word
+
+ITERATES = 1000  # by default; the bounds are then at most 1/1000 apart
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RotationNumber:
+    """Bounds of a rotation number, which are equal where it is known exactly.
+
+    Attributes
+    ----------
+    lower, upper
+        It lies between them, ends included.
+    iterates
+        How many iterates that took.
+    """
+
+    lower: Fraction
+    upper: Fraction
+    iterates: int
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is known exactly; then it is rational."""
+        return self.lower == self.upper
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RotationInterval:
+    """The smallest and the largest rotation number of a map's orbits."""
+
+    least: RotationNumber
+    greatest: RotationNumber
+
+
+class Lines(NamedTuple):
+    """Two increasing lines, each a slope and an intercept, and the break between them."""
+
+    left: tuple[Number, Number]
+    right: tuple[Number, Number]
+    at: Number
+
+    def go_left(self, x: Number) -> Number:
+        """L(x)."""
+        return self.left[0] * x + self.left[1]
+
+    def go_right(self, x: Number) -> Number:
+        """R(x)."""
+        return self.right[0] * x + self.right[1]
+
+    def reflected(self) -> Lines:
+        """The same map seen from behind, in -x: a rotation number r becomes 1 - r."""
+        (s, c), (m, d) = self.left, self.right
+        return Lines((m, -d), (s, -c), -self.at)
+
+
+def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> RotationNumber:
+    """The rotation number of a map of two increasing pieces that do not overlap.
+
+    Parameters
+    ----------
+    map_
+        A map without parameters; see :meth:`PiecewiseLinearMap.at`.
+    iterates
+        How many may be used. A rational number is found exactly once this is enough; that of a
+        contracted rotation, x -> a x + d mod 1, always is one [Laurent2018].
+
+    Raises
+    ------
+    TypeError, ValueError
+        As :func:`rotation_interval`, and if the pieces overlap and have several rotation numbers.
+    UndecidedError
+        If the map has parameters.
+    """
+    found = rotation_interval(map_, iterates)
+    least, greatest = found.least, found.greatest
+    if _overlap(_lines(map_)) and not (least.exact and least == greatest):
+        raise ValueError(
+            "the pieces overlap, the rotation numbers fill an interval from "
+            f"{least.lower} to {greatest.upper}: ask for rotation_interval"
+        )
+    return RotationNumber(
+        lower=max(least.lower, greatest.lower),
+        upper=min(least.upper, greatest.upper),
+        iterates=min(least.iterates, greatest.iterates),
+    )
+
+
+def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> RotationInterval:
+    """The smallest and the largest rotation number of a map of two increasing pieces.
+
+    Parameters
+    ----------
+    map_
+        A map without parameters; see :meth:`PiecewiseLinearMap.at`.
+    iterates
+        How many may be used for each of the two.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the map has not two increasing pieces and one break, has parameters, or maps no interval
+        around the break into itself; if ``iterates`` is no integer of at least 1.
+    """
+    steps = checked_count(iterates, "the number of iterates")
+    lines = _lines(map_)
+    fixed = _fixed(lines)
+    if fixed is not None:
+        known = RotationNumber(lower=fixed, upper=fixed, iterates=1)
+        return RotationInterval(least=known, greatest=known)
+    greatest, mirrored = _greatest(lines, steps), _greatest(lines.reflected(), steps)
+    least = RotationNumber(
+        lower=1 - mirrored.upper, upper=1 - mirrored.lower, iterates=mirrored.iterates
+    )
+    return RotationInterval(least=least, greatest=greatest)
+
+
+def _lines(map_: PiecewiseLinearMap) -> Lines:
+    pieces = increasing_pieces(map_)
+    if map_.parameters:
+        names = ", ".join(map(str, map_.parameters))
+        raise ValueError(f"every parameter must have a value (.at), the map still has {names}")
+    table = map_.definition.table
+    lines = [(constant(table.slopes[i]), constant(table.intercepts[i])) for i in (LEFT, RIGHT)]
+    top, bottom = map(constant, pieces.at)
+    return Lines(lines[0], lines[1], top / bottom)
+
+
+def _fixed(lines: Lines) -> Fraction | None:
+    """The rotation number 0 or 1 where no orbit comes round; None where the break is crossed.
+
+    Raises
+    ------
+    ValueError
+        If there is no rotation number.
+    """
+    top, low = lines.go_left(lines.at), lines.go_right(lines.at)
+    stays = top <= lines.at, low >= lines.at
+    if all(stays):
+        raise ValueError("both pieces map into themselves: orbits do not come round")
+    if any(stays):
+        slope = lines.left[0] if stays[0] else lines.right[0]
+        if slope < 1 or (slope == 1 and lines.at in (top, low)):
+            return Fraction(int(stays[1]))
+    elif lines.go_left(low) >= low and lines.go_right(top) <= top:
+        return None
+    raise ValueError("no bounded interval around the break is mapped into itself")
+
+
+def _overlap(lines: Lines) -> bool:
+    """Whether images of the two pieces overlap, so that the map is not invertible."""
+    top, low = lines.go_left(lines.at), lines.go_right(lines.at)
+    return bool(low < lines.at < top and lines.go_right(top) > lines.go_left(low))
+
+
+def _greatest(lines: Lines, iterates: int) -> RotationNumber:
+    """The rotation number of the monotone lift that bounds that of a map from above.
+
+    That lift is level from the joint l on, as far as L(x) is below R(t). The orbit starts at t:
+    after n steps and k turns it lies in [l, t], so that the rotation number is between (k - 1)/n
+    and k/n; it is (k - 1)/n if the orbit is on the level piece, k/n if it is back at t.
+    """
+    top, low = lines.go_left(lines.at), lines.go_right(lines.at)
+    floor_ = lines.go_right(top)
+    level = max(low, (floor_ - lines.left[1]) / lines.left[0])
+    x, turns = top, 0
+    lower, upper = Fraction(0), Fraction(1)
+    tried = set[Fraction]()
+    for n in range(1, iterates + 1):
+        if x > lines.at:
+            x, turns = lines.go_right(x), turns + 1
+        else:
+            x = max(lines.go_left(x), floor_)
+        lower = max(lower, Fraction(turns - (x != top), n))
+        upper = min(upper, Fraction(turns - (x <= level), n))
+        simplest = lower if lower == upper else _simplest(lower, upper)
+        if lower == upper or (simplest not in tried and _has_cycle(lines, simplest, level)):
+            return RotationNumber(lower=simplest, upper=simplest, iterates=n)
+        tried.add(simplest)
+    return RotationNumber(lower=lower, upper=upper, iterates=iterates)
+
+
+def _has_cycle(lines: Lines, rotation: Fraction, level: Number) -> bool:
+    """Whether a cycle of a rotation number exists beyond the level piece, or just touches b."""
+    word = rotational_word(rotation)
+    slope, shift = QQ.one, QQ.zero
+    for letter in word:
+        m, c = lines.left if letter == "L" else lines.right
+        slope, shift = m * slope, m * shift + c
+    if slope == 1:  # then the orbit of t itself comes back, or no cycle is alone
+        return False
+    x = shift / (1 - slope)  # the leftmost point
+    if x < level or x > lines.go_left(lines.at):  # a fixed point may lie beyond t
+        return False
+    for letter in word:
+        if (x > lines.at) if letter == "L" else (x < lines.at):
+            return False
+        x = lines.go_left(x) if letter == "L" else lines.go_right(x)
+    return True
+
+
+def _simplest(lower: Fraction, upper: Fraction) -> Fraction:
+    """The rational of the smallest denominator between two others, ends included."""
+    if ceil(lower) <= upper:
+        return Fraction(ceil(lower))
+    whole = floor(lower)
+    return whole + 1 / _simplest(1 / (upper - whole), 1 / (lower - whole))

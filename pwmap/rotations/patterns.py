@@ -1,0 +1,113 @@
+"""Patterns of words with one exponent n, such as ``R L^n`` or ``(RL)^n R L^(n+1)``.
+
+pattern:  item item ...
+item:     letter or (pattern), with or without ^exponent
+exponent: an integer, n, or a sum in parentheses such as (n+1), (n-2)
+
+Blanks mean nothing. What is raised to a power of n must be a plain word.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from pwmap.algebra.terms import shortened
+from pwmap.maps.words import Word
+
+MAX_LETTERS = 1000  # that a pattern may have where n does not occur
+
+
+class Run(NamedTuple):
+    """A word that is repeated: ``shift`` times, or n + ``shift`` times if it ``grows``."""
+
+    word: Word
+    grows: bool
+    shift: int
+
+    def count(self, n: int) -> int:
+        """How often, for a value of n."""
+        return self.shift + (n if self.grows else 0)
+
+
+def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[Run, ...]:
+    """The runs of a pattern; letters that are not raised to n are runs of one letter, once.
+
+    Raises
+    ------
+    ValueError
+        One sentence that says what is wrong with the pattern.
+    """
+    if not isinstance(text, str):
+        raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
+    runs = _Reader(text, tuple(letters), n).all()
+    if not any(run.grows for run in runs):
+        raise ValueError(f"a pattern must have an exponent {n}, got {shortened(repr(text))}")
+    return runs
+
+
+class _Reader:
+    """Reads a pattern from left to right."""
+
+    def __init__(self, text: str, letters: tuple[str, ...], n: str) -> None:
+        self._text, self._letters, self._n = text, letters, n
+        self._rest = re.sub(r"\s", "", text)
+
+    def all(self) -> tuple[Run, ...]:
+        runs = self._pattern()
+        if self._rest:
+            raise self._wrong("a parenthesis is closed that was not opened")
+        return runs
+
+    def _pattern(self) -> tuple[Run, ...]:
+        runs: list[Run] = []
+        while self._rest and self._rest[0] != ")":
+            runs += self._item()
+            if len(runs) > MAX_LETTERS:
+                raise self._wrong(f"it has more than {MAX_LETTERS} letters")
+        return tuple(runs)
+
+    def _item(self) -> Sequence[Run]:
+        first, self._rest = self._rest[0], self._rest[1:]
+        if first == "(":
+            inner = self._pattern()
+            if not self._taken(")"):
+                raise self._wrong("a parenthesis is not closed")
+            if not inner:
+                raise self._wrong("a parenthesis is empty")
+        elif first in self._letters:
+            inner = (Run((self._letters.index(first),), False, 1),)
+        else:
+            raise self._wrong(f"{first!r} is no piece of this map, it has {self._letters}")
+        return self._raised(inner) if self._taken("^") else inner
+
+    def _raised(self, inner: tuple[Run, ...]) -> Sequence[Run]:
+        grows, shift = self._exponent()
+        if not grows:
+            if not 1 <= shift * len(inner) <= MAX_LETTERS:
+                raise self._wrong(f"an exponent must lie in 1 to {MAX_LETTERS}, {shift} does not")
+            return inner * shift
+        if any(run.grows for run in inner):
+            raise self._wrong(f"a power of {self._n} stands in a power of {self._n}")
+        return (Run(tuple(letter for run in inner for letter in run.word), True, shift),)
+
+    def _exponent(self) -> tuple[bool, int]:
+        n = re.escape(self._n)
+        for form in (rf"(?P<n>{n})", rf"\((?P<n>{n})(?P<k>[+-]\d+)?\)", r"(?P<k>\d+)",
+                     r"\((?P<k>\d+)\)"):  # fmt: skip
+            found = re.match(form, self._rest)
+            if found and len(found.group()) < 20:
+                self._rest = self._rest[found.end() :]
+                parts = found.groupdict()
+                return parts.get("n") is not None, int(parts.get("k") or 0)
+        raise self._wrong(f"an exponent must be an integer, {self._n} or such as ({self._n}+1)")
+
+    def _taken(self, sign: str) -> bool:
+        if not self._rest.startswith(sign):
+            return False
+        self._rest = self._rest[1:]
+        return True
+
+    def _wrong(self, why: str) -> ValueError:
+        return ValueError(f"the pattern {shortened(repr(self._text))} cannot be read: {why}")

@@ -1,0 +1,201 @@
+"""Tongues: where a map of two increasing pieces has a cycle on which it acts as a rotation.
+
+A cycle with the rotational word of p/q has q conditions, of which two bind. Let g_j be the gap
+between the points j and j + 1, counted from left to right. The map takes two neighbours that lie
+on one side of the break to neighbours, and multiplies their gap by a positive slope. From the
+images of the outermost points, q - 1 and 0, which are the points p - 1 and p, every gap is reached
+in this way, and last the one over the break, between the points q - p - 1 and q - p. So all gaps
+have its sign: if the largest point on the left and the smallest one on the right are where they
+belong, all points are in order, and all lie where they belong. The multiplier does not matter, nor
+whether the pieces overlap. For contracted rotations, x -> a x + d mod 1, the tongues are those of
+[Bugeaud1993] and [Laurent2018].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import sympy
+
+from pwmap.algebra.exact import Fraction_, dense, fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.roots import (
+    Real,
+    gaps_and_roots,
+    inside,
+    real_roots,
+    real_to_sympy,
+    sign_at,
+)
+from pwmap.maps.piecewise_linear import Cycle, PiecewiseLinearMap
+from pwmap.maps.words import Word
+from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, increasing_pieces
+from pwmap.rotations.words import checked_count, farey, rotational_word
+
+Piece_ = tuple[Real | None, Real | None]  # of the axis of the parameter; see gaps_and_roots
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Tongue:
+    """Where a cycle of one rotation number exists.
+
+    Attributes
+    ----------
+    rotation
+        The rotation number p/q.
+    word
+        The rotational word, which begins at the leftmost point.
+    cycle
+        The cycle, with all its conditions.
+    borders
+        The conditions that bind: the largest point on the left of the break is there, and the
+        smallest on the right. A fixed point has one of them only.
+    multiplier
+        Of the cycle.
+    """
+
+    rotation: Fraction
+    word: str
+    cycle: Cycle
+    borders: tuple[sympy.Basic, ...]
+    multiplier: sympy.Expr
+    _margins: tuple[tuple[Fraction_, bool], ...] = field(repr=False)
+    _map: PiecewiseLinearMap = field(repr=False)
+
+    @property
+    def values(self) -> sympy.Set:
+        """The values of the only parameter for which the cycle exists, with exact ends.
+
+        Raises
+        ------
+        ValueError
+            If the map has not exactly one parameter.
+        """
+        if len(self._map.parameters) != 1:
+            names = ", ".join(map(str, self._map.parameters)) or "none"
+            raise ValueError(f"the map must have exactly one parameter, it has {names}")
+        return _as_set([piece for piece in self._pieces() if self._holds(inside(piece))])
+
+    @property
+    def lower(self) -> sympy.Expr:
+        """The smallest value of the only parameter, or ``-oo``; ValueError if there is none."""
+        return self._filled().inf
+
+    @property
+    def upper(self) -> sympy.Expr:
+        """The largest value of the only parameter, or ``oo``; ValueError if there is none."""
+        return self._filled().sup
+
+    def _filled(self) -> sympy.Set:
+        values = self.values
+        if values is sympy.EmptySet:
+            raise ValueError(f"the cycle {self.word} exists for no admitted value of the parameter")
+        return values
+
+    def _pieces(self) -> list[Piece_]:
+        """The axis cut where a margin, or an inequality that is assumed, changes its sign."""
+        numbers = [number for margin, _ in self._margins for number in margin]
+        numbers += [c.polynomial for c in self._map.definition.region.constraints]
+        roots = {root for number in numbers for root in real_roots(dense(number))}
+        return gaps_and_roots(sorted(roots))
+
+    def _holds(self, value: Real) -> bool:
+        admitted = all(
+            constraint.holds(sign_at(dense(constraint.polynomial), value))
+            for constraint in self._map.definition.region.constraints
+        )
+        return admitted and all(
+            sign_at(dense(top), value) * sign_at(dense(bottom), value) > 0
+            or (closed and sign_at(dense(top), value) == 0 != sign_at(dense(bottom), value))
+            for (top, bottom), closed in self._margins
+        )
+
+
+def tongues(map_: PiecewiseLinearMap, q_max: int) -> tuple[Tongue, ...]:
+    """The tongues of all rotation numbers from 0/1 to 1/1 with denominators up to ``q_max``.
+
+    Parameters
+    ----------
+    map_
+        A map of two pieces that increase, invertible or not, with any parameters.
+    q_max
+        The largest denominator, which is the largest period.
+
+    Returns
+    -------
+    One tongue for each fraction of :func:`pwmap.farey`, in its order. A tongue may be empty. Where
+    the slope of a word is 1 for all values of the parameters it has no isolated cycle: these are
+    left out.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the map has not two increasing pieces and one break, or if ``q_max`` is no integer of at
+        least 1.
+    UndecidedError
+        If the assumptions do not say whether the pieces increase.
+    """
+    pieces = increasing_pieces(map_)
+    letters = "".join(map_.letters)
+    found = []
+    for rotation in farey(checked_count(q_max, "the largest denominator")):
+        text = rotational_word(rotation, letters)
+        top, bottom = map_.orbits.slope(pieces.read(text))
+        if top != bottom:
+            found.append(_tongue(pieces, rotation, text))
+    return tuple(found)
+
+
+def _tongue(pieces: TwoPieces, rotation: Fraction, text: str) -> Tongue:
+    word = pieces.read(text)
+    turned = [word[k:] + word[:k] for k in _nearest(rotation)]
+    cycle = pieces.map_.cycle(text)
+    return Tongue(
+        rotation=rotation,
+        word=text,
+        cycle=cycle,
+        borders=tuple(_border(pieces, one) for one in turned),
+        multiplier=cycle.multiplier,
+        _margins=tuple(map(pieces.margin, turned)),
+        _map=pieces.map_,
+    )
+
+
+def _nearest(rotation: Fraction) -> tuple[int, ...]:
+    """Where in its word a cycle is nearest to the break, from the left and from the right.
+
+    Step k of the cycle is at point k p modulo q: the smallest on the right, q - p, is the last.
+    """
+    p, q = rotation.as_integer_ratio()
+    if q == 1:
+        return (0,)
+    return (-1 - pow(p, -1, q)) % q, q - 1
+
+
+def _border(pieces: TwoPieces, word: Word) -> sympy.Basic:
+    """The condition that the first point of a word lies in its piece."""
+    closed = pieces.owner == word[0]
+    relations = {
+        LEFT: (sympy.Lt, sympy.Le),
+        RIGHT: (sympy.Gt, sympy.Ge),
+    }
+    point = fraction_to_sympy(pieces.map_.orbits.fixed_point(word))
+    return relations[word[0]][closed](point, quotient_to_sympy(pieces.at))
+
+
+def _as_set(pieces: list[Piece_]) -> sympy.Set:
+    """Gaps and roots that hold, joined to intervals where one follows the other."""
+    joined: list[list[Piece_]] = []
+    for piece in pieces:
+        if joined and joined[-1][-1][1] is piece[0]:
+            joined[-1].append(piece)
+        else:
+            joined.append([piece])
+    return sympy.Union(*(_interval(group[0], group[-1]) for group in joined))
+
+
+def _interval(first: Piece_, last: Piece_) -> sympy.Set:
+    """From a gap or root to another, with the ends that are roots of their own."""
+    low = -sympy.oo if first[0] is None else real_to_sympy(first[0])
+    high = sympy.oo if last[1] is None else real_to_sympy(last[1])
+    return sympy.Interval(low, high, first[0] is not first[1], last[0] is not last[1])

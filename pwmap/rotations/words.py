@@ -1,0 +1,102 @@
+"""Rotational words: how a rotation by p/q visits the two arcs of a circle [Berstel2008, Ch. 1].
+
+The points of a cycle on which a map acts as a rotation by p/q are counted from left to right,
+0 ... q - 1: point j goes to point j + p modulo q. The q - p points on the left go up (L), the p
+points on the right come round (R).
+"""
+
+from __future__ import annotations
+
+import operator
+from fractions import Fraction
+
+import sympy
+
+from pwmap.algebra.terms import shortened
+
+
+def farey(q_max: int) -> tuple[Fraction, ...]:
+    """All reduced fractions from 0 to 1 whose denominators are at most ``q_max``, in order.
+
+    Raises
+    ------
+    ValueError
+        Unless ``q_max`` is an integer of at least 1.
+    """
+    last = checked_count(q_max, "the largest denominator")
+    found = [Fraction(0)]
+    (a, b), (c, d) = (0, 1), (1, last)
+    while c <= d:  # the neighbour after c/d follows from the two before it
+        found.append(Fraction(c, d))
+        steps = (last + b) // d
+        (a, b), (c, d) = (c, d), (steps * c - a, steps * d - b)
+    return tuple(found)
+
+
+def rotational_word(rotation: object, letters: str = "LR") -> str:
+    """The word of a rotation by p/q: p letters R out of q, as evenly spread as can be.
+
+    It is the lower Christoffel word of slope p/(q - p), which begins at the leftmost point of the
+    cycle: its k-th letter is R if floor((k + 1) p/q) is larger than floor(k p/q), k = 0 ... q - 1
+    [Berstel2008, Ch. 1].
+
+    Parameters
+    ----------
+    rotation
+        A rational from 0 to 1: an integer, a ``Fraction`` or a ``sympy.Rational``.
+    letters
+        The names of the left and the right piece.
+
+    Raises
+    ------
+    TypeError
+        If the rotation is a float, or no number.
+    ValueError
+        If it lies outside of [0, 1], or there are not two different letters.
+    """
+    left, right = _two(letters)
+    p, q = checked_rotation(rotation).as_integer_ratio()
+    return "".join(right if (k + 1) * p // q > k * p // q else left for k in range(q))
+
+
+def rotation_number(word: str, letters: str = "LR") -> Fraction:
+    """How often a cycle comes round for each step: the share of the letter R in its word.
+
+    The word need not be rotational: cycles of overlapping maps are often not.
+
+    Raises
+    ------
+    ValueError
+        If the word is empty or has other letters, or there are not two different letters.
+    """
+    left, right = _two(letters)
+    if not word or set(word) - {left, right}:
+        raise ValueError(f"a word must consist of the letters {left} and {right}, got {word!r}")
+    return Fraction(word.count(right), len(word))
+
+
+def checked_rotation(rotation: object) -> Fraction:
+    """A rotation number as a fraction; see :func:`rotational_word` for the errors."""
+    if isinstance(rotation, bool) or not isinstance(rotation, int | Fraction | sympy.Rational):
+        raise TypeError(f"a rotation number must be a rational, got {shortened(repr(rotation))}")
+    found = Fraction(*map(int, (rotation.numerator, rotation.denominator)))
+    if not 0 <= found <= 1:
+        raise ValueError(f"a rotation number must lie in [0, 1], got {found}")
+    return found
+
+
+def checked_count(number: object, name: str) -> int:
+    """An integer of at least 1; ValueError if it is none."""
+    try:
+        found = operator.index(number)  # type: ignore[arg-type]
+    except TypeError:
+        found = 0
+    if found < 1 or isinstance(number, bool):
+        raise ValueError(f"{name} must be an integer of at least 1, got {number}")
+    return found
+
+
+def _two(letters: str) -> tuple[str, str]:
+    if len(letters) != 2 or letters[0] == letters[1]:
+        raise ValueError(f"the pieces need two different letters, got {letters!r}")
+    return letters[0], letters[1]

@@ -1,0 +1,200 @@
+"""Families of words in n against single cycles, closed forms and random maps."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Callable
+
+import pytest
+import sympy
+from sympy import Rational
+
+from pwmap import PiecewiseLinearMap, UndecidedError, WordFamily, word_family
+
+A, R, X = sympy.symbols("a r x")
+PAPER = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
+TWO = PiecewiseLinearMap([("s*x + 1", "x < 0"), ("t*x - m", "x >= 0")])
+THREE = PiecewiseLinearMap(
+    [("x/2 + p", "x < -1"), ("-2*x + p/3", "-1 <= x <= 1"), ("x/3 - p", "x > 1")]
+)
+QUOTIENT = PiecewiseLinearMap(
+    [("x/a + r", "x <= r/a"), ("-x/(a + 1) - r", "x > r/a")], given=["a > 1", "r > 0"]
+)
+TWO_LETTERS = ["R L^n", "L R^n", "(RL)^n R", "(LLR)^n L", "L R^n L R^(n+1)", "R^n L^n",
+               "L^(n-1) R", "L^2 (R L)^2 R^n", "R^(n+2) L^n", "(L R)^(n-1) L^n"]  # fmt: skip
+
+
+def check(map_: PiecewiseLinearMap, family: WordFamily, n: int) -> None:
+    """Word, point, multiplier and conditions against the cycle of the word."""
+    member, cycle = family.at(n), map_.cycle(family.word(n))
+    assert member.word == cycle.word
+    assert member.x == cycle.points[0]
+    assert member.multiplier == cycle.multiplier
+    assert set(member.conditions) <= set(cycle.conditions)
+    exponent = {family.n: n}
+    for formula, value in ((family.x, member.x), (family.multiplier, member.multiplier)):
+        assert sympy.cancel(formula.subs(exponent) - value) == 0
+    for condition in family.conditions:
+        if condition.since <= n and not map_.parameters:
+            assert condition.relation.subs(exponent) in (sympy.true, sympy.false)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pattern", TWO_LETTERS)
+def test_families_with_symbols_agree_with_single_cycles(pattern: str) -> None:
+    for signs in (["s > 0", "t > 0"], ["0 < s", "t < 0", "t > -1"], ["s < -1", "t > 0"]):
+        assumed = PiecewiseLinearMap([("s*x + 1", "x < 0"), ("t*x - m", "x >= 0")], given=signs)
+        family = word_family(assumed, pattern)
+        for n in range(family.least, 4):
+            check(assumed, family, n)
+
+
+@pytest.mark.parametrize("pattern", ["L R^n", "R L^n", "L^2 R^n", "(RL)^n R", "(LRR)^n R"])
+def test_families_of_the_paper_map(pattern: str) -> None:
+    family = word_family(PAPER, pattern)
+    for n in range(family.least, 13):
+        check(PAPER, family, n)
+
+
+@pytest.mark.parametrize("pattern", ["R L^n", "L M^n R^n", "(LM)^n R", "M^n R", "(MR)^n L^(n+1)"])
+def test_families_of_three_pieces(pattern: str) -> None:
+    family = word_family(THREE, pattern)
+    for n in range(1, 13):
+        check(THREE, family, n)
+
+
+@pytest.mark.slow
+def test_families_of_maps_with_quotients() -> None:
+    for pattern in ("R L^n", "L R^n", "(LR)^n L"):
+        family = word_family(QUOTIENT, pattern)
+        for n in range(1, 7):
+            check(QUOTIENT, family, n)
+
+
+SLOPES = [Rational(p, q) for p, q in ((1, 2), (-1, 2), (3, 2), (-3, 2), (0, 1), (1, 1), (-1, 1),
+                                      (4, 5), (-6, 5), (1, 4), (-1, 5), (2, 1))]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_conditions_that_bind_decide_in_random_maps() -> None:
+    """Existence from the few conditions is existence from all; slopes 0, 1 and -1 are among them.
+
+    Jumps across the diagonal of either sense, and breaks of both owners.
+    """
+    rng = random.Random(7)
+    seen = {True: 0, False: 0}
+    for _ in range(500):
+        s, t = rng.choice(SLOPES), rng.choice(SLOPES)
+        if abs(s * t) == 1:
+            continue  # words of slope 1
+        pattern, n = (
+            rng.choice(TWO_LETTERS + 8 * TWO_LETTERS[:3]),
+            rng.choice((2, 2, 3, 3, 4, 5, 9, 12)),
+        )
+        sense = rng.choice((1, 1, 1, -1))
+        c, d = (sense * Rational(rng.randint(0, 9), 4), -sense * Rational(rng.randint(0, 9), 4))
+        owned, other = rng.choice([("<", ">="), ("<=", ">")])
+        map_ = PiecewiseLinearMap([(s * X + c, f"x {owned} 0"), (t * X + d, f"x {other} 0")])
+        family = word_family(map_, pattern)
+        if family.multiplier.subs(family.n, n) == 1:
+            continue
+        member, cycle = family.at(n), map_.cycle(family.word(n))
+        assert member.x == cycle.points[0]
+        exists = sympy.And(*member.conditions) == sympy.true
+        assert exists == cycle.admissible, (map_, pattern, n)
+        seen[exists] += 1
+    assert seen[True] > 20
+    assert seen[False] > 200
+
+
+# --- The map of the paper -------------------------------------------------------------------------
+
+
+def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
+    """L R^n ends at r_n = 2 (1 + a) (-a)^n/(1 + a (-a)^n): r_1 = 2 a/(a - 1), and so on.
+
+    The piece on the left is constant, r - 2, and its image after n steps on the right is 0 at r_n.
+    Odd r_n fall and even ones rise towards 2 (1 + a)/a, where r - 2 is the fixed point itself. So
+    for r > 2 there is one superstable cycle: L R^n for r_n <= r < r_(n - 2), n odd, and for
+    r_(n - 2) < r <= r_n, n even; r_(-1) = oo and r_0 = 2. The map is that of [Leine2001, Eq. 14].
+    """
+    family = word_family(PAPER, "L R^n")
+    n = family.n
+    r_n = 2 * (1 + A) * (-A) ** n / (1 + A * (-A) ** n)
+    found = family.thresholds(R)
+    assert family.multiplier == 0
+    assert len(found) == 3
+    for threshold, shift in zip(found, (0, 2, 1), strict=True):
+        power = (-A) ** n / (-A) ** shift
+        before = 2 * (1 + A) * power / (1 + A * power)
+        assert sympy.cancel(threshold - before) == 0
+    closed = [2 * A / (A - 1), 2 * A**2 / (A**2 - A + 1), 2 * A**3 / ((A - 1) * (A**2 + 1))]
+    for i, value in enumerate(closed, start=1):
+        assert sympy.cancel(r_n.subs(n, i) - value) == 0
+
+    a = Rational(5, 4)
+    end = [r_n.subs({n: i, A: a}) for i in range(1, 13)]
+    assert end[0] > end[2] > end[4] > 2 * (1 + a) / a > end[5] > end[3] > end[1] > 2
+    for i in range(3, 13):
+        for r, exists in (
+            (end[i - 1], True),
+            ((end[i - 1] + end[i - 3]) / 2, True),
+            (end[i - 3], False),
+            (2 * end[i - 1] - end[i - 3], False),
+        ):
+            map_ = PAPER.at({"a": a, "r": r})
+            assert sympy.And(*word_family(map_, "L R^n").at(i).conditions) is sympy.sympify(exists)
+            assert map_.cycle("L" + i * "R").admissible is exists
+            others = [k for k in range(1, 21) if map_.cycle("L" + k * "R").admissible]
+            assert len(others) == 1
+
+
+def test_conditions_are_few() -> None:
+    """Along a run the last point decides, or the last two; the first is implied by its aim."""
+    for pattern, count in (("R L^n", 2), ("L R^n L R^(n+1)", 4), ("R^n L^n", 3)):
+        both = PiecewiseLinearMap(
+            [("s*x + 1", "x < 0"), ("t*x - m", "x >= 0")], given=["s > 0", "t > 0"]
+        )
+        assert len(word_family(both, pattern).conditions) == count
+    assert [c.since for c in word_family(PAPER, "L R^n").conditions] == [1, 2, 1]
+
+
+# --- Wrong input ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: word_family(PAPER, "L X^n"), "'X' is no piece of this map, it has ('L', 'R')"),
+        (lambda: word_family(PAPER, "LR"), "a pattern must have an exponent n, got 'LR'"),
+        (lambda: word_family(PAPER, "(LR^n"), "a parenthesis is not closed"),
+        (lambda: word_family(PAPER, "LR^n)"), "a parenthesis is closed that was not opened"),
+        (lambda: word_family(PAPER, "()^n"), "a parenthesis is empty"),
+        (lambda: word_family(PAPER, "L^k"), "an exponent must be an integer, n or such as (n+1)"),
+        (lambda: word_family(PAPER, "L^0 R^n"), "an exponent must lie in 1 to 1000, 0 does not"),
+        (lambda: word_family(PAPER, "(LR^n)^n"), "a power of n stands in a power of n"),
+        (lambda: word_family(PAPER, "L^900 R^900 L^n"), "it has more than 1000 letters"),
+        (lambda: word_family(PAPER, 3), "a pattern must be text such as 'R L^n', got 3"),  # type: ignore[arg-type]
+        (lambda: word_family(PAPER, "L R^n", "r"), "name that is not taken by the map, got 'r'"),
+        (lambda: word_family(PAPER.iterate(2), "L^n"), "no iterate, got one of order 2"),
+        (lambda: word_family(PAPER, "L R^(n-2)").at(2), "n must be at least 3, got 2"),
+        (lambda: word_family(PAPER, "L R^n").at(0), "an integer of at least 1, got 0"),
+        (lambda: word_family(PAPER, "L R^n").thresholds("q"), "q is no parameter of this map"),
+        (lambda: word_family(PAPER, "L R^n").thresholds(A), "a does not occur linearly"),
+    ],
+)
+def test_wrong_input_is_refused(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        call()
+
+
+def test_slopes_without_a_sign_are_undecided() -> None:
+    with pytest.raises(UndecidedError, match="the sign of s"):
+        word_family(TWO, "R L^n")
+    one = PiecewiseLinearMap([("x + 1", "x < 0"), ("x - p", "x >= 0")])
+    with pytest.raises(ValueError, match=r"the slope of R L\^n is 1 for every n"):
+        word_family(one, "R L^n")
+    mixed = PiecewiseLinearMap([("x/2 + 1", "x < 0"), ("8*x - 1", "x >= 0")])
+    with pytest.raises(ValueError, match="the slope of RLLL is 1: it has no isolated cycle"):
+        word_family(mixed, "R L^n").at(3)
