@@ -160,7 +160,7 @@ def algebraic(expression: sympy.Expr) -> Real:
     t = sympy.Symbol("t")
     try:
         polynomial = sympy.minimal_polynomial(expression, t, polys=True)
-    except (NotImplementedError, sympy.polys.polyerrors.PolynomialError):
+    except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
         raise ValueError(f"expected a real algebraic number, got {expression}") from None
     if not expression.is_real:
         raise ValueError(f"expected a real algebraic number, got {expression}")

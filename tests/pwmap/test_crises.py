@@ -1,0 +1,70 @@
+"""Attractors over a parameter, and their crises."""
+
+from __future__ import annotations
+
+import pytest
+import sympy
+from sympy import Rational, root, sqrt
+
+from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, dynamics
+
+TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+PAPER = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
+SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+
+
+@pytest.mark.slow
+def test_band_mergings_and_the_final_crisis_of_the_tent_map() -> None:
+    """At a = 2^(1/4), 2^(1/2) an image meets the cycle between bands; it escapes at 2."""
+    found = attractor_diagram(TENT, "a", ("11/10", "9/4"), 3)
+    assert [(c.parameter, c.kind, c.bands) for c in found.crises] == [
+        (root(2, 4), PointKind.MC, (4, 2)),
+        (sqrt(2), PointKind.MC, (2, 1)),
+        (2, PointKind.FC, (1, 0)),
+    ]
+    assert [c.cycles[0] for c in found.crises] == ["LR", "R", "L"]
+    assert [[len(bands) for bands in cell.bands] for cell in found.cells] == [[4], [2], [1], []]
+
+
+@pytest.mark.slow
+def test_eight_bands_merge_at_the_eighth_root() -> None:
+    found = attractor_diagram(TENT, "a", ("107/100", "112/100"), 4)
+    assert [(c.parameter, c.kind, c.bands) for c in found.crises] == [
+        (root(2, 8), PointKind.MC, (8, 4))
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("a", [Rational(3, 4), Rational(5, 4)])
+def test_bands_of_the_skew_tent_map_merge_where_the_literature_says(a: Rational) -> None:
+    """Two bands become one where a b^2 - a + b = 0 [MilnorThurston1988; NusseYorke1995]."""
+    span = (Rational(-3), Rational(-101, 100))
+    found = attractor_diagram(SKEW.at({"a": a}), "b", span, 3)
+    b = sympy.Symbol("b")
+    merging = [r for r in sympy.solve(a * b**2 + b - a, b) if span[0] < r < span[1]]
+    crises = [c for c in found.crises if c.kind is PointKind.MC and sorted(c.bands) == [1, 2]]
+    assert [c.parameter for c in crises] == merging
+
+
+@pytest.mark.slow
+def test_in_each_cell_the_same_attracts_everywhere() -> None:
+    """At five rational values of each cell as many bands, and the same cycles, as at its sample."""
+    map_ = PAPER.at({"a": "5/4", "b": "-9/10"})
+    found = attractor_diagram(map_, "r", (1, 5), 3)
+    assert [c.kind for c in found.crises] == [PointKind.BC, PointKind.MC, PointKind.MC]
+    assert [c.parameter for c in found.crises] == [2, Rational(720, 281), Rational(18, 5)]
+    for cell in found.cells:
+        low, high = cell.lower, cell.upper
+        for part in (Rational(k, 100) for k in (2, 30, 55, 71, 98)):
+            seen = dynamics(map_, {"r": low + (high - low) * part}).attractors
+            assert [len(each.bands) for each in seen if each.is_chaotic] == list(
+                map(len, cell.bands)
+            )
+            assert [each.word for each in seen if not each.is_chaotic] == list(cell.cycles)
+
+
+def test_wrong_maps_are_refused() -> None:
+    with pytest.raises(ValueError, match="expected a map of a alone"):
+        attractor_diagram(SKEW, "a", (0, 1))
+    with pytest.raises(ValueError, match="expected the map itself, got an iterate of order 2"):
+        attractor_diagram(TENT.iterate(2), "a", (1, 2))

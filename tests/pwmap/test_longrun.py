@@ -1,0 +1,285 @@
+"""The long run of maps at one place: closed forms, and brute force with exact numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+from sympy import Interval, Rational, log, sqrt
+
+from pwmap import Attractor, PiecewiseLinearMap, dynamics
+from pwmap.algebra.exact import pair
+from pwmap.longrun.line import Line, line_of
+from pwmap.longrun.numbers import Exact, algebraic, exact_to_sympy, to_double
+
+TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+BETA = PiecewiseLinearMap.from_sympy("Piecewise((b*x, x < 1/b), (b*x - 1, True))", given=["b > 1"])
+PAPER = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
+GOLDEN = (1 + sqrt(5)) / 2
+
+
+# --- Attractors ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("a", "bands"),
+    [(Rational(3, 2), 1), (Rational(7, 5), 2), (Rational(6, 5), 2), (Rational(11, 10), 4),
+     (Rational(21, 20), 8)],
+)  # fmt: skip
+def test_bands_of_the_tent_map_double(a: Rational, bands: int) -> None:
+    """They merge at 2^(1/2), 2^(1/4), 2^(1/8); the outer ends are the first images of the break."""
+    (found,) = dynamics(TENT, {"a": a}).attractors
+    assert len(found.bands) == bands
+    assert found.bands[-1].end == a / 2
+    assert found.bands[0].start == a * (1 - a / 2)
+    assert found.period == bands
+    assert found.basin == (Interval.open(0, 1),)
+
+
+def test_bands_touch_where_they_merge() -> None:
+    """At a^2 = 2 both bands end in the fixed point a/(1 + a), and still do not mix."""
+    (found,) = dynamics(TENT, {"a": sqrt(2)}).attractors
+    assert len(found.bands) == 1
+    assert found.period == 2
+    assert not found.is_mixing
+
+
+def test_cycles_of_the_paper_s_map_attract_and_bands_do_where_it_expands() -> None:
+    """With a flat left piece a superstable cycle draws in everything; r - 2 for r < 2."""
+    found = dynamics(PAPER, {"r": 1, "a": "5/4", "b": 0})
+    assert [(each.word, each.points, each.multiplier) for each in found.attractors] == [
+        ("L", (-1,), 0)
+    ]
+    assert found.entropy.value == 0
+    (bands,) = dynamics(PAPER, {"r": 3, "a": "5/4", "b": "3/2"}).attractors
+    assert bands.bands == (Interval(Rational(-3, 4), 1), Interval(Rational(7, 4), 3))
+    assert bands.is_mixing  # a jump inside a band leads to both
+
+
+def test_two_attractors_share_the_line() -> None:
+    found = dynamics(PAPER, {"r": 1, "a": "1/2", "b": "1/2"})
+    assert [each.word for each in found.attractors] == ["L", "R"]
+    assert found.attractors[0].basin == (Interval.open(-sympy.oo, 0),)
+    assert found.attractors[1].basin == (Interval.open(0, 2),)
+    assert found.attractors[1].share((-1, 3)) == Rational(1, 2)
+
+
+def test_what_escapes_has_no_attractor() -> None:
+    found = dynamics(TENT, {"a": "9/4"})
+    assert found.attractors == ()
+    assert found.absorbing is None
+    assert found.entropy.value == log(2)  # of what stays, a Cantor set
+
+
+@pytest.mark.slow
+def test_orbits_settle_where_attractors_are() -> None:
+    """Random maps P1^L with a slope on the left: exact orbits end up in the attractors found."""
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        r, a, b = (Fraction(int(rng.integers(*ends)), 64)
+                   for ends in ((130, 400), (66, 180), (-120, 120)))  # fmt: skip
+        line = line_of(PAPER, {"r": r, "a": a, "b": b})
+        found = dynamics(PAPER, {"r": r, "a": a, "b": b})
+        if found.open:
+            continue
+        places = _settled(line, rng)
+        slack = 1e-9
+        for x in places:
+            assert any(_holds(each, x, slack) for each in found.attractors), (r, a, b, x)
+
+
+def _settled(line: Line, rng: np.random.Generator) -> list[float]:
+    """Where orbits of doubles are after many steps; those that run away are left out."""
+    slopes, shifts = (np.array([to_double(b[k]) for b in line.branches]) for k in (0, 1))
+    breaks = np.array([to_double(x) for x in line.breaks])
+    x = rng.uniform(-3.0, 6.0, 40)
+    for _ in range(4000):
+        k = np.searchsorted(breaks, x)
+        x = slopes[k] * x + shifts[k]
+        x = x[np.abs(x) < 1e6]
+    return [float(each) for each in x]
+
+
+def _holds(attractor: Attractor, x: float, slack: float) -> bool:
+    """Whether a point lies in bands, or as close to a cycle as 4000 steps bring it at least."""
+    if attractor.is_chaotic:
+        bands = [(float(each.start), float(each.end)) for each in attractor.bands]
+        return any(low - slack <= x <= high + slack for low, high in bands)
+    rounds = 4000 // attractor.period
+    close = slack + 10.0 * abs(float(attractor.multiplier or 0)) ** rounds
+    return any(abs(x - float(point)) <= close for point in attractor.points)
+
+
+# --- Entropy -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("a", [Rational(3, 2), Rational(7, 5), Rational(19, 10)])
+def test_the_entropy_of_a_tent_map_is_the_logarithm_of_its_slope(a: Rational) -> None:
+    found = dynamics(TENT, {"a": a}).entropy
+    assert found.low <= math.log(a) <= found.high
+    assert found.high - found.low < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("map_", "values", "growth"),
+    [(TENT, {"a": 2}, 2), (TENT, {"a": sqrt(2)}, sqrt(2)), (TENT, {"a": GOLDEN}, GOLDEN),
+     (BETA, {"b": 2}, 2), (BETA, {"b": GOLDEN}, GOLDEN)],
+)  # fmt: skip
+def test_it_is_exact_where_critical_orbits_are_finite(
+    map_: PiecewiseLinearMap, values: dict[str, object], growth: sympy.Expr
+) -> None:
+    found = dynamics(map_, values)
+    assert found.is_finite
+    assert found.entropy.value is not None
+    assert sympy.simplify(sympy.exp(found.entropy.value) - growth) == 0
+    assert found.entropy.low <= math.log(growth) <= found.entropy.high
+
+
+def test_laps_are_counted_as_iterates_have_pieces() -> None:
+    map_ = PAPER.at({"r": 3, "a": "5/4", "b": "3/2"})
+    pieces = [sum(not c.is_point for c in map_.iterate(n).cylinders) for n in range(1, 10)]
+    assert dynamics(map_).laps(9) == pieces
+
+
+@pytest.mark.slow
+def test_bounds_of_the_entropy_hold_for_a_thousand_maps() -> None:
+    """Laps of the iterates, to order 14, grow at least as fast: (log l_n)/n bounds it from above.
+
+    Bounds of higher orders lie within those of lower ones.
+    """
+    rng = np.random.default_rng(5)
+    for _ in range(1000):
+        r, a, b = (Fraction(int(rng.integers(*ends)), 16)
+                   for ends in ((-20, 80), (-30, 40), (-30, 40)))  # fmt: skip
+        found = dynamics(PAPER, {"r": r, "a": a, "b": b}, orders=(8,))
+        more = dynamics(PAPER, {"r": r, "a": a, "b": b}, orders=(8, 20)).entropy
+        low, high = found.entropy.low, found.entropy.high
+        assert low <= math.log(found.laps(14)[-1]) / 14.0 + 1e-12
+        assert low <= more.low + 1e-12 <= more.high + 2e-12 <= high + 3e-12
+
+
+# --- Densities -----------------------------------------------------------------------------------
+
+
+def test_parry_s_density_of_the_golden_mean() -> None:
+    """Of x -> b x mod 1 [Parry1960]: two steps, of heights b^3/(1 + b^2) and b^2/(1 + b^2)."""
+    (found,) = dynamics(BETA, {"b": GOLDEN}).attractors
+    density = found.density
+    assert density is not None
+    assert density.exact
+    heights = [sympy.simplify(exact_to_sympy(value)) for value in density.values]
+    one = GOLDEN**2 / (1 + GOLDEN**2)
+    assert [sympy.simplify(h - e) for h, e in zip(heights, [GOLDEN * one, one], strict=True)] == [
+        0,
+        0,
+    ]
+    assert found.exponent is not None
+    assert sympy.simplify(found.exponent - log(GOLDEN)) == 0
+
+
+@pytest.mark.parametrize("b", [Rational(3, 2), Rational(7, 4), Rational(5, 4)])
+def test_parry_s_density_where_orbits_do_not_end(b: Rational) -> None:
+    """h(x) is proportional to the sum of b^-n over all n with x < T^n(1) [Parry1960]."""
+    (found,) = dynamics(BETA, {"b": b}).attractors
+    density = found.density
+    assert density is not None
+    assert not density.exact
+    mpmath.mp.prec = 200
+    slope = mpmath.mpf(b.p) / b.q
+    orbit = [Fraction(1)]
+    for _ in range(150):
+        x = Fraction(b.p, b.q) * orbit[-1]
+        orbit.append(x - 1 if x >= 1 else x)
+    total = sum(
+        mpmath.mpf(x.numerator) / x.denominator * slope ** (-n) for n, x in enumerate(orbit)
+    )
+    for low, high, value in list(density.steps())[::7]:
+        middle = Fraction(*pair((low + high) / 2))
+        exact = sum(slope ** (-n) for n, x in enumerate(orbit) if middle < x) / total
+        assert abs(exact - value.mid) < 1e-13  # 150 terms of a series of ratio 4/5 at most
+
+
+def test_the_exponent_of_a_lorenz_map_of_two_slopes() -> None:
+    """x/p below p and (x - p)/(1 - p) above keep Lebesgue's measure: -p log p - (1-p) log(1-p)."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((x/p, x < p), ((x - p)/(1 - p), True))",
+                                         given=["p > 0", "p < 1"])  # fmt: skip
+    (found,) = dynamics(map_, {"p": "1/3"}).attractors
+    assert found.exponent is not None
+    exact = -log(Rational(1, 3)) / 3 - 2 * log(Rational(2, 3)) / 3
+    assert abs(float(found.exponent - exact)) < 1e-15
+    low, high = found.exponent_bounds or (0.0, 0.0)
+    assert low <= float(exact) <= high
+    assert high - low < 1e-14
+
+
+@pytest.mark.slow
+def test_densities_hold_histograms() -> None:
+    """A million points each, of 25 random maps: bins differ by no more than their own scatter."""
+    rng, looked = np.random.default_rng(7), 0
+    while looked < 25:
+        r, a, b = (Fraction(int(rng.integers(*ends)), 32)
+                   for ends in ((65, 160), (36, 60), (36, 60)))  # fmt: skip
+        found = dynamics(PAPER, {"r": r, "a": a, "b": b})
+        if len(found.attractors) != 1 or found.attractors[0].density is None:
+            continue
+        looked += 1
+        density = found.attractors[0].density
+        edges = [density.places[0] + (density.places[-1] - density.places[0]) * k / 16
+                 for k in range(17)]  # fmt: skip
+        counts = _histogram(density.line, found.attractors[0].bands, edges, rng)
+        for (low, high), count in zip(pairwise(edges), counts, strict=True):
+            measure = density.measure(low, high)
+            value = to_double(measure) if density.exact else float(measure.mid)
+            assert abs(count - value) < 0.004, (r, a, b)  # 2000 orbits of 500 dependent points
+
+
+def _histogram(
+    line: Line, bands: Sequence[Interval], edges: Sequence[Exact], rng: np.random.Generator
+) -> list[float]:
+    slopes, shifts = (np.array([to_double(b[k]) for b in line.branches]) for k in (0, 1))
+    breaks = np.array([to_double(x) for x in line.breaks])
+    ends = [(float(each.start), float(each.end)) for each in bands]
+    x = np.concatenate([rng.uniform(*end, 4000 // len(ends)) for end in ends])
+    kept = []
+    for step in range(350):
+        k = np.searchsorted(breaks, x)
+        x = slopes[k] * x + shifts[k] + rng.normal(0.0, 1e-15, len(x))
+        if step >= 100:
+            kept.append(x)
+    found, _ = np.histogram(np.concatenate(kept), [to_double(edge) for edge in edges])
+    return [float(each) for each in found / found.sum()]
+
+
+# --- Kneading, wrong input -----------------------------------------------------------------------
+
+
+def test_kneading_sequences_of_the_tent_map() -> None:
+    found = dynamics(TENT, {"a": 2})
+    assert [each.word for each in found.kneading] == ["LR(L)", "RR(L)"]
+    assert {each.fate for each in found.kneading} == {"periodic after a while"}
+
+
+def test_algebraic_numbers_are_read() -> None:
+    assert to_double(algebraic(sympy.Rational(3, 4))) == 0.75
+    assert str(algebraic(sympy.cbrt(2)).to_sympy()) == "2**(1/3)"
+    with pytest.raises(ValueError, match="expected a real algebraic number, got pi"):
+        algebraic(sympy.pi)
+    with pytest.raises(ValueError, match="expected a real algebraic number, got I"):
+        algebraic(sympy.I)
+
+
+def test_wrong_values_are_refused() -> None:
+    with pytest.raises(ValueError, match="every parameter needs a value, got none for a"):
+        dynamics(TENT)
+    with pytest.raises(TypeError):
+        dynamics(TENT, {"a": 1.5})
+    with pytest.raises(ValueError, match="contradicts the assumption"):
+        dynamics(BETA, {"b": sqrt(2) - 1})
+    with pytest.raises(ValueError, match="one parameter may have an algebraic value, got r, a"):
+        dynamics(PAPER, {"r": sqrt(2), "a": sqrt(2), "b": 0})
