@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
+from pwmap.cli_longrun import LongRun
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_figure
 from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
@@ -55,6 +56,16 @@ def analyse(
     pieces: Annotated[
         int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
     ] = BUDGET.pieces,
+    attractors: Annotated[
+        bool, typer.Option("--attractors", help="Attracting cycles, bands and crises, too.")
+    ] = False,
+    entropy: Annotated[
+        bool, typer.Option("--entropy", help="Bounds of the topological entropy, too.")
+    ] = False,
+    density: Annotated[
+        list[str] | None,
+        typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
         "out"
     ),
@@ -62,7 +73,8 @@ def analyse(
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
     The iterates are taken order by order. If that takes more pieces than allowed, or is ended by
-    Ctrl-C, the orders that were completed are kept.
+    Ctrl-C, the orders that were completed are kept. What attracts in the long run, and how complex
+    it is, is asked for by --attractors and --entropy, which need a span, and by --density.
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
@@ -73,9 +85,12 @@ def analyse(
         found, interrupted = _computed(
             map_, parameter, span, _orders(orders), Budget(pieces=pieces)
         )
+        more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
+                       density=tuple(density or ()), order=max(_orders(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
         write_figure(out / "diagram.png", _drawn(found))
         write_results(found, out)
+        written = more.write(out)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(INTERRUPTED) from None
@@ -84,7 +99,9 @@ def analyse(
         raise typer.Exit(2) from None
     console.print(table_of_branches(found))
     console.print(table_of_points(found))
-    names = ("diagram.png", *FILES)
+    for table in more.tables():
+        console.print(table)
+    names = ("diagram.png", *FILES, *written)
     console.print("wrote " + ", ".join(str(out / name) for name in names), soft_wrap=True)
     if interrupted:
         errors.print("Interrupted: the orders that were completed are kept", style="red")

@@ -78,3 +78,30 @@ def test_wrong_input_is_one_sentence(
     assert sentence in text
     assert len(text.strip().splitlines()) == 1
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
+    tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
+    options = ("--parameter", "a", "--span", "5/4", "9/4", "--orders", "1,2")
+    code, text = run(tent, *options, "--attractors", "--density", "2", out=tmp_path)
+    assert code == 0
+    for part in ("merging crisis", "sqrt(2)", "final crisis", "1 band: [0, 1]", "log(2)", "LR(L)"):
+        assert part in text
+    lines = (tmp_path / "crises.csv").read_text().splitlines()
+    assert lines[1].startswith("MC,1.4142135623730951,sqrt(2),2,1,R,")
+    for name in ("attractors.png", "density_2.png"):
+        assert (tmp_path / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    assert (tmp_path / "attractors.csv").read_text().count("\n") == 5  # 2, 1 and 0 bands
+
+
+def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:
+    tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
+    code, text = run(tent, "--parameter", "a", "--orders", "1", "--entropy", out=tmp_path / "new")
+    assert code == 2
+    assert "--attractors and --entropy need an interval of the parameter: --span" in text
+    span = ("--span", "0", "1")
+    code, text = run(tent, "--parameter", "a", *span, "--density", "1/2", out=tmp_path / "new")
+    assert code == 2
+    assert "at a = 1/2 no chaotic attractor has a density" in text
+    assert not (tmp_path / "new").exists()

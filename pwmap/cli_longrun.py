@@ -1,0 +1,143 @@
+"""What ``pwmap analyse`` adds of the long run: tables, files and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from rich.table import Table
+
+from pwmap.diagrams.files import write_figure, write_table
+from pwmap.longrun.crises import AttractorDiagram, attractor_diagram
+from pwmap.longrun.dynamics import Dynamics, dynamics
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+
+HIGHEST = 5  # order up to which crises are looked for
+
+
+class LongRun:
+    """Attractors and entropy over a parameter, and densities at values of it.
+
+    Parameters
+    ----------
+    map_, parameter, span
+        A map of that parameter alone, its name, and two rationals if it is asked for more than
+        densities.
+    attractors, entropy
+        Whether these are asked for.
+    density
+        Values of the parameter.
+    order
+        Up to which words are compared.
+
+    Raises
+    ------
+    ValueError
+        If something is asked for over a parameter without a span, or there is no density.
+    """
+
+    def __init__(
+        self, map_: PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None, *,
+        attractors: bool, entropy: bool, density: tuple[str, ...], order: int,
+    ) -> None:  # fmt: skip
+        if span is None and (attractors or entropy):
+            raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
+        self._map, self._parameter, self._span = map_, parameter, span
+        self.found: AttractorDiagram | None = None
+        if attractors and span is not None:
+            self.found = attractor_diagram(map_, parameter, span, min(order, HIGHEST))
+        self._entropy = entropy
+        self.at: dict[str, Dynamics] = {p: dynamics(map_, {parameter: p}) for p in density}
+        for value, seen in self.at.items():
+            if all(each.density is None for each in seen.attractors):
+                raise ValueError(f"at {parameter} = {value} no chaotic attractor has a density")
+
+    def write(self, folder: Path) -> list[str]:
+        """Write what was asked for into a folder, and name the files."""
+        names = list[str]()
+        mpl.use("Agg")
+        from pwmap.plot_longrun import plot_attractors, plot_density, plot_entropy
+
+        def keep(name: str, figure: Figure) -> None:
+            write_figure(folder / name, figure)
+            names.append(name)
+
+        if self.found is not None:
+            keep("attractors.png", _figure(plot_attractors(self.found, self._map)))
+            self._write_cells(folder / "attractors.csv")
+            self._write_crises(folder / "crises.csv")
+            names += ["attractors.csv", "crises.csv"]
+        if self._entropy and self._span is not None:
+            keep("entropy.png", _figure(plot_entropy(self._map, self._parameter, self._span)))
+        for value, seen in self.at.items():
+            keep(f"density_{value.replace('/', '_')}.png", _figure(plot_density(seen)))
+        return names
+
+    def _write_cells(self, path: Path) -> None:
+        assert self.found is not None
+        rows = [
+            (cell.lower, cell.upper, cell.sample, " ".join(cell.cycles), number, low, high)
+            for cell in self.found.cells
+            for number, (low, high) in enumerate(
+                [band for bands in cell.bands for band in bands] or [("", "")]
+            )
+        ]
+        header = ("lower", "upper", "sample", "cycles", "band", "from", "to")
+        write_table(path, header, ([str(each) for each in row] for row in rows))
+
+    def _write_crises(self, path: Path) -> None:
+        assert self.found is not None
+        header = ("kind", "parameter", "parameter_exact", "before", "after", "cycles", "images")
+        write_table(
+            path,
+            header,
+            (
+                (c.kind, float(c.parameter), c.parameter, *c.bands, " ".join(c.cycles),
+                 " ".join(c.images))
+                for c in self.found.crises
+            ),
+        )  # fmt: skip
+
+    def tables(self) -> Iterator[Table]:
+        """Crises, and what is known at single values."""
+        if self.found is not None:
+            table = Table("crisis", self._parameter, "exact", "bands", "cycle", title="Crises")
+            for c in self.found.crises:
+                bands = f"{c.bands[0]} | {c.bands[1]}"
+                exact = str(c.parameter) if not c.width else f"open, within {c.width:.0e}"
+                cycle = c.cycles[0] if c.cycles else ""
+                table.add_row(c.kind.label, f"{float(c.parameter):.12g}", exact, bands, cycle)
+            yield table
+        if self.at:
+            table = Table(self._parameter, "attractors", "entropy", "Lyapunov exponent", "kneading")
+            for value, seen in self.at.items():
+                table.add_row(
+                    value,
+                    "\n".join(map(str, seen.attractors)),
+                    _entropy(seen),
+                    "\n".join(
+                        filter(None, (_exponent(seen, k) for k in range(len(seen.attractors))))
+                    ),
+                    "\n".join(each.word[:24] for each in seen.kneading),
+                )
+            yield table
+
+
+def _figure(ax: object) -> Figure:
+    return ax.figure  # type: ignore[attr-defined,no-any-return]
+
+
+def _entropy(seen: Dynamics) -> str:
+    found = seen.entropy
+    return str(found.value) if found.value is not None else f"{found.low:.9g} to {found.high:.9g}"
+
+
+def _exponent(seen: Dynamics, number: int) -> str:
+    """The Lyapunov exponent of one attractor as text."""
+    attractor = seen.attractors[number]
+    if attractor.exponent is not None:
+        return str(attractor.exponent)
+    bounds = attractor.exponent_bounds
+    return "" if bounds is None else f"{bounds[0]:.12g}"
