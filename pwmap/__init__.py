@@ -11,7 +11,13 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from pwmap.diagrams.graph import read_graph, write_graph
-from pwmap.longrun.crises import AttractorCell, AttractorDiagram, Crisis, attractor_diagram
+from pwmap.longrun.crises import (
+    AttractorCell,
+    AttractorDiagram,
+    Crisis,
+    attractor_diagram,
+    meeting_curve,
+)
 from pwmap.longrun.densities import Density
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropies import Entropy
@@ -85,6 +91,7 @@ __all__ = [
     "bifurcation_diagram",
     "dynamics",
     "farey",
+    "meeting_curve",
     "organising_centre",
     "organising_centres",
     "parameter_cells",

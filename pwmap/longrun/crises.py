@@ -19,7 +19,14 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.exact import Fraction_, Number, dense, quotient_to_sympy, to_float
+from pwmap.algebra.exact import (
+    Fraction_,
+    Number,
+    dense,
+    quotient_to_sympy,
+    to_float,
+    to_sympy,
+)
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
 from pwmap.algebra.roots import (
     Dense,
@@ -223,6 +230,59 @@ def attractor_diagram(
     admitted_intervals(axis, ends)
     cells, crises = _Study(map_, name, axis, order).cells(*ends)
     return AttractorDiagram(parameter=map_.parameters[0], order=order, cells=cells, crises=crises)
+
+
+def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int = 0) -> sympy.Expr:
+    """The polynomial in a map's parameters that is zero where a break's image meets a cycle.
+
+    Where a crisis is known at one value, this is its curve in more parameters.
+
+    Parameters
+    ----------
+    map_
+        The map; all of its parameters may be free.
+    image
+        The word along which the break goes, as :attr:`Crisis.images` has it.
+    cycle
+        A word of the cycle, whose point it is at which the word starts.
+    number
+        Which break, counted from the left.
+
+    Returns
+    -------
+    sympy.Expr
+        With integer factors left out, factored.
+
+    Raises
+    ------
+    ValueError
+        If a word is empty or has an unknown letter, or there is no such break.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, meeting_curve
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> meeting_curve(skew, "LRL", "R")
+    a*b**2 - a + b
+    """
+    breaks = map_.definition.table.layouts[map_.chain[0]].breaks
+    if not 0 <= number < len(breaks):
+        raise ValueError(f"number must name one of {len(breaks)} breaks, from 0 on, got {number}")
+    along, around = (tuple(_numbers(map_, word)) for word in (image, cycle))
+    value = map_.orbits.value(breaks[number], along)
+    fixed = map_.orbits.fixed_point(around)
+    _, factors = sympy.factor_list(to_sympy(value[0] * fixed[1] - fixed[0] * value[1]))
+    return sympy.Mul(*(factor for factor, _ in factors)) if factors else sympy.Integer(0)
+
+
+def _numbers(map_: PiecewiseLinearMap, word: str) -> Iterator[int]:
+    """The letters of a word as numbers."""
+    if not word:
+        raise ValueError("a word must have at least one letter")
+    for letter in word:
+        if letter not in map_.letters:
+            raise ValueError(f"{letter!r} is no piece of this map, it has {map_.letters}")
+        yield map_.letters.index(letter)
 
 
 class _Study:

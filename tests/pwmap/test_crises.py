@@ -6,7 +6,7 @@ import pytest
 import sympy
 from sympy import Rational, root, sqrt
 
-from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, dynamics
+from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, dynamics, meeting_curve
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 PAPER = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
@@ -44,6 +44,19 @@ def test_bands_of_the_skew_tent_map_merge_where_the_literature_says(a: Rational)
     merging = [r for r in sympy.solve(a * b**2 + b - a, b) if span[0] < r < span[1]]
     crises = [c for c in found.crises if c.kind is PointKind.MC and sorted(c.bands) == [1, 2]]
     assert [c.parameter for c in crises] == merging
+
+
+def test_band_merging_curves_of_the_skew_tent_map_are_polynomials_in_both_slopes() -> None:
+    """2 into 1 and 4 into 2 [Maistrenko1993]; for b = -a these are a^2 = 2 and a^4 = 2."""
+    a, b = SKEW.parameters
+    assert meeting_curve(SKEW, "LRL", "R") == a * b**2 + b - a
+    four = meeting_curve(SKEW, "LRLRR", "RL")
+    assert sympy.rem(four, a**2 * b**3 + a - b, b) == 0
+    assert sympy.simplify((a**2 * b**3 + a - b).subs(b, -a) + a * (a**4 - 2)) == 0
+    with pytest.raises(ValueError, match="'X' is no piece of this map"):
+        meeting_curve(SKEW, "LX", "R")
+    with pytest.raises(ValueError, match="number must name one of 1 breaks, from 0 on, got 1"):
+        meeting_curve(SKEW, "L", "R", 1)
 
 
 @pytest.mark.slow
