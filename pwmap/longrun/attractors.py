@@ -24,7 +24,8 @@ from pwmap.longrun.numbers import Element, Exact
 STEPS = 600  # of an orbit, and of what grows from a break
 PARTS = 2000  # of what grows from a break at most, at any time
 EXPANDING = 96  # the same where every piece expands: nothing draws it in, so it is finite or open
-GROWTH = 20_000  # steps of what grows from a break
+GROWTH = 20_000  # steps of what grows from a break where every piece expands
+MIXED = 1_000  # and where some contract: there it may never end
 CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
 HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
 # places at which attractors change, but for the bits of these [Roth1955]
@@ -126,6 +127,9 @@ def attractors_of(line: Line, steps: int = STEPS) -> Attractors:
     for x, (one, other) in zip(
         line.breaks, zip(orbits[::2], orbits[1::2], strict=True), strict=True
     ):
+        if any(_ends_at_a_break(line, orbit, fates) for orbit in (one, other)):
+            left.append(x)
+            continue
         settled = {one.fate, other.fate} & {Fate.DRAWN, Fate.LOST}
         if (
             settled
@@ -170,6 +174,17 @@ def _ends_in_a_cycle(orbit: Orbit, fates: Fates) -> bool:
     return any(end & set(cycle.points) for cycle in fates.cycles)
 
 
+def _ends_at_a_break(line: Line, orbit: Orbit, fates: Fates) -> bool:
+    """Whether a finite orbit ends in a cycle that attracts on one side, since it meets a break."""
+    if orbit.fate is not Fate.FINITE or _ends_in_a_cycle(orbit, fates):
+        return False
+    size = QQ.one
+    for germ in orbit.germs[orbit.start :]:
+        size = size * abs_(line.beside(germ).slope) if germ.side else size
+    held = any(not germ.side for germ in orbit.germs[orbit.start :])
+    return held or size < 1
+
+
 def _scale(line: Line) -> Exact:
     """A length that is small beside what breaks keep apart."""
     breaks = line.breaks
@@ -198,7 +213,8 @@ def _grown(fates: Fates, x: Exact, away: Exact) -> list[Interval] | None:
     line = fates.line
     new: Sequence[Interval] = [(x - away, x + away)]
     known = list(new)
-    for _ in range(GROWTH):
+    expands = all(abs_(branch.slope) > 1 for branch in line.branches)
+    for _ in range(GROWTH if expands else MIXED):
         images = line.images(new)
         new = outside(images, known)
         if not new:

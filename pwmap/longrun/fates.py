@@ -183,6 +183,8 @@ class Fates:
         multiplier = QQ.one
         for each in slopes:
             multiplier = multiplier * each
+        if not abs_(multiplier) < 1:  # the word was that of pieces in which the point does not lie
+            return None
         reach = tuple(
             self._reach(points[k:] + points[:k], slopes[k:] + slopes[:k])
             for k in range(len(points))

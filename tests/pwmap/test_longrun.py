@@ -283,3 +283,20 @@ def test_wrong_values_are_refused() -> None:
         dynamics(BETA, {"b": sqrt(2) - 1})
     with pytest.raises(ValueError, match="one parameter may have an algebraic value, got r, a"):
         dynamics(PAPER, {"r": sqrt(2), "a": sqrt(2), "b": 0})
+
+
+@pytest.mark.slow
+def test_a_repelling_point_is_no_attractor_where_a_neighbour_would_attract_it() -> None:
+    """At -40/3 both formulas have a fixed point, but the piece there is the one of slope 6/5."""
+    two = "Piecewise((6*x/5 + 8/3, x <= -3), (2*x/5 - 8, True))"
+    three = "Piecewise((3*x + 2/3, x <= -6), (-10*x/7, x <= 1), (3*x/4, True))"
+    for text in (two, three):
+        found = dynamics(PiecewiseLinearMap.from_sympy(text))
+        assert all(each.is_chaotic for each in found.attractors)
+
+
+def test_a_cycle_through_a_break_is_open() -> None:
+    """16/3 -> -1 -> 16/3: a flat piece draws in, but beside the break another piece leads away."""
+    flat = "Piecewise((3*x/4 - 1/3, x <= -3), (16/3, x <= -1), (-x/8 - 1/3, True))"
+    found = dynamics(PiecewiseLinearMap.from_sympy(flat))
+    assert found.open
