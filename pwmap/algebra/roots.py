@@ -13,7 +13,7 @@ from math import lcm
 
 import sympy
 from sympy import QQ
-from sympy.polys.densearith import dup_mul, dup_rem
+from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
 from sympy.polys.euclidtools import dup_invert
 
 from pwmap.algebra.exact import Number, floor, pair, sign, to_float
@@ -351,6 +351,33 @@ def _simplest(low: Number, high: Number) -> Number:
     for term in reversed(terms):
         found = term + 1 / found
     return side * found
+
+
+def difference(first: Dense, second: Dense) -> Dense:
+    """The difference of two polynomials."""
+    return tuple(dup_sub(list(first), list(second), QQ))
+
+
+def spread(low: Real, high: Real, n: int) -> list[Number]:
+    """Rationals between two numbers, in equal steps."""
+    first, last = bounds(low)[1], bounds(high)[0]
+    return [first + (last - first) * QQ(i, n + 1) for i in range(1, n + 1)]
+
+
+def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
+    """False if a polynomial has surely no zero between two doubles: by the mean value form."""
+    if not polynomial:
+        return False
+    coefficients = [to_float(c) for c in polynomial]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 + 1e-9) + 1e-15 * abs(high)
+    largest = max(abs(low), abs(high))
+    value = size = change = 0.0
+    for c in coefficients:
+        change = change * largest + size
+        value = value * middle + c
+        size = size * largest + abs(c)
+    noise = 1e-12 * size  # far more than rounding of Horner's rule makes
+    return not abs(value) > half * change * (1.0 + 1e-9) + noise
 
 
 def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real | None, Real | None]]:

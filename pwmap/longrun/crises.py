@@ -24,7 +24,6 @@ from pwmap.algebra.exact import (
     Number,
     dense,
     quotient_to_sympy,
-    to_float,
     to_sympy,
 )
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
@@ -33,6 +32,7 @@ from pwmap.algebra.roots import (
     Real,
     RealRoot,
     bounds,
+    may_vanish,
     real_roots,
     real_to_sympy,
     sign_at,
@@ -47,7 +47,8 @@ from pwmap.longrun.numbers import Element, Exact, to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import CriticalOrbit, Multiplier, Slope, Word
 from pwmap.parameters.admitted import admitted_intervals
-from pwmap.parameters.axis import Axis, axis_of
+from pwmap.parameters.axes import axis_of
+from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import checked_span
 
 LONGEST = (8, 16, 32, 64)  # orders of images of breaks that are compared where attractors differ:
@@ -486,7 +487,7 @@ class _Study:
             fixed = self.orbits.fixed_point(word)
             for image, value in values:
                 difference = dense(value[0] * fixed[1] - fixed[0] * value[1])
-                if not _may_vanish(difference, *ends):
+                if not may_vanish(difference, *ends):
                     continue
                 if crossing and sign_at(difference, low) * sign_at(difference, high) >= 0:
                     continue
@@ -614,22 +615,6 @@ def _by_length(word: str) -> tuple[int, str]:
 def _first_turn(word: str) -> str:
     """The first of the words of a cycle in the alphabet."""
     return min(word[i:] + word[:i] for i in range(len(word)))
-
-
-def _may_vanish(polynomial: Sequence[Any], low: float, high: float) -> bool:
-    """False if a polynomial has surely no zero between two doubles: by the mean value form."""
-    if not polynomial:
-        return False
-    coefficients = [to_float(c) for c in polynomial]
-    middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 + 1e-9) + 1e-15 * abs(high)
-    largest = max(abs(low), abs(high))
-    value = size = change = 0.0
-    for c in coefficients:
-        change = change * largest + size
-        value = value * middle + c
-        size = size * largest + abs(c)
-    noise = 1e-12 * size  # far more than rounding of Horner's rule makes
-    return not abs(value) > half * change * (1.0 + 1e-9) + noise
 
 
 def _periodic(line: Line, order: int) -> Iterator[tuple[int, ...]]:

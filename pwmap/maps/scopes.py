@@ -78,7 +78,7 @@ class Interval:
         coefficients = dense(polynomial)
         for root in real_roots(coefficients) if coefficients else ():
             if self._holds(root):
-                raise UndecidedError(_refusal(polynomial, self, self.orders))
+                raise UndecidedError(refusal(polynomial, self, self.orders))
         return sign_at(coefficients, simplest_between(self.low, self.high))
 
     def contains(self, values: Mapping[str, Number]) -> Interval | None:
@@ -91,7 +91,7 @@ class Interval:
         return bool(above and (self.high is None or value < self.high))
 
     def __str__(self) -> str:
-        return _between(_shown(self.low), self.symbol, _shown(self.high))
+        return between(_shown(self.low), self.symbol, _shown(self.high))
 
 
 def _interval(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> Interval:
@@ -156,14 +156,14 @@ class SymbolicInterval:
         try:
             return self.region.sign(polynomial)
         except UndecidedError:
-            raise UndecidedError(_refusal(polynomial, self, self.orders)) from None
+            raise UndecidedError(refusal(polynomial, self, self.orders)) from None
 
     def contains(self, values: Mapping[str, Number]) -> SymbolicInterval | None:
         """The cell itself, if values break one of its inequalities."""
         return None if self.region.contains(values) is None else self
 
     def __str__(self) -> str:
-        return _between(self.low, self.symbol, self.high)
+        return between(self.low, self.symbol, self.high)
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +220,7 @@ class SymbolicEdge:
         try:
             return self.region.sign(total) * int(self.region.sign(bottom) ** degree)
         except UndecidedError:
-            raise UndecidedError(_refusal(polynomial, self, self.orders)) from None
+            raise UndecidedError(refusal(polynomial, self, self.orders)) from None
 
     def contains(self, values: Mapping[str, Number]) -> SymbolicEdge | None:
         """The edge itself, if values break its equality or what is assumed of the others."""
@@ -237,7 +237,8 @@ def _symbolic_edge(
     return SymbolicEdge(symbol, (top, bottom), region, orders)
 
 
-def _refusal(polynomial: Number, cell: object, orders: Orders) -> str:
+def refusal(polynomial: Number, cell: object, orders: Orders) -> str:
+    """Why a sign is not known in a cell, and what to ask for."""
     names = ", ".join(map(str, orders))
     more = (*orders, orders[-1] + 1)
     return (
@@ -251,6 +252,7 @@ def _shown(end: Real | None) -> sympy.Expr | None:
     return None if end is None else real_to_sympy(end)
 
 
-def _between(low: sympy.Expr | None, symbol: sympy.Symbol, high: sympy.Expr | None) -> str:
+def between(low: sympy.Expr | None, symbol: sympy.Symbol, high: sympy.Expr | None) -> str:
+    """An open interval as text."""
     left, right = ("" if low is None else f"{low} < "), ("" if high is None else f" < {high}")
     return f"{left}{symbol}{right}" if left or right else f"of all {symbol}"

@@ -43,7 +43,8 @@ from pwmap.parameters.admitted import (
     samples,
     shown_sample,
 )
-from pwmap.parameters.axis import Axis, ResampleError, axis_of, identical
+from pwmap.parameters.axes import axis_of, identical
+from pwmap.parameters.axis import Axis, ResampleError
 
 Result = TypeVar("Result")
 

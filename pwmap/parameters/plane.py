@@ -12,7 +12,7 @@ import sympy
 from pwmap.algebra.roots import real_to_sympy, simplest_between
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.axis import Axis, ResampleError, SymbolicAxis
+from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.cells import (
     Cell,
     ParameterCells,
@@ -21,6 +21,7 @@ from pwmap.parameters.cells import (
     shown_cells,
     with_cells,
 )
+from pwmap.parameters.column import ColumnAxis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -122,7 +123,7 @@ def _strip(
     map_: PiecewiseLinearMap, orders: tuple[int, ...], axis: Axis, cells: list[Cell]
 ) -> tuple[tuple[Any, Any], ParameterCells]:
     """Where the cells of one sample hold, and the cells."""
-    assert isinstance(axis, SymbolicAxis)
+    assert isinstance(axis, ColumnAxis)
     return axis.bounds(), shown_cells(map_, orders, axis, cells)
 
 

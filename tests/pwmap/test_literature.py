@@ -345,26 +345,20 @@ def test_border_collision_with_symbolic_slopes() -> None:
     assert any(relation.subs({"a": Rational(1, 2), "b": -3}) == sympy.false for relation in given)
 
 
-def test_symbolic_slope_needs_decisions_of_degree_one() -> None:
-    """With one slope symbolic P_1 is decided, with the edges b = -1 or a = 1; P_3 is an error.
-
-    Over b the word L R R has multiplier a b^2 and R R R has b^3, over a the word L L R has a^2 b:
-    a threshold is then no quotient of polynomials in the other slope [NusseYorke1995].
+def test_a_slope_is_decided_with_the_other_one_symbolic() -> None:
+    """Over b the words R L^n have their borders at b = -(1 + a + ... + a^(n-1))/a^(n-1) and flip at
+    b = -1/a^n [NusseYorke1995]; over a these are roots of polynomials of a higher degree.
     """
     pieces = [("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")]
     map_ = PiecewiseLinearMap(pieces, given=["a > 0", "a < 1"])
-    cells = parameter_cells(map_, "b", span=(-9, 0))
-    assert cells.edges == (-1,)
-    assert set(cells.given) == {A > 0, A < 1}
-    with pytest.raises(ValueError, match=r"decision has degree \d in b: .*give the other"):
-        parameter_cells(map_, "b", orders=(1, 2, 3))
+    cells = parameter_cells(map_, "b", orders=(1, 2, 3), span=(-9, 0), sample={"a": HALF})
+    assert cells.edges == (-1 / A**2, -(A + 1) / A, -1 / A, -1)
+    assert str(cells.given) == "(a > 1/3, a < -1/2 + sqrt(5)/2)"
 
     other = PiecewiseLinearMap(pieces, given=["b < -1", "a > 0"])
-    cells = parameter_cells(other, "a", span=(0, 9))
-    assert cells.edges == (1,)
-    assert set(cells.given) == {B < -1}
-    with pytest.raises(ValueError, match=r"decision has degree \d in a: .*give the other"):
-        parameter_cells(other, "a", orders=(1, 2, 3))
+    cells = parameter_cells(other, "a", orders=(1, 2, 3), span=(0, 1), sample={"b": -3})
+    assert cells.edges == (-1 / B, -1 / (B + 1), -sqrt(-B) / B)
+    assert str(cells.given) == "(b < -3/2 - sqrt(5)/2,)"
 
 
 # --- 2. Contracted rotations: period adding -------------------------------------------------------

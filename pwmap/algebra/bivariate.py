@@ -1,0 +1,107 @@
+"""Polynomials in two parameters: what is needed to follow the real roots in one over the other.
+
+The roots of a polynomial in one parameter are continuous functions of the other one, and keep their
+order, as long as neither its leading coefficient nor its discriminant is zero. They do not meet
+those of another polynomial as long as the resultant of both is not zero.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.algebra.exact import Number, factored, is_constant, polynomial_ring
+from pwmap.algebra.roots import Dense, trimmed
+
+
+def degree_in(polynomial: PolyElement, index: int) -> int:
+    """Degree in one of the parameters; 0 for zero."""
+    return max(0, int(polynomial.degree(index))) if polynomial else 0
+
+
+def coefficients_in(polynomial: PolyElement, index: int) -> list[PolyElement]:
+    """Coefficients of the powers of one parameter, from the zeroth on, as polynomials in both."""
+    ring = polynomial.ring
+    powers: list[dict[tuple[int, ...], Number]] = [
+        {} for _ in range(degree_in(polynomial, index) + 1)
+    ]
+    for exponents, coefficient in polynomial.terms():
+        others = (*exponents[:index], 0, *exponents[index + 1 :])
+        powers[exponents[index]][others] = coefficient
+    return [ring.from_dict(terms) for terms in powers]
+
+
+def leading_in(polynomial: PolyElement, index: int) -> PolyElement:
+    """The coefficient of the highest power of one parameter."""
+    return coefficients_in(polynomial, index)[-1]
+
+
+def at_value(polynomial: PolyElement, index: int, value: Number) -> Dense:
+    """A polynomial in the other parameter, for a rational value of one."""
+    other = 1 - index
+    found = [QQ.zero] * (degree_in(polynomial, other) + 1)
+    for exponents, coefficient in polynomial.terms():
+        found[-1 - exponents[other]] += coefficient * value ** exponents[index]
+    return trimmed(found)
+
+
+def dense_in(polynomial: PolyElement, index: int) -> Dense:
+    """Coefficients of a polynomial in which no other parameter occurs, highest power first."""
+    found = [QQ.zero] * (degree_in(polynomial, index) + 1)
+    for exponents, coefficient in polynomial.terms():
+        found[-1 - exponents[index]] = coefficient
+    return trimmed(found)
+
+
+def irreducible_factors(polynomial: PolyElement) -> tuple[PolyElement, ...]:
+    """The factors that are no constants, each once, with coprime integer coefficients."""
+    return tuple(normalised(factor) for factor, _ in factored(polynomial)[1])
+
+
+def normalised(polynomial: PolyElement) -> PolyElement:
+    """The multiple with coprime integer coefficients, the leading one positive."""
+    primitive = polynomial.primitive()[1]
+    return -primitive if primitive.LC < 0 else primitive
+
+
+def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
+    """Whether one polynomial is a factor of another one."""
+    return not polynomial.rem(factor)
+
+
+@lru_cache(maxsize=65536)
+def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
+    """The resultant with respect to one parameter: zero just where both have a common root.
+
+    It is also zero where both leading coefficients are. Its multiples by constants do as well.
+    """
+    if degree_in(first, index) > degree_in(second, index):
+        first, second = second, first
+    if degree_in(first, index) == 1:
+        return normalised(at_root_of(second, first, index))
+    symbols = first.ring.symbols if index == 0 else first.ring.symbols[::-1]
+    eliminating = polynomial_ring(symbols)  # sympy eliminates the first generator
+    step = 1 if index == 0 else -1
+    both = [eliminating.from_dict({m[::step]: c for m, c in p.items()}) for p in (first, second)]
+    found = both[0].resultant(both[1])
+    if is_constant(found):
+        return first.ring.one
+    terms = {((0, n) if index == 0 else (n, 0)): c for (n,), c in found.items()}
+    return normalised(first.ring.from_dict(terms))
+
+
+def discriminant(polynomial: PolyElement, index: int) -> PolyElement:
+    """Zero just where two roots in one parameter meet, or the leading coefficient is zero."""
+    return resultant(polynomial, polynomial.diff(index), index)
+
+
+def at_root_of(polynomial: PolyElement, line: PolyElement, index: int) -> PolyElement:
+    """A polynomial of degree n at the root of one of degree one, times its slope to the power n."""
+    rest, slope = coefficients_in(line, index)
+    value, scale = polynomial.ring.zero, polynomial.ring.one
+    for power in reversed(coefficients_in(polynomial, index)):  # Horner's rule
+        value = value * -rest + power * scale
+        scale = scale * slope
+    return value

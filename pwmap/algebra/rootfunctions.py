@@ -1,0 +1,181 @@
+"""Real roots of polynomials in two parameters: functions of one of them, as exact numbers are.
+
+They are told apart at a sample of the other parameter. Inside a strip, an open interval of it in
+which neither leading coefficients nor discriminants are zero, they are continuous and apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import total_ordering
+from typing import Any
+
+import sympy
+from sympy.polys.rings import PolyElement
+
+from pwmap.algebra.bivariate import at_value, coefficients_in, degree_in, dense_in, resultant
+from pwmap.algebra.exact import (
+    Number,
+    Packed,
+    Ring,
+    factored_to_sympy,
+    packed,
+    polynomial_ring,
+    to_sympy,
+    unpacked,
+)
+from pwmap.algebra.roots import Dense, Real, portable, real_roots, restored, sign_at
+
+
+class RealRootOf(sympy.Function):  # type: ignore[misc]
+    """One of the real roots of a polynomial in a symbol that has another parameter, too.
+
+    Its arguments are the polynomial, the symbol, and which root it is, counted from the lowest. Put
+    a number for the parameter, and it becomes that root.
+    """
+
+    nargs = 3
+    is_real = True
+
+    @classmethod
+    def eval(cls, polynomial: Any, symbol: Any, number: Any) -> Any:
+        """The root itself, if the polynomial has no parameter left."""
+        if polynomial.free_symbols <= {symbol}:
+            roots = sympy.Poly(polynomial, symbol, domain="QQ").real_roots(multiple=False)
+            return roots[int(number)][0]
+        return None
+
+
+@total_ordering
+@dataclass(frozen=True, slots=True, eq=False)
+class Root:
+    """A value of one parameter that solves an equation, and so depends on the other one.
+
+    Two are equal if their values at the sample are; :func:`identical` says whether they stay so.
+
+    Attributes
+    ----------
+    value
+        At the sample of the other parameter.
+    factor
+        The irreducible polynomial in both parameters of which it is a root.
+    number
+        Which of its real roots in the one parameter it is, counted from the lowest.
+    """
+
+    value: Real
+    factor: PolyElement
+    number: int
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Root) and self.value == other.value
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+    def __lt__(self, other: Root) -> bool:
+        return bool(self.value < other.value)
+
+    def to_sympy(self, strip: Strip) -> sympy.Expr:
+        """An expression in the other parameter: a quotient, with a square root, or unevaluated."""
+        powers = coefficients_in(self.factor, strip.along)
+        if len(powers) == 2:
+            return strip.shown(-powers[0], powers[1])
+        if len(powers) > 3:
+            symbol = strip.symbols[strip.along]
+            return RealRootOf(to_sympy(self.factor), symbol, sympy.Integer(self.number))
+        rest, linear, square = map(to_sympy, powers)
+        rises = sign_at(strip.across(powers[2]), strip.sample) > 0
+        side = 1 if (self.number == 1) == rises else -1
+        root = sympy.sqrt(sympy.factor(linear**2 - 4 * square * rest))
+        return (-linear + side * root) / (2 * square)
+
+    def __reduce__(self) -> tuple[Callable[..., Root], tuple[object, ...]]:
+        kept = packed(self.factor.ring, [self.factor])
+        return _root, (portable(self.value), kept, self.number)
+
+
+def _root(value: Any, kept: Packed, number: int) -> Root:
+    return Root(restored(value), unpacked(kept)[1][0], number)
+
+
+@dataclass(frozen=True, slots=True)
+class Strip:
+    """An open interval of one of two parameters; an end that is None is infinite.
+
+    Attributes
+    ----------
+    symbols
+        Both parameters.
+    along
+        Which of them is the one of roots.
+    low, high
+        Ends of the other one.
+    sample
+        A value of it inside.
+    """
+
+    symbols: tuple[sympy.Symbol, sympy.Symbol]
+    along: int
+    low: Real | None
+    high: Real | None
+    sample: Number
+
+    def __reduce__(self) -> tuple[Callable[..., Strip], tuple[object, ...]]:
+        ends = portable(self.low), portable(self.high), portable(self.sample)
+        return _strip, (self.symbols, self.along, *ends)
+
+    @property
+    def ring(self) -> Ring:
+        """Of polynomials in both parameters."""
+        return polynomial_ring(self.symbols)
+
+    def holds(self, value: Number) -> bool:
+        """Whether a value of the other parameter lies inside."""
+        return (self.low is None or self.low < value) and (self.high is None or value < self.high)
+
+    def column(self, polynomial: PolyElement) -> Dense:
+        """A polynomial at the sample, in the parameter of roots."""
+        return at_value(polynomial, 1 - self.along, self.sample)
+
+    def across(self, polynomial: PolyElement) -> Dense:
+        """Coefficients of a polynomial in the other parameter alone."""
+        return dense_in(polynomial, 1 - self.along)
+
+    def values(self, values: Mapping[str, Number]) -> tuple[Number | None, Number | None]:
+        """Of some values by name that of the other parameter, and that of the one of roots."""
+        other, own = (values.get(str(self.symbols[i])) for i in (1 - self.along, self.along))
+        return other, own
+
+    def shown(self, top: PolyElement, bottom: PolyElement) -> sympy.Expr:
+        """A quotient of polynomials in the other parameter as an expression in lowest terms."""
+        other = 1 - self.along
+        ring = polynomial_ring([self.symbols[other]])
+        numbers = (
+            ring.from_dict({(exponents[other],): c for exponents, c in p.terms()})
+            for p in (top, bottom)
+        )
+        quotient = ring.to_field().new(*numbers)
+        return factored_to_sympy((quotient.numer, quotient.denom))
+
+    def keeps(self, polynomial: PolyElement) -> bool:
+        """Whether a polynomial in the other parameter alone has no zero inside."""
+        roots = real_roots(self.across(polynomial))
+        return not any(self.holds(root) for root in roots)
+
+    def is_apart(self, root: Root, polynomial: PolyElement) -> bool:
+        """Whether a root meets no root of a polynomial, of which it is none, inside."""
+        if not degree_in(polynomial, self.along):
+            return self.keeps(polynomial)
+        return self.keeps(resultant(root.factor, polynomial, self.along))
+
+    def number(self, root: Root, value: Number) -> Real | None:
+        """A root at another value of the other parameter; None if that lies outside."""
+        if not self.holds(value):
+            return None
+        return real_roots(at_value(root.factor, 1 - self.along, value))[root.number]
+
+
+def _strip(symbols: Any, along: int, low: Any, high: Any, sample: Any) -> Strip:
+    return Strip(symbols, along, restored(low), restored(high), restored(sample))
