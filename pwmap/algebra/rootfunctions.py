@@ -1,6 +1,6 @@
 """Real roots of polynomials in two parameters: functions of one of them, as exact numbers are.
 
-They are told apart at a sample of the other parameter. Inside a strip, an open interval of it in
+They are told apart at a sample of the other parameter. Inside an open interval of it in
 which neither leading coefficients nor discriminants are zero, they are continuous and apart.
 """
 
@@ -77,16 +77,16 @@ class Root:
     def __lt__(self, other: Root) -> bool:
         return bool(self.value < other.value)
 
-    def to_sympy(self, strip: Strip) -> sympy.Expr:
+    def to_sympy(self, column: Column) -> sympy.Expr:
         """An expression in the other parameter: a quotient, with a square root, or unevaluated."""
-        powers = coefficients_in(self.factor, strip.along)
+        powers = coefficients_in(self.factor, column.along)
         if len(powers) == 2:
-            return strip.shown(-powers[0], powers[1])
+            return column.shown(-powers[0], powers[1])
         if len(powers) > 3:
-            symbol = strip.symbols[strip.along]
+            symbol = column.symbols[column.along]
             return RealRootOf(to_sympy(self.factor), symbol, sympy.Integer(self.number))
         rest, linear, square = map(to_sympy, powers)
-        rises = sign_at(strip.across(powers[2]), strip.sample) > 0
+        rises = sign_at(column.across(powers[2]), column.sample) > 0
         side = 1 if (self.number == 1) == rises else -1
         root = sympy.sqrt(sympy.factor(linear**2 - 4 * square * rest))
         return (-linear + side * root) / (2 * square)
@@ -101,7 +101,7 @@ def _root(value: Any, kept: Packed, number: int) -> Root:
 
 
 @dataclass(frozen=True, slots=True)
-class Strip:
+class Column:
     """An open interval of one of two parameters; an end that is None is infinite.
 
     Attributes
@@ -122,9 +122,9 @@ class Strip:
     high: Real | None
     sample: Number
 
-    def __reduce__(self) -> tuple[Callable[..., Strip], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., Column], tuple[object, ...]]:
         ends = portable(self.low), portable(self.high), portable(self.sample)
-        return _strip, (self.symbols, self.along, *ends)
+        return _column, (self.symbols, self.along, *ends)
 
     @property
     def ring(self) -> Ring:
@@ -135,7 +135,7 @@ class Strip:
         """Whether a value of the other parameter lies inside."""
         return (self.low is None or self.low < value) and (self.high is None or value < self.high)
 
-    def column(self, polynomial: PolyElement) -> Dense:
+    def at_sample(self, polynomial: PolyElement) -> Dense:
         """A polynomial at the sample, in the parameter of roots."""
         return at_value(polynomial, 1 - self.along, self.sample)
 
@@ -177,5 +177,5 @@ class Strip:
         return real_roots(at_value(root.factor, 1 - self.along, value))[root.number]
 
 
-def _strip(symbols: Any, along: int, low: Any, high: Any, sample: Any) -> Strip:
-    return Strip(symbols, along, restored(low), restored(high), restored(sample))
+def _column(symbols: Any, along: int, low: Any, high: Any, sample: Any) -> Column:
+    return Column(symbols, along, restored(low), restored(high), restored(sample))

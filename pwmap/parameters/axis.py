@@ -7,7 +7,7 @@ polynomials in these with its value at a sample of them.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -163,8 +163,11 @@ class Axis(ABC):
         index = names_of(self.definition.ring).index(self.name)
         return max(0, int(number.degree(index))) if number else 0
 
-    def closing(self, places: Sequence[Any]) -> None:  # noqa: B027
-        """Record what the order of some places, from left to right, asks of other parameters."""
+    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
+        """Record what the order of some places, from left to right, asks of other parameters.
+
+        So does what was decided at some of these places, but maybe not beside them.
+        """
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:

@@ -453,9 +453,10 @@ def _gap(before: Cell, after: Cell) -> list[Cell]:
 
 
 def close(axis: Axis, cells: Sequence[Cell]) -> None:
-    """Have the axis record the order of all ends of cells."""
+    """Have the axis record the order of all ends of cells, and what was decided at edges."""
     places = [cells[0].lower, *(c.lower for c in cells if c.is_edge), cells[-1].upper]
-    axis.closing([place for place in places if place is not None])
+    decided = (d for cell in cells if cell.is_edge for d in cell.study.oracle.signs)
+    axis.closing([place for place in places if place is not None], decided)
 
 
 def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ Between the nearest roots of these everything persists.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -42,7 +42,7 @@ from pwmap.algebra.exact import (
     to_float,
 )
 from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.rootfunctions import Root, Strip
+from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -56,10 +56,10 @@ from pwmap.algebra.roots import (
     simplest_between,
     spread,
 )
+from pwmap.maps.columns import ColumnEdge, ColumnInterval
 from pwmap.maps.reading import Definition
 from pwmap.maps.scopes import Scope, SymbolicEdge, SymbolicInterval
-from pwmap.maps.strips import StripEdge, StripInterval
-from pwmap.maps.words import IntegerOrbits, Orbits, SignOracle
+from pwmap.maps.words import Decision, IntegerOrbits, Orbits, SignOracle
 from pwmap.parameters.axis import INFINITE, Axis, ResampleError, SignAt
 
 
@@ -112,10 +112,10 @@ class ColumnAxis(Axis):
         ring = definition.ring
         self._along = [str(s) for s in ring.symbols].index(name)
         (value,) = sample.values()
-        self._strip = Strip(tuple(ring.symbols), self._along, None, None, value)
+        self._column = Column(tuple(ring.symbols), self._along, None, None, value)
         column = polynomial_ring([ring.symbols[self._along]])
         table = definition.table.mapped(lambda number: evaluate(number, sample, column))
-        self._column = Orbits(table)
+        self._orbits_here = Orbits(table)
         self._factors: dict[PolyElement, tuple[Root, ...]] = {}
         self._conditions: dict[Dense, None] = {}
 
@@ -147,7 +147,7 @@ class ColumnAxis(Axis):
             self._keep_sign(leading_in(factor, self._along))
             if degree > 1:
                 self._keep_sign(discriminant(factor, self._along))
-            roots = real_roots(self._strip.column(factor)) if degree else ()
+            roots = real_roots(self._column.at_sample(factor)) if degree else ()
             self._factors[factor] = tuple(
                 Root(value, factor, number) for number, value in enumerate(roots)
             )
@@ -157,13 +157,13 @@ class ColumnAxis(Axis):
 
     def oracle(self, place: Root) -> SignOracle:
         if isinstance(place.value, RealRoot):
-            return SignOracle(self._column, SignAt(place.value))
+            return SignOracle(self._orbits_here, SignAt(place.value))
         values = {**self.sample, self.name: place.value}
         table = self.definition.table.mapped(lambda number: evaluate(number, values, None))
         return SignOracle(IntegerOrbits(table), sign)
 
     def sign(self, polynomial: Number, place: Root) -> int:
-        return sign_at(self._strip.column(polynomial), place.value)
+        return sign_at(self._column.at_sample(polynomial), place.value)
 
     def _kept_sign(self, polynomial: PolyElement, place: Root) -> int:
         """The sign at a place, with what it depends on recorded."""
@@ -181,8 +181,8 @@ class ColumnAxis(Axis):
         """Record that a polynomial in the other parameter must have no zero near the sample."""
         if is_constant(polynomial):
             return
-        dense = self._strip.across(polynomial)
-        if not sign_at(dense, self._strip.sample):
+        dense = self._column.across(polynomial)
+        if not sign_at(dense, self._column.sample):
             raise ResampleError
         self._conditions[dense] = None
 
@@ -190,7 +190,7 @@ class ColumnAxis(Axis):
         top, bottom = fraction
         if divides(place.factor, bottom):
             return INFINITE
-        above, below = (self._strip.column(number) for number in fraction)
+        above, below = (self._column.at_sample(number) for number in fraction)
         if not sign_at(below, place.value):
             raise ResampleError
         if isinstance(place.value, RealRoot):
@@ -209,20 +209,22 @@ class ColumnAxis(Axis):
         return sign(first.value - second.value)
 
     def coefficients(self, polynomial: Number) -> Dense:
-        return self._strip.column(polynomial)
+        return self._column.at_sample(polynomial)
 
     def number(self, fraction: Fraction_, place: Root) -> float:
-        top, bottom = (self._strip.column(number) for number in fraction)
+        top, bottom = (self._column.at_sample(number) for number in fraction)
         if isinstance(place.value, RealRoot):
             return place.value.to_float(top, bottom)
         return to_float(_at(top, place.value) / _at(bottom, place.value))
 
     # --- What persists --------------------------------------------------------------------------
 
-    def closing(self, places: Sequence[Root]) -> None:
+    def closing(self, places: Sequence[Root], decided: Iterable[Decision]) -> None:
         """Record that all roots keep their order inside the places, and stay outside them."""
         if not places:
             return
+        for decision in decided:
+            self.roots(decision)
         low, high = places[0], places[-1]
         known = self._known()
         inside: dict[Root, Root] = {}
@@ -254,10 +256,10 @@ class ColumnAxis(Axis):
 
     def bounds(self) -> tuple[Real | None, Real | None]:
         """The interval of the other parameter in which all that was recorded persists."""
-        value = self._strip.sample
+        value = self._column.sample
         below: Real | None = None
         above: Real | None = None
-        limits = [self._strip.across(constraint.polynomial) for constraint in self._own]
+        limits = [self._column.across(constraint.polynomial) for constraint in self._own]
         for dense in sorted((*limits, *self._conditions), key=len):
             if below is not None and above is not None:
                 ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
@@ -271,51 +273,51 @@ class ColumnAxis(Axis):
         return below, above
 
     @property
-    def strip(self) -> Strip:
-        """The same with the sample."""
+    def column(self) -> Column:
+        """The sample, with that interval."""
         low, high = self.bounds()
-        return replace(self._strip, low=low, high=high)
+        return replace(self._column, low=low, high=high)
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
         """The interval of the other parameter as inequalities."""
-        symbol, (below, above) = self._strip.symbols[1 - self._along], self.bounds()
+        symbol, (below, above) = self._column.symbols[1 - self._along], self.bounds()
         lower = [] if below is None else [symbol > real_to_sympy(below)]
         return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
 
     # --- What a user sees -----------------------------------------------------------------------
 
     def to_sympy(self, place: Root) -> sympy.Expr:
-        return place.to_sympy(self._strip)
+        return place.to_sympy(self._column)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if degree_in(place.factor, self._along) > 1:
-            symbol = self._strip.symbols[self._along]
+            symbol = self._column.symbols[self._along]
             return fraction_to_sympy((value.top, value.bottom)).subs(symbol, self.to_sympy(place))
         slope = leading_in(place.factor, self._along)
         (top, n), (bottom, m) = (
             (at_root_of(number, place.factor, self._along), degree_in(number, self._along))
             for number in (value.top, value.bottom)
         )
-        return self._strip.shown(top * slope ** max(0, m - n), bottom * slope ** max(0, n - m))
+        return self._column.shown(top * slope ** max(0, m - n), bottom * slope ** max(0, n - m))
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ends = [end for end in (low, high) if end is not None]
         is_edge = low is not None and low is high
         if any(degree_in(end.factor, self._along) > 1 for end in ends):
             return (
-                StripEdge(self.strip, low, orders)
+                ColumnEdge(self.column, low, orders)
                 if is_edge
-                else StripInterval(self.strip, low, high, orders)
+                else ColumnInterval(self.column, low, high, orders)
             )
-        ring, symbol = self.definition.ring, self._strip.symbols[self._along]
+        ring, symbol = self.definition.ring, self._column.symbols[self._along]
         if is_edge:
             return SymbolicEdge(symbol, self._quotient(low), Region(ring, self._assumed), orders)
         limits = [*self._assumed]
         for side, end in ((1, low), (-1, high)):
             if end is not None:
                 sense = side * sign_at(
-                    self._strip.across(leading_in(end.factor, self._along)), self._strip.sample
+                    self._column.across(leading_in(end.factor, self._along)), self._column.sample
                 )
                 limits.append(Constraint(sense * end.factor, True))
         left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
@@ -340,7 +342,7 @@ class ColumnAxis(Axis):
             if isinstance(end, RealRoot):
                 powers = enumerate(reversed(end.polynomial))
                 polynomial = sum((c * ring.gens[other] ** n for n, c in powers), start=ring.zero)
-                sense = sign_at(end.polynomial, self._strip.sample)
+                sense = sign_at(end.polynomial, self._column.sample)
                 yield Constraint(sense * polynomial, True)
 
 

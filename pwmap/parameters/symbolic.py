@@ -6,7 +6,7 @@ A place is a quotient of polynomials in these, with its value at a sample of the
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, total_ordering
 from itertools import pairwise
@@ -34,7 +34,7 @@ from pwmap.algebra.roots import Dense, simplest_between, trimmed
 from pwmap.algebra.signs import possible_signs, without_implied
 from pwmap.maps.reading import Definition
 from pwmap.maps.scopes import Scope, SymbolicEdge, SymbolicInterval
-from pwmap.maps.words import IntegerOrbits, SignOracle
+from pwmap.maps.words import Decision, IntegerOrbits, SignOracle
 from pwmap.parameters.axis import INFINITE, Axis, DegreeError, ResampleError
 
 
@@ -235,10 +235,12 @@ class SymbolicAxis(Axis):
         step = (high.value - low.value) / (n + 1)
         return [self.place(low.value + step * i) for i in range(1, n + 1)]
 
-    def closing(self, places: Sequence[Threshold]) -> None:
+    def closing(self, places: Sequence[Threshold], decided: Iterable[Decision]) -> None:
         """Record that all thresholds keep their order inside the places, and stay outside them."""
         if not places:
             return
+        for decision in decided:
+            self.roots(decision)
         low, high = places[0], places[-1]
         thresholds = self._thresholds()
         inside: dict[Threshold, Threshold] = {}
