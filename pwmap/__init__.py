@@ -33,7 +33,10 @@ from pwmap.maps.piecewise_linear import (
 )
 from pwmap.parameters.bifurcations import bifurcation_diagram
 from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cells
-from pwmap.parameters.plane import ParameterPlane, Strip, parameter_plane
+from pwmap.plane.kinds import PlaneKind
+from pwmap.plane.network import CodimensionTwo, PlaneCurve
+from pwmap.plane.plane import ParameterPlane, parameter_plane
+from pwmap.plane.strips import Strip
 from pwmap.rotations.centres import (
     CentreKind,
     OrganisingCentre,
@@ -59,6 +62,7 @@ __all__ = [
     "Budget",
     "BudgetError",
     "CentreKind",
+    "CodimensionTwo",
     "Crisis",
     "Cycle",
     "Density",
@@ -76,6 +80,8 @@ __all__ = [
     "ParameterPlane",
     "Piece",
     "PiecewiseLinearMap",
+    "PlaneCurve",
+    "PlaneKind",
     "PointKind",
     "PointStatus",
     "Progress",

@@ -18,7 +18,7 @@ from pwmap.algebra.arithmetic import rational
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, FloatArray, PointKind
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.cells import ParameterCell
-from pwmap.parameters.plane import ParameterPlane
+from pwmap.plane.plane import ParameterPlane
 
 STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
 MARKERS = {

@@ -1,5 +1,6 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations."""
 
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.continued import continuation
 from woodpecker.diagram import bifurcation_diagram, find_all
 from woodpecker.mechanics.equations import (
@@ -26,7 +27,7 @@ from woodpecker.piecewise.slices import Slice, slices_at
 from woodpecker.piecewise.symbolic import from_pwmap, from_sympy
 from woodpecker.piecewise.windows import borders_in, crosses, nearest_border
 from woodpecker.plane.census import Attractor, Count, Settles
-from woodpecker.plane.curve import Curve, PlaneKind, PlanePoint, PlaneStretch
+from woodpecker.plane.curve import Curve, PlanePoint, PlaneStretch
 from woodpecker.plane.families import Family, family_from_pwmap, family_from_sympy
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.graph import graph_of_curves

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
 from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.piecewise.settings import Settings
-from woodpecker.plane.curve import Curve, PlaneKind, PlanePoint
+from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.plane.following import curve_through
 from woodpecker.runs import OUT_OF_DOMAIN, given, possible, settings_for
 from woodpecker.toyfamily import ToyFamily

@@ -12,9 +12,17 @@ from functools import total_ordering
 from typing import Any
 
 import sympy
+from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import at_value, coefficients_in, degree_in, dense_in, resultant
+from pwmap.algebra.bivariate import (
+    at_value,
+    coefficients_in,
+    degree_in,
+    dense_in,
+    normalised,
+    resultant,
+)
 from pwmap.algebra.exact import (
     Number,
     Packed,
@@ -25,7 +33,7 @@ from pwmap.algebra.exact import (
     to_sympy,
     unpacked,
 )
-from pwmap.algebra.roots import Dense, Real, portable, real_roots, restored, sign_at
+from pwmap.algebra.roots import Dense, Real, RealRoot, portable, real_roots, restored, sign_at
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]
@@ -179,3 +187,10 @@ class Column:
 
 def _column(symbols: Any, along: int, low: Any, high: Any, sample: Any) -> Column:
     return Column(symbols, along, restored(low), restored(high), restored(sample))
+
+
+def minimal_polynomial(ring: Ring, index: int, value: Real) -> PolyElement:
+    """The irreducible polynomial of a number, in one of the generators of a ring."""
+    coefficients = value.polynomial if isinstance(value, RealRoot) else (QQ.one, -value)
+    powers = enumerate(reversed(coefficients))
+    return normalised(sum((c * ring.gens[index] ** n for n, c in powers), start=ring.zero))

@@ -42,7 +42,7 @@ from pwmap.algebra.exact import (
     to_float,
 )
 from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.rootfunctions import Column, Root
+from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -118,6 +118,7 @@ class ColumnAxis(Axis):
         self._orbits_here = Orbits(table)
         self._factors: dict[PolyElement, tuple[Root, ...]] = {}
         self._conditions: dict[Dense, None] = {}
+        self.upright: dict[Dense, None] = {}  # polynomials in the other parameter that decide
 
     # --- Places ---------------------------------------------------------------------------------
 
@@ -144,6 +145,8 @@ class ColumnAxis(Axis):
         """The roots of an irreducible polynomial."""
         if factor not in self._factors:
             degree = degree_in(factor, self._along)
+            if not degree:
+                self.upright[self._column.across(factor)] = None
             self._keep_sign(leading_in(factor, self._along))
             if degree > 1:
                 self._keep_sign(discriminant(factor, self._along))
@@ -340,9 +343,8 @@ class ColumnAxis(Axis):
             if end is not None:
                 yield Constraint(side * (ring.gens[other] - bounds(end)[outer]), True)
             if isinstance(end, RealRoot):
-                powers = enumerate(reversed(end.polynomial))
-                polynomial = sum((c * ring.gens[other] ** n for n, c in powers), start=ring.zero)
-                sense = sign_at(end.polynomial, self._column.sample)
+                polynomial = minimal_polynomial(ring, other, end)
+                sense = sign_at(self._column.across(polynomial), self._column.sample)
                 yield Constraint(sense * polynomial, True)
 
 

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
 from woodpecker.piecewise.settings import Settings
-from woodpecker.plane.curve import OPEN, Curve, PlaneKind, PlanePoint, PlaneStretch, numbered
+from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.nodes import Node, code_of, node_at, tests_of
 from woodpecker.plane.passing import passed

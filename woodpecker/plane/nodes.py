@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import Multiplier, ways
@@ -17,7 +18,6 @@ from woodpecker.piecewise.jumps import limit_of
 from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Margin, Orbit
 from woodpecker.piecewise.settings import Settings
-from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.places import Locus, Place, Plane, Unknown
 
 THIRD = 2.0**-10  # part of the unit of x over which a second difference of slopes is taken: its

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.crossings import border_at
 from woodpecker.piecewise.orbits import SPACING, Margin
 from woodpecker.piecewise.pieces import Piece
-from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.families import Pair
 from woodpecker.plane.nodes import Node, is_inside, is_tiny, node_at
 from woodpecker.plane.places import (

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.orbits import Margin
-from woodpecker.plane.curve import PlaneKind
 from woodpecker.plane.nodes import Node
 from woodpecker.plane.places import Locus, Place, Plane, tangent
 from woodpecker.plane.stepping import Event

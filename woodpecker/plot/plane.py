@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.mechanics.toy import description, parameters
-from woodpecker.plane.curve import Curve, PlaneKind
+from woodpecker.plane.curve import Curve
 
 COLOURS = {
     PointKind.FF: "#b2182b",

@@ -1,0 +1,44 @@
+"""Where a root goes as the other parameter tends to an end of its interval, exactly."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from itertools import pairwise
+
+from sympy.polys.rings import PolyElement
+
+from pwmap.algebra.bivariate import at_value, dense_in, resultant
+from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
+from pwmap.algebra.roots import Real, RealRoot, real_roots, simplest_between
+
+
+def limit_of(root: Root, column: Column, end: Real) -> Real | None:
+    """The value that a root tends to at an end of a column; None if it grows without bound.
+
+    It is among the roots of the polynomial there. Rationals part these; close enough to the end the
+    polynomial is not zero at any of them, so that the root has no way past them.
+    """
+    found = _candidates(root.factor, column.along, end)
+    if not found:
+        return None
+    walls = [found[0] - 1 if not isinstance(found[0], RealRoot) else found[0].low - 1]
+    walls += [simplest_between(low, high) for low, high in pairwise(found)]
+    walls.append(found[-1] + 1 if not isinstance(found[-1], RealRoot) else found[-1].high + 1)
+    near: Real = column.sample
+    for wall in walls:
+        for crossing in real_roots(at_value(root.factor, column.along, wall)):
+            if near < crossing < end or end < crossing < near:
+                near = crossing
+    between = simplest_between(*sorted((near, end)))
+    value = column.number(root, between)
+    assert value is not None
+    place = bisect_left(walls, value)
+    return found[place - 1] if 0 < place < len(walls) else None
+
+
+def _candidates(factor: PolyElement, along: int, end: Real) -> tuple[Real, ...]:
+    """Numbers among which all roots of a polynomial at a value of the other parameter are."""
+    if not isinstance(end, RealRoot):
+        return real_roots(at_value(factor, 1 - along, end))
+    minimal = minimal_polynomial(factor.ring, 1 - along, end)
+    return real_roots(dense_in(resultant(factor, minimal, 1 - along), along))

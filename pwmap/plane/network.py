@@ -1,0 +1,293 @@
+"""Curves of bifurcations over two parameters, and the points in which they meet.
+
+In a strip every mark is a root of a polynomial, an arc from one end of the strip to the other. At
+the ends arcs meet; where the whole picture changes with the parameter across, there are upright
+arcs, too. Where two arcs of one polynomial with the same event meet, and nothing else does, they
+are one curve; everything else that meets is a point of codimension two.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import sympy
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.exact import Packed, packed, to_sympy, unpacked
+from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
+from pwmap.algebra.roots import (
+    Real,
+    portable,
+    real_to_sympy,
+    restored,
+    sign_at,
+    simplest_between,
+)
+from pwmap.diagrams.diagram import PointKind
+from pwmap.plane.kinds import PlaneKind
+from pwmap.plane.limits import limit_of
+from pwmap.plane.marks import Event
+from pwmap.plane.strips import Rectangle, Strip
+
+Node = tuple[Real, Real]  # values of both parameters
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arc:
+    """A part of a curve that is a function of one of the parameters.
+
+    Attributes
+    ----------
+    event
+        What happens on it.
+    polynomial
+        Zero on it; irreducible.
+    ends
+        Values of both parameters at its ends, the parameter across first.
+    column, root
+        Which root it is, and where; None for an upright arc.
+    """
+
+    event: Event
+    polynomial: PolyElement
+    ends: tuple[Node, Node]
+    column: Column | None = None
+    root: Root | None = None
+
+    def __reduce__(self) -> tuple[Callable[..., Arc], tuple[object, ...]]:
+        kept = packed(self.polynomial.ring, [self.polynomial])
+        ends = tuple(tuple(map(portable, node)) for node in self.ends)
+        return _arc, (self.event, kept, ends, self.column, self.root)
+
+
+def _arc(event: Event, kept: Packed, ends: Any, column: Column | None, root: Root | None) -> Arc:
+    first, last = ((restored(across), restored(along)) for across, along in ends)
+    return Arc(event, unpacked(kept)[1][0], (first, last), column, root)
+
+
+class Tip(NamedTuple):
+    """One end of an arc: 0 or 1."""
+
+    arc: Arc
+    which: int
+
+    @property
+    def node(self) -> Node:
+        """Where it is."""
+        return self.arc.ends[self.which]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlaneCurve:
+    """A curve of two parameters on which cycles bifurcate.
+
+    Attributes
+    ----------
+    id
+        The code of its kind with a number.
+    kind, note
+        What happens, as at a special point of a diagram.
+    words
+        Of the cycles to which it happens, each from its first letter in the alphabet on.
+    polynomial
+        Irreducible, and zero on the curve.
+    arcs
+        One after the other.
+    ends
+        Names of the points in which it begins and ends; empty at an end of a span, or if it is
+        closed.
+    """
+
+    id: str
+    kind: PointKind
+    note: str
+    words: tuple[str, ...]
+    polynomial: sympy.Expr
+    arcs: tuple[Arc, ...]
+    ends: tuple[str, str]
+
+    def along(self, across: object) -> tuple[sympy.Expr, ...]:
+        """Exact values of the second parameter on the curve, for a rational one of the first.
+
+        Where the curve is upright it has no single values; where two arcs meet it is not asked.
+        """
+        value = rational(across)
+        found = [
+            each
+            for arc in self.arcs
+            if arc.column is not None and arc.root is not None
+            if (each := arc.column.number(arc.root, value)) is not None
+        ]
+        return tuple(real_to_sympy(each) for each in sorted(found))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CodimensionTwo:
+    """A point of two parameters in which bifurcation curves meet or end.
+
+    Attributes
+    ----------
+    id
+        The code of its kind with a number.
+    kind
+        What it is.
+    node
+        Values of both parameters, the one across first.
+    curves
+        Names of the curves that pass or end here.
+    """
+
+    id: str
+    kind: PlaneKind
+    node: Node
+    curves: tuple[str, ...]
+
+    @property
+    def values(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """Exact values of both parameters, the one across first."""
+        return real_to_sympy(self.node[0]), real_to_sympy(self.node[1])
+
+
+Meeting = dict[tuple[Event, PolyElement], list[Tip]]  # the ends of arcs at a node, by their curves
+
+
+def network(
+    rectangle: Rectangle, strips: Sequence[Strip]
+) -> tuple[tuple[PlaneCurve, ...], tuple[CodimensionTwo, ...]]:
+    """The curves of a rectangle, and the points in which they meet.
+
+    Parameters
+    ----------
+    rectangle, strips
+        As they were cut, from left to right.
+    """
+    arcs = list(_arcs(rectangle, strips))
+    meetings: dict[Node, Meeting] = defaultdict(lambda: defaultdict(list))
+    for arc in arcs:
+        for which, node in enumerate(arc.ends):
+            meetings[node][arc.event, arc.polynomial].append(Tip(arc, which))
+    following: dict[Tip, Tip] = {}
+    for meeting in meetings.values():
+        for tips in meeting.values():
+            if len(tips) == 2:
+                following.update(zip(tips, tips[::-1], strict=True))
+    lines = list(_traced(arcs, following))
+    names = dict[Arc, str]()
+    counts: dict[str, int] = defaultdict(int)
+    for line in lines:
+        kind = line[0].arc.event.kind
+        counts[kind] += 1
+        names.update((tip.arc, f"{kind}{counts[kind]}") for tip in line)
+    points = tuple(_points(rectangle, meetings, names))
+    at = {point.node: point.id for point in points}
+    curves = tuple(
+        PlaneCurve(
+            id=names[line[0].arc],
+            **line[0].arc.event._asdict(),
+            polynomial=to_sympy(line[0].arc.polynomial),
+            arcs=tuple(tip.arc for tip in line),
+            ends=_ends(line, following, at),
+        )
+        for line in lines
+    )
+    return curves, points
+
+
+def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[Arc]:
+    """All arcs: those of strips from left to right, then upright ones."""
+    heights: dict[Real, set[Real]] = defaultdict(lambda: {*rectangle.along_span})
+    for strip in strips:
+        column = strip.column
+        for root, event in strip.marks:
+            ends = [(end, limit_of(root, column, end)) for end in (column.low, column.high)]
+            for across, along in ends:
+                heights[across].add(along)
+            yield Arc(event, root.factor, (ends[0], ends[1]), column, root)
+    for left, right in pairwise(strips):
+        end = left.column.high
+        if any(not sign_at(tuple(map(QQ, p)), end) for p in (*left.upright, *right.upright)):
+            beside = left.column.sample, right.column.sample
+            yield from _upright(rectangle, end, sorted(heights[end]), beside)
+
+
+def _upright(
+    rectangle: Rectangle, across: Real, heights: Sequence[Real], beside: tuple[Real, Real]
+) -> Iterator[Arc]:
+    """Arcs along one value of the parameter across, between the ends of others."""
+    polynomial = minimal_polynomial(rectangle.map.definition.ring, rectangle.index, across)
+    span = simplest_between(beside[0], across), simplest_between(across, beside[1])
+    for low, high in pairwise(heights):
+        for place, event in rectangle.upright_marks(simplest_between(low, high), span):
+            if place == across:
+                yield Arc(event, polynomial, ((across, low), (across, high)))
+
+
+def _traced(arcs: Iterable[Arc], following: dict[Tip, Tip]) -> Iterator[list[Tip]]:
+    """Arcs one after the other, each with the end at which it is entered; each arc once."""
+    passed: set[Arc] = set()
+    for arc in arcs:
+        if arc in passed:
+            continue
+        start = Tip(arc, 0)
+        while (before := following.get(start)) is not None:
+            start = Tip(before.arc, 1 - before.which)
+            if start.arc is arc:  # closed
+                start = Tip(arc, 0)
+                break
+        line = [start]
+        while True:
+            onward = following.get(Tip(line[-1].arc, 1 - line[-1].which))
+            if onward is None or onward.arc is line[0].arc:
+                break
+            line.append(onward)
+        passed.update(tip.arc for tip in line)
+        yield line
+
+
+def _points(
+    rectangle: Rectangle, meetings: Mapping[Node, Meeting], names: Mapping[Arc, str]
+) -> Iterator[CodimensionTwo]:
+    """Nodes inside the rectangle through which more than one curve passes, or in which one ends."""
+    counts: dict[str, int] = defaultdict(int)
+    for node in sorted(meetings):
+        meeting = meetings[node]
+        inside = node[0] not in rectangle.across_span and node[1] not in rectangle.along_span
+        passes = all(len(tips) == 2 for tips in meeting.values())
+        if not inside or (passes and len({polynomial for _, polynomial in meeting}) == 1):
+            continue
+        kind = _kind(meeting, passes)
+        counts[kind] += 1
+        yield CodimensionTwo(
+            id=f"{kind}{counts[kind]}",
+            kind=kind,
+            node=node,
+            curves=tuple(
+                dict.fromkeys(names[tip.arc] for tips in meeting.values() for tip in tips)
+            ),
+        )
+
+
+def _kind(meeting: Meeting, passes: bool) -> PlaneKind:
+    """What kind of point it is, from the curves that meet."""
+    words = [word for event, _ in meeting for word in event.words]
+    kinds = {event.kind for event, _ in meeting}
+    if passes and len(set(words)) == len(words):
+        return PlaneKind.CROSSING
+    if PointKind.PD in kinds:
+        return PlaneKind.FLIP_BORDER
+    return PlaneKind.FOLD_BORDER if PointKind.LP in kinds else PlaneKind.TWO_BORDERS
+
+
+def _ends(
+    line: Sequence[Tip], following: Mapping[Tip, Tip], at: Mapping[Node, str]
+) -> tuple[str, str]:
+    """Names of the points at both ends; empty where there is none."""
+    tips = line[0], Tip(line[-1].arc, 1 - line[-1].which)
+    first, last = ("" if tip in following else at.get(tip.node, "") for tip in tips)
+    return first, last

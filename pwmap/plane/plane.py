@@ -1,0 +1,123 @@
+"""The plane of two parameters: cells, curves of bifurcations, and the points where they meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import sympy
+
+from pwmap.algebra.terms import own_name
+from pwmap.longrun.dynamics import Dynamics, dynamics
+from pwmap.maps.budget import BUDGET, Budget
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.cells import checked_orders, checked_span
+from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
+from pwmap.plane.strips import Rectangle, Strip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ParameterPlane:
+    """A rectangle of two parameters: its cells, strip by strip, and its bifurcation curves.
+
+    Attributes
+    ----------
+    map
+        The map.
+    across, along
+        The parameter of the strips, and the one along each strip.
+    strips
+        From left to right. The single values between two strips, where edges meet, belong to
+        neither.
+    curves
+        On which cycles of the orders that were looked at bifurcate.
+    points
+        Of codimension two, in which curves meet or end.
+    """
+
+    map: PiecewiseLinearMap
+    across: sympy.Symbol
+    along: sympy.Symbol
+    strips: tuple[Strip, ...]
+    curves: tuple[PlaneCurve, ...]
+    points: tuple[CodimensionTwo, ...]
+
+    def at(self, across: object, along: object) -> Dynamics:
+        """The long run at a point, exactly; see :func:`pwmap.dynamics`."""
+        return dynamics(self.map, {self.across: across, self.along: along})
+
+    def curve(self, curve_id: str) -> PlaneCurve:
+        """The curve with a name.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        for curve in self.curves:
+            if curve.id == curve_id:
+                return curve
+        raise KeyError(f"there is no curve {curve_id!r}")
+
+
+def parameter_plane(
+    map_: PiecewiseLinearMap,
+    across: object,
+    along: object,
+    across_span: tuple[object, object],
+    along_span: tuple[object, object],
+    orders: Iterable[int] = (1, 2),
+    *,
+    budget: Budget = BUDGET,
+) -> ParameterPlane:
+    """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
+
+    Parameters
+    ----------
+    map_
+        A map with just these two parameters.
+    across, along
+        Symbols or names.
+    across_span, along_span
+        Rationals.
+    orders
+        The iterates to look at; those of orders that divide them are, too.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters. A ``BudgetError`` if it takes more pieces than allowed.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
+    >>> for curve in plane.curves:
+    ...     print(curve.id, *curve.words, curve.polynomial)
+    PD1 R b + 1
+    PD2 LR a*b + 1
+    """
+    across, along = (own_name(name, map_.parameters) for name in (across, along))
+    names = {str(symbol): symbol for symbol in map_.parameters}
+    if set(names) != {str(across), str(along)} or len(names) != 2:
+        raise ValueError(f"expected a map of {across} and {along}, this one has {list(names)}")
+    rectangle = Rectangle(
+        map=map_,
+        across=str(across),
+        along=str(along),
+        orders=checked_orders(orders, budget),
+        across_span=checked_span(across_span),
+        along_span=checked_span(along_span),
+        budget=budget,
+    )
+    strips = rectangle.strips()
+    curves, points = network(rectangle, strips)
+    return ParameterPlane(
+        map=map_,
+        across=names[str(across)],
+        along=names[str(along)],
+        strips=tuple(strips),
+        curves=curves,
+        points=points,
+    )

@@ -1,0 +1,137 @@
+"""Cutting a rectangle of two parameters into strips, in each of which one picture holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import sympy
+from sympy import QQ
+
+from pwmap.algebra.rootfunctions import Column, Root
+from pwmap.algebra.roots import Real, integers, real_to_sympy, simplest_between
+from pwmap.maps.budget import BUDGET, Budget
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.axis import Axis, ResampleError
+from pwmap.parameters.cells import Cell, ParameterCells, merged, shown_cells, with_cells
+from pwmap.parameters.column import ColumnAxis
+from pwmap.plane.marks import Mark, marks
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Strip:
+    """An open interval of one parameter, with the cells of the other.
+
+    Attributes
+    ----------
+    column
+        The interval, with the sample at which the cells were found.
+    cells
+        The cells of the other parameter; their edges are expressions in the first.
+    borders
+        The same edges, and both ends of the span, as roots of polynomials, from the lowest.
+    marks
+        Where cycles bifurcate.
+    upright
+        Coefficients of polynomials in the first parameter alone that decided something.
+    """
+
+    column: Column
+    cells: ParameterCells
+    borders: tuple[Root, ...]
+    marks: tuple[Mark, ...]
+    upright: tuple[tuple[int, ...], ...]
+
+    @property
+    def lower(self) -> sympy.Expr:
+        """The exact lower end."""
+        return real_to_sympy(self.column.low)
+
+    @property
+    def upper(self) -> sympy.Expr:
+        """The exact upper end."""
+        return real_to_sympy(self.column.high)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rectangle:
+    """A map of two parameters, with an interval of each, and the orders to look at."""
+
+    map: PiecewiseLinearMap
+    across: str
+    along: str
+    across_span: tuple[Any, Any]
+    along_span: tuple[Any, Any]
+    orders: tuple[int, ...]
+    budget: Budget = BUDGET
+
+    @property
+    def index(self) -> int:
+        """Which of the parameters is the one across."""
+        return [str(symbol) for symbol in self.map.parameters].index(self.across)
+
+    @property
+    def studied(self) -> tuple[int, ...]:
+        """Orders that must be known for these: a jump ends at cycles of smaller period, too."""
+        divisors = {d for n in self.orders for d in range(1, n + 1) if n % d == 0}
+        return tuple(sorted(divisors))
+
+    def strips(self) -> list[Strip]:
+        """From left to right; between two of them edges meet, or the whole picture changes."""
+        found: list[Strip] = []
+        waiting: list[tuple[Real, Real]] = [self.across_span]
+        while waiting:
+            left, right = waiting.pop()
+            sample = simplest_between(left, right)
+            self._check(sample)
+            try:
+                strip = self._strip(sample)
+            except ResampleError:  # edges meet here: it is no strip, but lies between two
+                waiting += [(left, sample), (sample, right)]
+                continue
+            low, high = strip.column.low, strip.column.high
+            start = left if low is None or not left < low else low
+            stop = right if high is None or not high < right else high
+            column = replace(strip.column, low=start, high=stop)
+            found.append(replace(strip, column=column))
+            waiting += [(left, start)] if start is not left else []
+            waiting += [(stop, right)] if stop is not right else []
+        return sorted(found, key=lambda strip: strip.column.sample)
+
+    def _check(self, sample: Any) -> None:
+        broken = self.map.definition.region.contains({self.across: sample})
+        if broken is not None:
+            value = f"{self.across} = {real_to_sympy(sample)}"
+            raise ValueError(f"{value} in the span contradicts the assumption {broken}")
+
+    def _strip(self, sample: Any) -> Strip:
+        return with_cells(
+            self._built,
+            self.map,
+            self.along,
+            self.studied,
+            self.along_span,
+            {self.across: sample},
+            with_ends=True,
+            budget=self.budget,
+        )
+
+    def _built(self, axis: Axis, cells: list[Cell]) -> Strip:
+        assert isinstance(axis, ColumnAxis)
+        inner = cells[1 if cells[0].is_edge else 0 : -1 if cells[-1].is_edge else None]
+        kept = merged(inner)
+        return Strip(
+            cells=shown_cells(self.map, self.studied, axis, kept),
+            column=axis.column,
+            borders=(kept[0].lower, *(cell.upper for cell in kept if not cell.is_edge)),
+            marks=tuple(marks(self.map, axis, cells)),
+            upright=tuple(map(integers, axis.upright)),
+        )
+
+    def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[Mark]:
+        """What happens over the parameter across, at a rational value of the one along."""
+        map_ = self.map.at({self.along: QQ.to_sympy(along)})
+        return with_cells(
+            partial(marks, map_), map_, self.across, self.studied, span, None, with_ends=True
+        )

@@ -1,0 +1,156 @@
+"""Bifurcation curves of two parameters, against diagrams over one and against closed forms."""
+
+from __future__ import annotations
+
+import pickle
+from fractions import Fraction
+
+import pytest
+import sympy
+from sympy import Rational, sqrt
+
+from pwmap import (
+    ParameterPlane,
+    PiecewiseLinearMap,
+    PlaneKind,
+    PointKind,
+    bifurcation_diagram,
+    parameter_plane,
+)
+
+SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
+P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")])
+JUMP = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + q", "x >= 1")])
+A, B, R, Q = sympy.symbols("a b r q")
+
+SCENES = {
+    "skew": (SKEW, "a", "b", ("1/4", "3/2"), (-5, "-1/2"), (1, 2, 3)),
+    "skew turned": (SKEW, "b", "a", (-5, "-1/2"), ("1/4", "3/2"), (1, 2, 3)),
+    "P1L": (P1L, "a", "r", ("1/3", 3), (-1, 13), (1, 2, 3)),
+    "P1L turned": (P1L, "r", "a", (-1, 13), ("1/3", 3), (1, 2, 3)),
+    "jump": (JUMP, "r", "q", (0, 1), (1, 2), (1, 2, 3)),
+}
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def scene(request: pytest.FixtureRequest) -> tuple[ParameterPlane, tuple[object, ...]]:
+    chosen = SCENES[request.param]
+    return parameter_plane(*chosen), chosen
+
+
+@pytest.mark.slow
+def test_curves_pass_through_the_special_points_of_diagrams(
+    scene: tuple[ParameterPlane, tuple[object, ...]],
+) -> None:
+    """At rational values of one parameter those of the other: all of them, and no more."""
+    plane, (map_, across, along, (low, high), span, orders) = scene
+    for n in range(1, 16):
+        value = (
+            Rational(low) + (Rational(high) - Rational(low)) * Rational(n, 16) + Rational(1, 991)
+        )
+        diagram = bifurcation_diagram(map_.at({across: value}), along, span, orders)
+        expected = {
+            (point.kind, sympy.N(point.exact["parameter"], 40))
+            for point in diagram.points
+            if point.kind is not PointKind.EP and not _is_of_a_band(diagram, point)
+        }
+        found = {(curve.kind, sympy.N(x, 40)) for curve in plane.curves for x in curve.along(value)}
+        # at a fold-flip or collision the points of a cycle may meet the border in several ways
+        assert {p for _, p in found} == {p for _, p in expected}
+        assert found <= expected
+
+
+def _is_of_a_band(diagram: object, point: object) -> bool:
+    """Whether only intervals of points of twice a period end there."""
+    if point.kind is PointKind.PD:
+        return False
+    words = {w for name in point.branches if (w := diagram.branch(name).word) and name[0] == "F"}
+    return any(len(w) % 2 == 0 and w[: len(w) // 2] * 2 == w for w in words)
+
+
+def test_the_polynomial_of_a_curve_is_zero_on_it(
+    scene: tuple[ParameterPlane, tuple[object, ...]],
+) -> None:
+    plane, (_, across, along, (low, high), _, _) = scene
+    value = (Rational(low) + Rational(high)) / 2 + Rational(1, 997)
+    symbols = {str(s): s for s in (plane.across, plane.along)}
+    met = 0
+    for curve in plane.curves:
+        for x in curve.along(value):
+            rest = curve.polynomial.subs({symbols[across]: value, symbols[along]: x})
+            assert sympy.simplify(rest) == 0
+            met += 1
+    assert met >= 2
+
+
+def test_both_ways_across_give_the_same_curves_and_points() -> None:
+    for name in ("skew", "P1L"):
+        plane, turned = (parameter_plane(*SCENES[key]) for key in (name, f"{name} turned"))
+        for one, other in ((plane, turned), (turned, plane)):
+            shown = {(c.kind, c.words, c.polynomial) for c in one.curves}
+            assert shown == {(c.kind, c.words, c.polynomial) for c in other.curves}
+        assert {p.values for p in plane.points} == {p.values[::-1] for p in turned.points}
+
+
+def test_the_skew_tent_map() -> None:
+    """R flips at b = -1 and L R at a b = -1; R L^2 collides at a b + a + 1 = 0 and flips at
+    a^2 b = -1, which begins where both hold: a^2 + a = 1, b = -1/a^2 [NusseYorke1995]."""
+    plane = parameter_plane(*SCENES["skew"][:3], ("1/4", "3/4"), *SCENES["skew"][4:])
+    shown = {(c.kind, c.words): c for c in plane.curves}
+    assert shown["PD", ("R",)].polynomial == B + 1
+    assert shown["PD", ("LR",)].polynomial == A * B + 1
+    assert shown["PD", ("LLR",)].polynomial == A**2 * B + 1
+    assert shown["BC", ("LLR", "LRR")].polynomial == A * B + A + 1
+    (point,) = plane.points
+    golden = (sqrt(5) - 1) / 2
+    assert point.kind is PlaneKind.FLIP_BORDER
+    assert [sympy.simplify(x) for x in point.values] == [golden, sympy.simplify(-1 / golden**2)]
+    assert point.id in shown["PD", ("LLR",)].ends
+    assert set(point.curves) == {shown["PD", ("LLR",)].id, shown["BC", ("LLR", "LRR")].id}
+
+
+def test_the_map_of_the_paper() -> None:
+    """r = 0 is a fold-flip for a > 1 and a plain collision below: they meet where a = 1, where R
+    flips all along. From (1, 2) the borders of L R^2 begin."""
+    plane = parameter_plane(*SCENES["P1L"])
+    (fold_flip,) = (c for c in plane.curves if c.kind == "FF")
+    assert (fold_flip.polynomial, fold_flip.words) == (R, ("R",))
+    assert fold_flip.along(2) == (0,)
+    assert fold_flip.along(Rational(1, 2)) == ()
+    values = {p.values: p for p in plane.points}
+    assert set(values) == {(1, 0), (1, 2)}
+    assert fold_flip.id in values[1, 0].curves
+    (upright,) = (c for c in plane.curves if c.kind == "PD")
+    assert upright.polynomial == A - 1
+    assert upright.along(2) == ()
+    assert {c.polynomial for c in plane.curves if c.words == ("LRR",)} == {
+        R - 2,
+        sympy.expand(R * (A**2 - A + 1) - 2 * A**2),
+    }
+
+
+def test_an_organising_centre_is_where_its_families_begin() -> None:
+    """Both limits lie on the break at (1/2, 4/3); all borders of L^n R end there."""
+    plane = parameter_plane(JUMP, "r", "q", (0, 1), (1, 2), (1, 2, 3, 4))
+    (centre,) = plane.points
+    assert centre.kind is PlaneKind.TWO_BORDERS
+    assert centre.values == (Rational(1, 2), Rational(4, 3))
+    assert {w for c in plane.curves for w in c.words} == {"L", "R", "LR", "LLR", "LLLR"}
+    assert set(centre.curves) == {c.id for c in plane.curves}
+
+
+def test_a_point_of_the_plane_is_answered_exactly() -> None:
+    plane = parameter_plane(SKEW, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
+    (attractor,) = plane.at(Rational(1, 2), Rational(-5, 4)).attractors
+    assert (attractor.word, attractor.multiplier) == ("LR", Rational(-5, 8))
+    with pytest.raises(KeyError, match="no curve 'PD9'"):
+        plane.curve("PD9")
+
+
+def test_planes_are_pickled() -> None:
+    plane = parameter_plane(*SCENES["skew"])
+    kept = pickle.loads(pickle.dumps(plane))
+    value = Fraction(1, 3)
+    for one, other in zip(plane.curves, kept.curves, strict=True):
+        assert (one.id, one.ends) == (other.id, other.ends)
+        assert one.along(value) == other.along(value)
