@@ -18,7 +18,7 @@ from sympy import QQ
 
 from pwmap.algebra.exact import pair
 from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, hull
-from pwmap.longrun.line import Germ, Interval, Line, joined, length, outside
+from pwmap.longrun.line import Germ, Interval, Line, add, length, outside
 from pwmap.longrun.numbers import Element, Exact
 
 STEPS = 600  # of an orbit, and of what grows from a break
@@ -224,7 +224,7 @@ def _grown(fates: Fates, x: Exact, away: Exact) -> list[Interval] | None:
                 raise _Grown
             if any(cycle.draws(end) for cycle in fates.cycles for end in (low, high)):
                 raise _Grown
-        known = joined([*known, *new])
+        add(known, new)
         if len(known) > PARTS:
             return None
     return None

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
 from sympy import QQ
 
 from pwmap.longrun.line import Branch, Germ, Interval, Line
-from pwmap.longrun.numbers import Exact, sign
+from pwmap.longrun.numbers import Exact, key, sign
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
 FIRST = 16  # step at which that is asked for the first time; then at every power of two
@@ -114,11 +114,12 @@ class Fates:
 
     def orbit(self, germ: Germ) -> Orbit:
         """The orbit of a germ until its fate is known."""
-        seen, germs, letters = dict[Germ, int](), list[Germ](), list[str]()
+        seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
-            if germ in seen:
-                self._kept(self._cycle_at(germ, step - seen[germ]))
-                return Orbit(tuple(germs), tuple(letters), Fate.FINITE, seen[germ])
+            place = key(germ.x), germ.side
+            if place in seen:
+                self._kept(self._cycle_at(germ, step - seen[place]))
+                return Orbit(tuple(germs), tuple(letters), Fate.FINITE, seen[place])
             if self.is_lost(germ.x):
                 return Orbit(tuple(germs), tuple(letters), Fate.LOST)
             drawn = next((each for each in self.cycles if each.draws(germ.x)), None)
@@ -126,7 +127,7 @@ class Fates:
                 drawn = self._drawn(germ, letters)
             if drawn is not None and germ.x not in drawn.points:
                 return Orbit(tuple(germs), tuple(letters), Fate.DRAWN, cycle=drawn)
-            seen[germ] = step
+            seen[place] = step
             germs.append(germ)
             letters.append(self.line.letter(germ))
             germ = self.line.image(germ)

@@ -8,6 +8,7 @@ they are.
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from fractions import Fraction
 from functools import total_ordering
 from typing import Any
@@ -108,6 +109,11 @@ class Element:
 
     def __repr__(self) -> str:
         return str(exact_to_sympy(self))
+
+
+def key(x: Exact) -> Hashable:
+    """What stands for a number in a dictionary: that of a fraction itself takes a division."""
+    return x if isinstance(x, Element) else pair(x)
 
 
 def sign(x: Exact) -> int:
