@@ -36,6 +36,7 @@ from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cell
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.network import CodimensionTwo, PlaneCurve
 from pwmap.plane.plane import ParameterPlane, parameter_plane
+from pwmap.plane.rasters import Colours, PlaneRaster, plane_raster
 from pwmap.plane.strips import Strip
 from pwmap.rotations.centres import (
     CentreKind,
@@ -63,6 +64,7 @@ __all__ = [
     "BudgetError",
     "CentreKind",
     "CodimensionTwo",
+    "Colours",
     "Crisis",
     "Cycle",
     "Density",
@@ -82,6 +84,7 @@ __all__ = [
     "PiecewiseLinearMap",
     "PlaneCurve",
     "PlaneKind",
+    "PlaneRaster",
     "PointKind",
     "PointStatus",
     "Progress",
@@ -102,6 +105,7 @@ __all__ = [
     "organising_centres",
     "parameter_cells",
     "parameter_plane",
+    "plane_raster",
     "read_graph",
     "rotation_interval",
     "rotation_number",

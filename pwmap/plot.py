@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -11,14 +11,11 @@ import numpy as np
 import sympy
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, FloatArray, PointKind
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.cells import ParameterCell
-from pwmap.plane.plane import ParameterPlane
 
 STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
 MARKERS = {
@@ -320,55 +317,3 @@ def plot_cobweb(
 
 
 # --- Cells of two parameters ----------------------------------------------------------------------
-
-PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
-
-
-def plot_plane(plane: ParameterPlane, ax: Axes | None = None, *, samples: int = 200) -> Axes:
-    """Draw cells of two parameters, coloured by the periods of the cycles that attract there.
-
-    Parameters
-    ----------
-    plane
-        What to draw.
-    ax
-        Axes to draw on; new ones by default.
-    samples
-        Points along each edge.
-    """
-    ax = ax if ax is not None else plt.figure(figsize=(6.4, 4.6), layout="constrained").gca()
-    colors: dict[tuple[int, ...], str] = {}
-    for strip in plane.strips:
-        across = np.linspace(float(strip.lower), float(strip.upper), samples)
-        for cell in strip.cells:
-            lower, upper = (_curve(end, plane.across, across) for end in (cell.lower, cell.upper))
-            if cell.is_edge:
-                ax.plot(across, lower, color="#252525", linewidth=0.6)
-                continue
-            periods = _attracting(cell, strip.cells.orders)
-            color = colors.setdefault(
-                periods, PERIODS[len(colors) % len(PERIODS)] if periods else "#f0f0f0"
-            )
-            ax.fill_between(across, lower, upper, color=color, linewidth=0.0)
-    ax.set_xlabel(axis_label(str(plane.across)))
-    ax.set_ylabel(axis_label(str(plane.along)))
-    ax.margins(0)
-    handles = [Patch(color=colors[key], label=_periods_label(key)) for key in sorted(colors)]
-    ax.legend(handles=handles, fontsize=7, loc="upper right", title="attracting periods",
-              title_fontsize=7, framealpha=0.95)  # fmt: skip
-    return ax
-
-
-def _attracting(cell: ParameterCell, orders: Sequence[int]) -> tuple[int, ...]:
-    """Periods of all stable cycles of a cell."""
-    points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
-    return tuple(sorted({point.period for point in points}))
-
-
-def _periods_label(periods: tuple[int, ...]) -> str:
-    return " and ".join(map(str, periods)) or "none found"
-
-
-def _curve(end: sympy.Expr, symbol: sympy.Symbol, values: FloatArray) -> FloatArray:
-    """An end of a cell as a function of the parameter of the strips."""
-    return np.broadcast_to(sympy.lambdify(symbol, end, "numpy")(values), values.shape)

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
@@ -94,6 +94,24 @@ class AttractorCell:
         return Dynamics(self.line)
 
 
+class Meeting(NamedTuple):
+    """A break's image that is a point of a cycle, as :func:`meeting_curve` takes it.
+
+    Attributes
+    ----------
+    number
+        Which break, counted from the left.
+    image
+        The word along which it goes.
+    cycle
+        The word of the cycle from that point on.
+    """
+
+    number: int
+    image: str
+    cycle: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crisis:
     """A value of a parameter at which attractors change.
@@ -107,10 +125,8 @@ class Crisis:
         way to a cycle that meets a break, or has the multiplier -1 there.
     bands
         How many there are on the left and on the right.
-    cycles
-        Words of the cycles that an image of a break meets.
-    images
-        Words along which breaks go to these.
+    meetings
+        Images of breaks that meet repelling cycles there.
     width
         Of the interval in which it lies; zero if it is exact.
     """
@@ -118,9 +134,18 @@ class Crisis:
     parameter: sympy.Expr
     kind: PointKind
     bands: tuple[int, int]
-    cycles: tuple[str, ...]
-    images: tuple[str, ...]
+    meetings: tuple[Meeting, ...]
     width: float = 0.0
+
+    @property
+    def cycles(self) -> tuple[str, ...]:
+        """Words of the cycles that are met, each from its first letter in the alphabet on."""
+        return tuple(sorted({_first_turn(each.cycle) for each in self.meetings}, key=_by_length))
+
+    @property
+    def images(self) -> tuple[str, ...]:
+        """Words along which breaks go to these."""
+        return tuple(sorted({each.image for each in self.meetings}, key=_by_length))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -229,7 +254,7 @@ def attractor_diagram(
     ends = checked_span(span)
     axis = axis_of(map_.definition, name, {})
     admitted_intervals(axis, ends)
-    cells, crises = _Study(map_, name, axis, order).cells(*ends)
+    cells, crises = Study(map_, name, axis, order).cells(*ends)
     return AttractorDiagram(parameter=map_.parameters[0], order=order, cells=cells, crises=crises)
 
 
@@ -266,14 +291,21 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
     >>> meeting_curve(skew, "LRL", "R")
     a*b**2 - a + b
     """
+    polynomial = meeting_polynomial(map_, Meeting(number, image, cycle))
+    _, factors = sympy.factor_list(to_sympy(polynomial))
+    return sympy.Mul(*(factor for factor, _ in factors)) if factors else sympy.Integer(0)
+
+
+def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
+    """A polynomial in a map's parameters that is zero where a break's image meets a cycle."""
     breaks = map_.definition.table.layouts[map_.chain[0]].breaks
+    number = meeting.number
     if not 0 <= number < len(breaks):
         raise ValueError(f"number must name one of {len(breaks)} breaks, from 0 on, got {number}")
-    along, around = (tuple(_numbers(map_, word)) for word in (image, cycle))
+    along, around = (tuple(_numbers(map_, word)) for word in (meeting.image, meeting.cycle))
     value = map_.orbits.value(breaks[number], along)
     fixed = map_.orbits.fixed_point(around)
-    _, factors = sympy.factor_list(to_sympy(value[0] * fixed[1] - fixed[0] * value[1]))
-    return sympy.Mul(*(factor for factor, _ in factors)) if factors else sympy.Integer(0)
+    return value[0] * fixed[1] - fixed[0] * value[1]
 
 
 def _numbers(map_: PiecewiseLinearMap, word: str) -> Iterator[int]:
@@ -286,8 +318,16 @@ def _numbers(map_: PiecewiseLinearMap, word: str) -> Iterator[int]:
         yield map_.letters.index(letter)
 
 
-class _Study:
-    """A map over one parameter, with what is asked of it at places."""
+class Study:
+    """A map over one parameter, with what attracts at places of it.
+
+    Parameters
+    ----------
+    map_, name, axis
+        The map, its parameter, and that as an axis.
+    order
+        Up to which images of breaks are compared everywhere.
+    """
 
     def __init__(self, map_: PiecewiseLinearMap, name: str, axis: Axis, order: int) -> None:
         self.map, self.name, self.axis, self.order = map_, name, axis, order
@@ -546,6 +586,13 @@ class _Study:
 
     # --- Changes ------------------------------------------------------------------------------
 
+    def kind_at(self, place: Real, width: Number) -> PointKind | None:
+        """What happens to bands at a place; what attracts is asked about a width beside it."""
+        low, high = bounds(place)
+        left = self.seen(simplest_between(low - width, low - width / 2))
+        right = self.seen(simplest_between(high + width / 2, high + width))
+        return None if self._same(left, right) else self._kind(left, right, _Change(place, place))
+
     def _kind(self, left: _Seen, right: _Seen, change: _Change) -> PointKind | None:
         """What happens to bands between two places; None if nothing does."""
         if not left.counts and not right.counts:
@@ -576,8 +623,10 @@ class _Study:
             parameter=real_to_sympy(change.place),
             kind=kind,
             bands=(sum(left.counts), sum(right.counts)),
-            cycles=tuple(sorted({_first_turn(spelled(c)) for _, c in change.met}, key=_by_length)),
-            images=tuple(sorted({spelled(i.word) for i, _ in change.met}, key=_by_length)),
+            meetings=tuple(
+                Meeting(self.layout.breaks.index(image.k), spelled(image.word), spelled(cycle))
+                for image, cycle in dict.fromkeys(change.met)
+            ),
             width=width,
         )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import sympy
 
+from pwmap.algebra.exact import Number
 from pwmap.algebra.terms import own_name
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, Budget
@@ -26,6 +27,8 @@ class ParameterPlane:
         The map.
     across, along
         The parameter of the strips, and the one along each strip.
+    across_span, along_span
+        The rectangle, in exact rationals.
     strips
         From left to right. The single values between two strips, where edges meet, belong to
         neither.
@@ -38,6 +41,8 @@ class ParameterPlane:
     map: PiecewiseLinearMap
     across: sympy.Symbol
     along: sympy.Symbol
+    across_span: tuple[Number, Number]
+    along_span: tuple[Number, Number]
     strips: tuple[Strip, ...]
     curves: tuple[PlaneCurve, ...]
     points: tuple[CodimensionTwo, ...]
@@ -117,6 +122,8 @@ def parameter_plane(
         map=map_,
         across=names[str(across)],
         along=names[str(along)],
+        across_span=rectangle.across_span,
+        along_span=rectangle.along_span,
         strips=tuple(strips),
         curves=curves,
         points=points,

@@ -19,7 +19,8 @@ from pwmap import (
     Stretch,
     parameter_plane,
 )
-from pwmap.plot import plot_cobweb, plot_diagram, plot_map, plot_plane
+from pwmap.plot import plot_cobweb, plot_diagram, plot_map
+from pwmap.plot_plane import plot_plane
 
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
 AT_ONE = P1L.at({"a": Rational(5, 4), "r": 1})

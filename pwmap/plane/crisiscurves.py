@@ -1,0 +1,179 @@
+"""Curves of two parameters on which chaotic attractors change.
+
+At some values of one parameter crises are found along the other one, each with the images of breaks
+that meet repelling cycles: two words, and so a polynomial in both parameters. Where that is zero is
+asked at many values whether a crisis happens, and where it begins to happen, or ceases to, between
+two of them the interval is halved. What lies between two such values is not proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.algebra.bivariate import at_value, degree_in, irreducible_factors
+from pwmap.algebra.exact import Number, to_sympy
+from pwmap.algebra.rootfunctions import Column, Root
+from pwmap.algebra.roots import Real, real_roots
+from pwmap.diagrams.diagram import PointKind
+from pwmap.longrun.crises import Crisis, Study, attractor_diagram, meeting_polynomial
+from pwmap.longrun.numbers import algebraic
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.axes import axis_of
+from pwmap.plane.marks import Event
+from pwmap.plane.network import Arc, PlaneCurve
+from pwmap.plane.plane import ParameterPlane
+
+CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)
+FINER = 4  # values at which a curve is asked for, for each at which crises are looked for
+HALVINGS = 12  # of an interval in which a curve ends
+BESIDE = 2**12  # part of the span along: so close to a curve what attracts is compared
+
+
+@dataclass(frozen=True, slots=True)
+class _Family:
+    """What may be a curve: an event, the polynomial, and which of its roots."""
+
+    event: Event
+    polynomial: PolyElement
+    number: int
+
+
+def with_crises(
+    plane: ParameterPlane,
+    order: int = 2,
+    columns: int = 12,
+    *,
+    progress: Callable[[int], None] | None = None,
+) -> ParameterPlane:
+    """The same plane with the curves of merging, expansion and final crises.
+
+    Parameters
+    ----------
+    plane
+        Cells, curves and points of a map.
+    order
+        As of :func:`pwmap.attractor_diagram`.
+    columns
+        At how many values of the parameter across crises are looked for.
+    progress
+        Is told after each how many are done.
+
+    Raises
+    ------
+    ValueError
+        If there is no column.
+    """
+    if columns < 1:
+        raise ValueError(f"crises are looked for at one value at least, got {columns}")
+    search = _Search(plane, order)
+    low, high = plane.across_span
+    found = dict[_Family, None]()
+    for n in range(columns):
+        value = low + (high - low) * QQ(2 * n + 1, 2 * columns)
+        found.update(dict.fromkeys(search.families(value)))
+        if progress is not None:
+            progress(n + 1)
+    many = columns * FINER
+    values = [low + (high - low) * QQ(n, many) for n in range(many + 1)]
+    curves = list[PlaneCurve]()
+    for family in found:
+        for arc in search.arcs(family, values):
+            count = sum(curve.kind is family.event.kind for curve in curves) + 1
+            curves.append(
+                PlaneCurve(
+                    id=f"{family.event.kind}{count}",
+                    **family.event._asdict(),
+                    polynomial=to_sympy(family.polynomial),
+                    arcs=(arc,),
+                    ends=("", ""),
+                )
+            )
+    return replace(plane, curves=(*plane.curves, *curves))
+
+
+class _Search:
+    """Asks for crises at values of the parameter across."""
+
+    def __init__(self, plane: ParameterPlane, order: int) -> None:
+        self.plane, self.order = plane, order
+        self.along = str(plane.along)
+        self.index = [str(symbol) for symbol in plane.map.parameters].index(self.along)
+        self.studies = dict[Number, Study]()
+
+    def map_at(self, value: Number) -> PiecewiseLinearMap:
+        """The map over the parameter along."""
+        return self.plane.map.at({self.plane.across: QQ.to_sympy(value)})
+
+    def families(self, value: Number) -> Iterator[_Family]:
+        """The curves on which crises at a value of the parameter across lie."""
+        span = tuple(map(QQ.to_sympy, self.plane.along_span))
+        found = attractor_diagram(self.map_at(value), self.along, span, self.order)
+        for crisis in found.crises:
+            if crisis.kind in CRISES and not crisis.width:
+                place = algebraic(crisis.parameter)
+                for polynomial in self._polynomials(crisis):
+                    roots = self._roots(polynomial, value)
+                    if place in roots:
+                        note = f"image {crisis.images[0]}"
+                        event = Event(crisis.kind, note, crisis.cycles)
+                        yield _Family(event, polynomial, roots.index(place))
+                        break
+
+    def _polynomials(self, crisis: Crisis) -> Iterator[PolyElement]:
+        for meeting in crisis.meetings:
+            for factor in irreducible_factors(meeting_polynomial(self.plane.map, meeting)):
+                if degree_in(factor, self.index):
+                    yield factor
+
+    def _roots(self, polynomial: PolyElement, value: Number) -> tuple[Real, ...]:
+        return real_roots(at_value(polynomial, 1 - self.index, value))
+
+    def arcs(self, family: _Family, values: list[Number]) -> Iterator[Arc]:
+        """Where a crisis happens on a curve, from one value of the parameter across to another."""
+        happens = [self._happens(family, value) for value in values]
+        start: Number | None = values[0] if happens[0] else None
+        for (before, here), (was, now) in zip(pairwise(values), pairwise(happens), strict=True):
+            if now and not was:
+                start = self._end(family, here, before)
+            if was and not now:
+                yield self._arc(family, start, self._end(family, before, here))
+                start = None
+        if start is not None:
+            yield self._arc(family, start, values[-1])
+
+    def _happens(self, family: _Family, value: Number) -> bool:
+        """Whether a crisis of this kind is at the root of the family's number."""
+        roots = self._roots(family.polynomial, value)
+        low, high = self.plane.along_span
+        if len(roots) <= family.number or not low < roots[family.number] < high:
+            return False
+        if value not in self.studies:
+            map_ = self.map_at(value)
+            axis = axis_of(map_.definition, self.along, {})
+            self.studies[value] = Study(map_, self.along, axis, self.order)
+        place = roots[family.number]
+        kind = self.studies[value].kind_at(place, (high - low) * QQ(1, BESIDE))
+        return kind is family.event.kind
+
+    def _end(self, family: _Family, inside: Number, outside: Number) -> Number:
+        """The last value found at which it happens, between one where it does and one not."""
+        for _ in range(HALVINGS):
+            middle = (inside + outside) / 2
+            if self._happens(family, middle):
+                inside = middle
+            else:
+                outside = middle
+        return inside
+
+    def _arc(self, family: _Family, low: Number, high: Number) -> Arc:
+        symbols = tuple(self.plane.map.parameters)
+        column = Column(symbols, self.index, low, high, (low + high) / 2)
+        ends = [(x, self._roots(family.polynomial, x)[family.number]) for x in (low, high)]
+        value = self._roots(family.polynomial, column.sample)[family.number]
+        root = Root(value, family.polynomial, family.number)
+        return Arc(family.event, family.polynomial, (ends[0], ends[1]), column, root)

@@ -1,0 +1,138 @@
+"""What attracts at many points of a plane, each taken exactly; curves as arrays for drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+from sympy import QQ
+
+from pwmap.algebra.exact import Number, to_float
+from pwmap.algebra.rootfunctions import Column, Root
+from pwmap.algebra.roots import Real, bounds, spread
+from pwmap.diagrams.diagram import FloatArray
+from pwmap.longrun.attractors import attractors_of
+from pwmap.longrun.entropies import entropy_of
+from pwmap.longrun.line import line_of
+from pwmap.plane.network import Arc
+from pwmap.plane.plane import ParameterPlane
+
+IntArray = npt.NDArray[np.int64]
+ORDER = 12  # up to which the graph of laps is made for a colour: its bounds differ by a hundredth
+
+
+class Colours(StrEnum):
+    """What the colours of a plane say."""
+
+    PERIOD = "period"
+    ENTROPY = "entropy"
+    BANDS = "bands"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlaneRaster:
+    """The long run at points of a plane, in the middles of equal rectangles.
+
+    Attributes
+    ----------
+    across, along
+        The rational values of both parameters.
+    periods
+        For each value along, and each across, the shortest period of an attracting cycle, or 0.
+    bands
+        How many bands all chaotic attractors have together.
+    entropy
+        A double below the topological entropy.
+    open
+        Whether something is not known there.
+    """
+
+    across: tuple[Number, ...]
+    along: tuple[Number, ...]
+    periods: IntArray
+    bands: IntArray
+    entropy: FloatArray
+    open: npt.NDArray[np.bool_]
+
+
+def plane_raster(
+    plane: ParameterPlane,
+    columns: int = 48,
+    rows: int = 36,
+    *,
+    progress: Callable[[int], None] | None = None,
+) -> PlaneRaster:
+    """What attracts at the points of a raster, each decided exactly.
+
+    Parameters
+    ----------
+    plane
+        Its map and rectangle.
+    columns, rows
+        How many values of the parameter across, and of the one along.
+    progress
+        Is told after each column how many are done.
+
+    Raises
+    ------
+    ValueError
+        If there is no column or row.
+    """
+    if min(columns, rows) < 1:
+        raise ValueError(f"a raster needs a column and a row, got {columns} and {rows}")
+    across, along = (
+        _middles(*span, n)
+        for span, n in zip((plane.across_span, plane.along_span), (columns, rows), strict=True)
+    )
+    periods, bands = np.zeros((2, rows, columns), dtype=np.int64)
+    entropy = np.zeros((rows, columns))
+    is_open = np.zeros((rows, columns), dtype=bool)
+    for i, p in enumerate(across):
+        map_ = plane.map.at({plane.across: QQ.to_sympy(p)})
+        for j, q in enumerate(along):
+            line = line_of(map_, {plane.along: QQ.to_sympy(q)})
+            found = attractors_of(line)
+            periods[j, i] = min((len(cycle.points) for cycle in found.cycles), default=0)
+            bands[j, i] = sum(map(len, found.bands))
+            entropy[j, i] = entropy_of(line, found, (ORDER,)).low
+            is_open[j, i] = bool(found.open)
+        if progress is not None:
+            progress(i + 1)
+    return PlaneRaster(
+        across=across, along=along, periods=periods, bands=bands, entropy=entropy, open=is_open
+    )
+
+
+def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
+    """The middles of equal parts of an interval."""
+    return tuple(low + (high - low) * QQ(2 * i + 1, 2 * n) for i in range(n))
+
+
+def arc_arrays(arc: Arc, step: float) -> tuple[FloatArray, FloatArray]:
+    """An arc as arrays of both parameters, in steps of about some width.
+
+    Parameters
+    ----------
+    step
+        Between two values of the parameter across.
+    """
+    ends = np.array([[_float(value) for value in node] for node in arc.ends])
+    if arc.root is None or arc.column is None:
+        return ends[:, 0], ends[:, 1]
+    low, high = arc.ends[0][0], arc.ends[1][0]
+    count = int((ends[1, 0] - ends[0, 0]) / step)
+    inner = spread(low, high, count) if count > 0 else []
+    across = np.array([ends[0, 0], *map(to_float, inner), ends[1, 0]])
+    return across, np.array([ends[0, 1], *root_array(arc.root, arc.column, inner), ends[1, 1]])
+
+
+def root_array(root: Root, column: Column, values: Sequence[Number]) -> FloatArray:
+    """A root at some values of the other parameter inside its interval."""
+    return np.array([_float(column.number(root, value)) for value in values])
+
+
+def _float(value: Real | None) -> float:
+    return np.nan if value is None else to_float(bounds(value)[0])

@@ -1,0 +1,196 @@
+"""Pictures of two parameters: cells or a raster in colours, curves of bifurcations, and points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from sympy import QQ
+
+from pwmap.algebra.exact import to_float
+from pwmap.algebra.roots import bounds, spread
+from pwmap.diagrams.diagram import FloatArray, PointKind
+from pwmap.parameters.cells import ParameterCell
+from pwmap.plane.plane import ParameterPlane
+from pwmap.plane.rasters import Colours, PlaneRaster, arc_arrays, root_array
+from pwmap.plane.strips import Strip
+from pwmap.plot import axis_label
+
+PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
+NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
+NOTHING, CHAOS = "#f0f0f0", "#969696"
+LINES: dict[PointKind, dict[str, Any]] = {
+    PointKind.BC: {"color": "#cb181d", "linewidth": 1.0},
+    PointKind.FF: {"color": "#67000d", "linewidth": 2.0},
+    PointKind.PD: {"color": "#54278f", "linewidth": 1.1, "linestyle": "--"},
+    PointKind.LP: {"color": "#54278f", "linewidth": 1.1, "linestyle": ":"},
+    PointKind.MC: {"color": "#238b45", "linewidth": 1.1, "linestyle": "--"},
+    PointKind.XC: {"color": "#238b45", "linewidth": 1.1, "linestyle": ":"},
+    PointKind.FC: {"color": "#238b45", "linewidth": 1.4},
+}
+
+
+def plot_plane(
+    plane: ParameterPlane,
+    ax: Axes | None = None,
+    *,
+    raster: PlaneRaster | None = None,
+    colours: Colours = Colours.PERIOD,
+    samples: int = 200,
+) -> Axes:
+    """Draw two parameters: colours, bifurcation curves, and the points in which they meet.
+
+    Parameters
+    ----------
+    plane
+        What to draw.
+    ax
+        Axes to draw on; new ones by default.
+    raster
+        What attracts at points of the plane; without it, the colours of cells say which cycles of
+        the orders that were looked at attract there.
+    colours
+        What the colours of the raster say.
+    samples
+        Points along a curve from one side to the other.
+    """
+    ax = ax if ax is not None else plt.figure(figsize=(6.8, 5.0), layout="constrained").gca()
+    if raster is None:
+        patches = _cells(ax, plane, samples)
+        title = "attracting periods"
+    else:
+        patches = _SCHEMES[colours](ax, plane, raster)
+        title = _TITLES[colours]
+    low, high = map(to_float, plane.across_span)
+    step = (high - low) / samples
+    shown: dict[PointKind, Line2D] = {}
+    for curve in plane.curves:
+        for arc in curve.arcs:
+            (line,) = ax.plot(*arc_arrays(arc, step), **LINES[curve.kind], zorder=3)
+            shown.setdefault(curve.kind, line)
+    for point in plane.points:
+        across, along = (to_float(bounds(value)[0]) for value in point.node)
+        ax.plot(across, along, "o", markersize=4.0, color="black", markerfacecolor="white",
+                markeredgewidth=0.9, zorder=4)  # fmt: skip
+    ax.set_xlabel(axis_label(str(plane.across)))
+    ax.set_ylabel(axis_label(str(plane.along)))
+    ax.set_xlim(low, high)
+    ax.set_ylim(*map(to_float, plane.along_span))
+    handles = [*patches, *(shown[kind] for kind in LINES if kind in shown)]
+    labels = [
+        *(str(patch.get_label()) for patch in patches),
+        *(kind.label for kind in LINES if kind in shown),
+    ]
+    ax.legend(handles, labels, fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5),
+              title=title if patches else None, title_fontsize=7, frameon=False)  # fmt: skip
+    return ax
+
+
+# --- Colours --------------------------------------------------------------------------------------
+
+
+def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
+    """Cells in the colour of the periods that attract there."""
+    colors: dict[tuple[int, ...], str] = {}
+    low, high = map(to_float, plane.across_span)
+    for strip in plane.strips:
+        count = max(2, int(samples * (float(strip.upper) - float(strip.lower)) / (high - low)))
+        across, borders = _borders(strip, count)
+        opened = [cell for cell in strip.cells if not cell.is_edge]
+        for cell, lower, upper in zip(opened, borders[:-1], borders[1:], strict=True):
+            periods = _attracting(cell, strip.cells.orders)
+            color = colors.setdefault(
+                periods, PERIODS[len(colors) % len(PERIODS)] if periods else NOTHING
+            )
+            ax.fill_between(across, lower, upper, color=color, linewidth=0.3)
+    return [Patch(color=colors[key], label=_periods_label(key)) for key in sorted(colors)]
+
+
+def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
+    """Values across a strip, from right behind its start to right before its end, and borders."""
+    low, high = bounds(strip.column.low)[1], bounds(strip.column.high)[0]
+    near = (high - low) * NEAR
+    values = [low + near, *spread(low, high, count), high - near]
+    return np.array(list(map(to_float, values))), [
+        root_array(border, strip.column, values) for border in strip.borders
+    ]
+
+
+def _attracting(cell: ParameterCell, orders: Sequence[int]) -> tuple[int, ...]:
+    """Periods of all stable cycles of a cell."""
+    points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
+    return tuple(sorted({point.period for point in points}))
+
+
+def _periods_label(periods: tuple[int, ...]) -> str:
+    return " and ".join(map(str, periods)) or "none found"
+
+
+def _corners(raster: PlaneRaster) -> tuple[FloatArray, FloatArray]:
+    """Ends of the rectangles of which a raster has the middles."""
+    across, along = (np.array(list(map(to_float, each))) for each in (raster.across, raster.along))
+    return _ends(across), _ends(along)
+
+
+def _ends(middles: FloatArray) -> FloatArray:
+    half = 0.5 * (middles[1] - middles[0]) if len(middles) > 1 else 0.5
+    return np.append(middles - half, middles[-1] + half)
+
+
+def _periods(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
+    """The shortest period that attracts; where bands do, and no cycle, grey."""
+    numbers = np.where(raster.periods > 0, raster.periods + 1, np.where(raster.bands > 0, 1, 0))
+    return _listed(ax, raster, numbers, ("no bounded attractor", "bands"), "period {}", 2)
+
+
+def _bands(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
+    """How many bands there are; where only cycles attract, light."""
+    numbers = np.where(raster.bands > 0, raster.bands + 1, np.where(raster.periods > 0, 1, 0))
+    return _listed(ax, raster, numbers, ("no bounded attractor", "cycles only"), "{} bands", 2)
+
+
+def _listed(
+    ax: Axes, raster: PlaneRaster, numbers: Any, first: tuple[str, str], label: str, start: int
+) -> list[Patch]:
+    """Rectangles in the colours of a list, the last of which stands for all larger numbers."""
+    palette = (NOTHING, CHAOS if "bands" in first else "#deebf7", *PERIODS)
+    last = len(palette) - 1
+    shown = np.minimum(numbers, last)
+    ax.pcolormesh(*_corners(raster), shown, cmap=ListedColormap(palette), rasterized=True,
+                  norm=BoundaryNorm(np.arange(-0.5, last + 1.0), last + 1))  # fmt: skip
+    patches = []
+    for number in np.unique(shown).tolist():
+        if number < start:
+            text = first[number]
+        else:
+            text = label.format(number - 1)
+            text = f"{text} or more" if number == last and numbers.max() > last else text
+        patches.append(Patch(color=palette[number], label=text.replace("1 bands", "1 band")))
+    return patches
+
+
+def _entropy(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
+    """The topological entropy, with a scale beside."""
+    mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0,
+                         rasterized=True)  # fmt: skip
+    ax.figure.colorbar(mesh, ax=ax, label="topological entropy", location="top", shrink=0.6,
+                       aspect=40)  # fmt: skip
+    return []
+
+
+_SCHEMES: dict[Colours, Callable[[Axes, ParameterPlane, PlaneRaster], list[Patch]]] = {
+    Colours.PERIOD: _periods,
+    Colours.ENTROPY: _entropy,
+    Colours.BANDS: _bands,
+}
+_TITLES = {
+    Colours.PERIOD: "what attracts",
+    Colours.ENTROPY: "",
+    Colours.BANDS: "chaotic attractors",
+}
