@@ -15,6 +15,7 @@ from pwmap.longrun.crises import (
     AttractorCell,
     AttractorDiagram,
     Crisis,
+    Meeting,
     attractor_diagram,
     meeting_curve,
 )
@@ -33,6 +34,7 @@ from pwmap.maps.piecewise_linear import (
 )
 from pwmap.parameters.bifurcations import bifurcation_diagram
 from pwmap.parameters.cells import ParameterCell, ParameterCells, parameter_cells
+from pwmap.plane.crisiscurves import with_crises
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.network import CodimensionTwo, PlaneCurve
 from pwmap.plane.plane import ParameterPlane, parameter_plane
@@ -76,6 +78,7 @@ __all__ = [
     "Jump",
     "JumpCrossing",
     "Kneading",
+    "Meeting",
     "OrganisingCentre",
     "ParameterCell",
     "ParameterCells",
@@ -112,6 +115,7 @@ __all__ = [
     "rotation_number_at",
     "rotational_word",
     "tongues",
+    "with_crises",
     "word_family",
     "write_graph",
 ]

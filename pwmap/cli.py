@@ -12,6 +12,8 @@ from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
 from pwmap.cli_longrun import LongRun
+from pwmap.cli_plane import draw_plane
+from pwmap.cli_reading import assignments, map_of, orders_of
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_figure
 from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
@@ -28,11 +30,6 @@ app = typer.Typer(
 console = Console()
 errors = Console(stderr=True)
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
-
-
-@app.callback()
-def _commands() -> None:
-    """Keep ``analyse`` a command of its own."""
 
 
 @app.command()
@@ -79,14 +76,12 @@ def analyse(
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
     try:
-        map_ = PiecewiseLinearMap.from_sympy(formula, variable, given or ())
-        values = dict(_assignment(text) for text in set_ or ())
-        map_ = map_.at(values) if values else map_
+        map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found, interrupted = _computed(
-            map_, parameter, span, _orders(orders), Budget(pieces=pieces)
+            map_, parameter, span, orders_of(orders), Budget(pieces=pieces)
         )
         more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
-                       density=tuple(density or ()), order=max(_orders(orders)))  # fmt: skip
+                       density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
         write_figure(out / "diagram.png", _drawn(found))
         write_results(found, out)
@@ -141,26 +136,15 @@ def _computed(
     return found, bool(interrupts)
 
 
-def _assignment(text: str) -> tuple[str, str]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not (name and equals and value):
-        raise ValueError(f"--set needs name=value, such as a=5/4, got {text!r}")
-    return name, value
-
-
-def _orders(text: str) -> list[int]:
-    try:
-        return [int(part) for part in text.split(",")]
-    except ValueError:
-        raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None
-
-
 def _drawn(found: Any) -> Any:
     """The picture of a diagram, drawn without a screen."""
     mpl.use("Agg")
     from pwmap.plot import plot_diagram
 
     return plot_diagram(found).figure
+
+
+app.command("plane")(draw_plane)
 
 
 def run() -> None:

@@ -21,7 +21,7 @@ from pwmap.plane.network import Arc
 from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
-ORDER = 12  # up to which the graph of laps is made for a colour: its bounds differ by a hundredth
+ORDER = 24  # up to which the graph of laps is made for a colour: its bounds differ by a hundredth
 
 
 class Colours(StrEnum):

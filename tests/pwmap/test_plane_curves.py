@@ -16,6 +16,8 @@ from pwmap import (
     PointKind,
     bifurcation_diagram,
     parameter_plane,
+    plane_raster,
+    with_crises,
 )
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
@@ -154,3 +156,54 @@ def test_planes_are_pickled() -> None:
     for one, other in zip(plane.curves, kept.curves, strict=True):
         assert (one.id, one.ends) == (other.id, other.ends)
         assert one.along(value) == other.along(value)
+
+
+# --- What attracts, and crises --------------------------------------------------------------------
+
+
+def test_a_raster_says_what_attracts_at_each_point() -> None:
+    """R attracts for b > -1, L R for a b > -1 below; beyond a b = -1 there are bands."""
+    plane = parameter_plane(SKEW, "a", "b", ("1/4", "3/4"), ("-7/2", "-1/2"), (1, 2))
+    done: list[int] = []
+    raster = plane_raster(plane, 6, 5, progress=done.append)
+    assert done == [1, 2, 3, 4, 5, 6]
+    assert not raster.open.any()
+    for i, p in enumerate(raster.across):
+        for j, q in enumerate(raster.along):
+            found = plane.at(Rational(str(p)), Rational(str(q)))
+            chaotic = sum(len(each.bands) for each in found.attractors)
+            assert raster.bands[j, i] == chaotic
+            assert found.entropy.low - 0.02 <= raster.entropy[j, i] <= found.entropy.high
+            if q > -1:
+                assert raster.periods[j, i] == 1
+            elif p * q > -1:
+                assert raster.periods[j, i] == 2
+            elif p * q + p + 1 > 0:
+                assert (raster.periods[j, i], chaotic > 0) == (0, True)
+    with pytest.raises(ValueError, match="a column and a row, got 0 and 5"):
+        plane_raster(plane, 0, 5)
+
+
+@pytest.mark.slow
+def test_crises_of_the_skew_tent_map_over_both_slopes() -> None:
+    """Two bands merge where a b^2 + b = a, where the image L R L of the break meets R; and four
+    where a^2 b^3 + a = b [Avrutin2011]."""
+    plane = parameter_plane(SKEW, "a", "b", ("4/5", 1), ("-9/4", "-11/10"), (1, 2))
+    both = with_crises(plane, 2, 2)
+    assert both.curves[: len(plane.curves)] == plane.curves
+    merging = {c.polynomial: c for c in both.curves if c.kind is PointKind.MC}
+    two, four = A * B**2 - A + B, A**2 * B**3 + A - B
+    assert {two, four} <= set(merging)
+    assert merging[two].words == ("R",)
+    assert merging[four].words == ("LR",)
+    for polynomial in (two, four):
+        (arc,) = merging[polynomial].arcs
+        assert [node[0] for node in arc.ends] == [Rational(4, 5), 1]
+        for value in (Rational(5, 6), Rational(9, 10)):
+            (x,) = merging[polynomial].along(value)
+            near = round(1000 * float(x))
+            beside = [plane.at(value, Rational(near + side, 1000)) for side in (-2, 2)]
+            counts = [len(found.attractors[0].bands) for found in beside]
+            assert counts in ([1, 2], [2, 4])
+    with pytest.raises(ValueError, match="at one value at least, got 0"):
+        with_crises(plane, 2, 0)

@@ -77,7 +77,9 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     ax = plot_plane(plane, samples=5)
     legend = ax.get_legend()
     assert legend is not None
-    assert [t.get_text() for t in legend.get_texts()] == ["none found", "1", "2", "3"]
+    assert [t.get_text() for t in legend.get_texts()] == [
+        *("none found", "1", "2", "3", "border collision", "fold-flip"),
+    ]
     edges = lines(ax)
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
 

@@ -105,3 +105,37 @@ def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:
     assert code == 2
     assert "at a = 1/2 no chaotic attractor has a density" in text
     assert not (tmp_path / "new").exists()
+
+
+SKEW = "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))"
+
+
+def run_plane(*arguments: str, out: Path) -> tuple[int, str]:
+    found = CliRunner().invoke(cli.app, ["plane", SKEW, *arguments, "--out", str(out)])
+    return found.exit_code, found.output
+
+
+@pytest.mark.slow
+def test_a_plane_is_drawn_with_its_curves_and_points(tmp_path: Path) -> None:
+    spans = ("--across-span", "1/4", "3/4", "--along-span", "-5", "-1/2")
+    code, text = run_plane(
+        "--across", "a", "--along", "b", *spans, "--orders", "1,2,3",
+        "--colours", "bands", "--raster", "4", "3", out=tmp_path,
+    )  # fmt: skip
+    assert code == 0
+    for part in ("a**2*b + 1", "a*b + a + 1", "flip-border", "0.61803398875"):
+        assert part in text
+    assert (tmp_path / "plane.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    curves = (tmp_path / "plane_curves.csv").read_text().splitlines()
+    assert curves[0] == "id,kind,note,words,polynomial,from,to"
+    assert "BC1,BC,fold,LLR LRR,a*b + a + 1,," in curves
+    points = (tmp_path / "plane_points.csv").read_text().splitlines()
+    assert points[1].endswith("-1/2 + sqrt(5)/2,-3/2 - sqrt(5)/2,PD3 BC1")
+
+
+def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
+    spans = ("--across-span", "0", "1", "--along-span", "-5", "-1")
+    code, text = run_plane("--across", "a", "--along", "c", *spans, out=tmp_path)
+    assert code == 2
+    assert "expected a map of a and c, this one has ['a', 'b']" in text
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,143 @@
+"""The command ``pwmap plane``: two parameters of a map, with the curves on which cycles change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import matplotlib as mpl
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from pwmap.algebra.exact import to_float
+from pwmap.algebra.roots import bounds
+from pwmap.cli_reading import assignments, map_of, orders_of
+from pwmap.diagrams.files import write_figure, write_table
+from pwmap.maps.budget import BUDGET, Budget
+from pwmap.plane.crisiscurves import with_crises
+from pwmap.plane.plane import ParameterPlane, parameter_plane
+from pwmap.plane.rasters import Colours, PlaneRaster, plane_raster
+
+FILES = ("plane.png", "plane_curves.csv", "plane_points.csv")
+
+
+def draw_plane(
+    formula: Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")],
+    across: Annotated[str, typer.Option(help="The parameter of the horizontal axis.")],
+    along: Annotated[str, typer.Option(help="The parameter of the vertical axis.")],
+    across_span: Annotated[tuple[str, str], typer.Option(help="Two rationals.")],
+    along_span: Annotated[tuple[str, str], typer.Option(help="Two rationals.")],
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Value of another parameter, such as a=5/4; repeatable."),
+    ] = None,
+    orders: Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")] = "1,2",
+    given: Annotated[
+        list[str] | None, typer.Option(help="An assumption on the parameters, such as 'a > 1'.")
+    ] = None,
+    variable: Annotated[str, typer.Option(help="The variable of the map.")] = "x",
+    pieces: Annotated[
+        int, typer.Option(help="How many pieces of all iterates of a strip may be computed.", min=1)
+    ] = BUDGET.pieces,
+    colours: Annotated[
+        Colours | None,
+        typer.Option(help="What attracts at each point of a raster; by default that of cells."),
+    ] = None,
+    raster: Annotated[tuple[int, int], typer.Option(help="Columns and rows of the raster.")] = (
+        48,
+        36,
+    ),
+    crises: Annotated[
+        int | None,
+        typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
+        "out"
+    ),
+) -> None:
+    """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
+
+    Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
+    --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
+    """
+    errors = Console(stderr=True)
+    try:
+        map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
+        found = parameter_plane(
+            map_, across, along, across_span, along_span, orders_of(orders),
+            budget=Budget(pieces=pieces),
+        )  # fmt: skip
+        seen: PlaneRaster | None = None
+        with Progress(
+            TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
+            transient=True, disable=not errors.is_terminal,
+        ) as bar:  # fmt: skip
+            if crises is not None:
+                task = bar.add_task("crises", total=12)
+                found = with_crises(
+                    found, crises, progress=lambda done: bar.update(task, completed=done)
+                )
+            if colours is not None:
+                points = bar.add_task("raster", total=raster[0])
+                seen = plane_raster(
+                    found, *raster, progress=lambda done: bar.update(points, completed=done)
+                )
+        out.mkdir(parents=True, exist_ok=True)
+        _write(found, seen, colours, out)
+    except KeyboardInterrupt:
+        errors.print("Interrupted: there is nothing to keep yet", style="red")
+        raise typer.Exit(130) from None
+    except (ValueError, TypeError, OSError) as error:
+        errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)
+        raise typer.Exit(2) from None
+    console = Console()
+    for table in tables(found):
+        console.print(table)
+    console.print("wrote " + ", ".join(str(out / name) for name in FILES), soft_wrap=True)
+
+
+def _write(
+    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path
+) -> None:
+    """The picture and both tables."""
+    mpl.use("Agg")
+    from pwmap.plot_plane import plot_plane
+
+    ax = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
+    write_figure(folder / FILES[0], ax.figure)
+    write_table(
+        folder / FILES[1],
+        ("id", "kind", "note", "words", "polynomial", "from", "to"),
+        ((c.id, c.kind, c.note, " ".join(c.words), c.polynomial, *c.ends) for c in found.curves),
+    )
+    across, along = str(found.across), str(found.along)
+    write_table(
+        folder / FILES[2],
+        ("id", "kind", across, along, f"{across}_exact", f"{along}_exact", "curves"),
+        (
+            (p.id, p.kind, *_floats(found, k), *p.values, " ".join(p.curves))
+            for k, p in enumerate(found.points)
+        ),
+    )
+
+
+def _floats(found: ParameterPlane, number: int) -> tuple[float, ...]:
+    return tuple(to_float(bounds(value)[0]) for value in found.points[number].node)
+
+
+def tables(found: ParameterPlane) -> Iterator[Table]:
+    """Curves and points for a person."""
+    curves = Table("curve", "what", "cycles", "zero on it", "ends", title="Curves")
+    for curve in found.curves:
+        what = f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}"
+        ends = " and ".join(filter(None, curve.ends))
+        curves.add_row(curve.id, what, " ".join(curve.words), str(curve.polynomial), ends)
+    yield curves
+    points = Table("point", "what", str(found.across), str(found.along), "curves", title="Points")
+    for number, point in enumerate(found.points):
+        values = (f"{value:.12g}" for value in _floats(found, number))
+        points.add_row(point.id, point.kind.label, *values, " ".join(point.curves))
+    yield points

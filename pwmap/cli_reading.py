@@ -1,0 +1,46 @@
+"""What commands read from text: maps, values of parameters and orders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+
+
+def map_of(
+    formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
+) -> PiecewiseLinearMap:
+    """A map given as text, with some of its parameters at values."""
+    map_ = PiecewiseLinearMap.from_sympy(formula, variable, given)
+    return map_.at(values) if values else map_
+
+
+def assignments(texts: Iterable[str]) -> dict[str, str]:
+    """Values of parameters from texts such as a=5/4.
+
+    Raises
+    ------
+    ValueError
+        If a text is none.
+    """
+    found = dict[str, str]()
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise ValueError(f"--set needs name=value, such as a=5/4, got {text!r}")
+        found[name] = value
+    return found
+
+
+def orders_of(text: str) -> list[int]:
+    """Orders from a text such as 1,2,3.
+
+    Raises
+    ------
+    ValueError
+        If it has something else than integers.
+    """
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None
