@@ -11,6 +11,7 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from pwmap.diagrams.graph import read_graph, write_graph
+from pwmap.longrun.bands import with_attractors
 from pwmap.longrun.crises import (
     AttractorCell,
     AttractorDiagram,
@@ -115,6 +116,7 @@ __all__ = [
     "rotation_number_at",
     "rotational_word",
     "tongues",
+    "with_attractors",
     "with_crises",
     "word_family",
     "write_graph",

@@ -31,6 +31,7 @@ class BranchKind(StrEnum):
 
     FIXED_POINT = "fixed-point"
     JUMP = "jump"
+    BAND = "band"
 
 
 class PointKind(StrEnum):
@@ -129,7 +130,8 @@ class Branch:
     id
         Name of the branch, unique in its diagram, without ``:``.
     kind
-        Fixed points of P_order, or a jump of P_order that crosses the diagonal.
+        Fixed points of P_order, a jump of P_order that crosses the diagonal, or a band of a chaotic
+        attractor that P_order maps to itself; then x is its middle.
     order
         The iterate j >= 1 the branch belongs to.
     word
@@ -467,7 +469,7 @@ class Diagram:
         found: list[tuple[Value, Hit]] = []
         for branch in self.branches:
             for formulas in (stretch.exact for stretch in branch.words):
-                if here.meets(formulas["interval"]):
+                if "interval" in formulas and here.meets(formulas["interval"]):
                     found += _hits_of(branch, formulas, here)
 
         def by_x(one: tuple[Value, Hit], other: tuple[Value, Hit]) -> int:

@@ -79,6 +79,8 @@ class AttractorCell:
         ends, which hold beside it as long as the same images of breaks are the outermost.
     line
         The map at the sample.
+    is_open
+        Whether something is not known there; then crises may have been missed in the cell.
     """
 
     lower: sympy.Expr
@@ -87,6 +89,7 @@ class AttractorCell:
     cycles: tuple[str, ...]
     bands: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
     line: Line
+    is_open: bool = False
 
     @cached_property
     def dynamics(self) -> Dynamics:
@@ -154,6 +157,8 @@ class AttractorDiagram:
 
     Attributes
     ----------
+    map
+        The map.
     parameter
         The symbol.
     order
@@ -165,6 +170,7 @@ class AttractorDiagram:
         cells, too; they are in :func:`pwmap.bifurcation_diagram`.
     """
 
+    map: PiecewiseLinearMap
     parameter: sympy.Symbol
     order: int
     cells: tuple[AttractorCell, ...]
@@ -202,6 +208,11 @@ class _Seen:
     def counts(self) -> tuple[int, ...]:
         """How many bands each chaotic attractor has."""
         return tuple(sorted(map(len, self.found.bands)))
+
+    @property
+    def shown(self) -> tuple[object, ...]:
+        """What parts cells where no crisis does."""
+        return self.cycles, bool(self.found.open)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -255,7 +266,9 @@ def attractor_diagram(
     axis = axis_of(map_.definition, name, {})
     admitted_intervals(axis, ends)
     cells, crises = Study(map_, name, axis, order).cells(*ends)
-    return AttractorDiagram(parameter=map_.parameters[0], order=order, cells=cells, crises=crises)
+    return AttractorDiagram(
+        map=map_, parameter=map_.parameters[0], order=order, cells=cells, crises=crises
+    )
 
 
 def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int = 0) -> sympy.Expr:
@@ -306,6 +319,11 @@ def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
     value = map_.orbits.value(breaks[number], along)
     fixed = map_.orbits.fixed_point(around)
     return value[0] * fixed[1] - fixed[0] * value[1]
+
+
+def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
+    """Where an image of a break meets a cycle: the point of the cycle as a formula."""
+    return shown_fraction(map_.orbits.fixed_point(tuple(_numbers(map_, meeting.cycle))))
 
 
 def _numbers(map_: PiecewiseLinearMap, word: str) -> Iterator[int]:
@@ -369,7 +387,7 @@ class Study:
                 last, here, _Change(root, root, tuple(met.get(root, ())))
             ):
                 kind = self._kind(before, after, change)
-                if kind is None and before.cycles == after.cycles:
+                if kind is None and before.shown == after.shown:
                     continue
                 shown.append(self._cell(start, change.place, before))
                 start = change.place
@@ -387,6 +405,9 @@ class Study:
         If it does not explain the change, the intervals on both sides of it are halved.
         """
         if self._same(left, right):
+            return
+        if bool(left.found.open) != bool(right.found.open):  # where that ends says nothing
+            yield known, left, right
             return
         near = [self._beside(known.place, left.place), self._beside(known.place, right.place)]
         yield from self._halved(left, near[0], HALVINGS)
@@ -406,7 +427,7 @@ class Study:
         """Where what attracts changes between two places, by halving the interval."""
         if self._same(left, right):
             return
-        found = [] if times % TRIED else self._located(left, right)
+        found = [] if times % TRIED else self._ended(left, right) or self._located(left, right)
         if found:
             yield from found
         elif times:
@@ -416,6 +437,14 @@ class Study:
             yield from self._halved(middle, right, times - 1)
         else:
             yield _Change(left.place, right.place), left, right
+
+    def _ended(self, left: _Seen, right: _Seen) -> list[tuple[_Change, _Seen, _Seen]]:
+        """The place between two others at which a cycle ceases to attract, if nothing else is."""
+        for place in dict.fromkeys(self._ends_of_cycles(left, right)):
+            near = self._beside(place, left.place), self._beside(place, right.place)
+            if self._same(left, near[0]) and self._same(near[1], right) and not self._same(*near):
+                return [(_Change(place, place), *near)]
+        return []
 
     def _located(self, left: _Seen, right: _Seen) -> list[tuple[_Change, _Seen, _Seen]]:
         """The places between two others at which longer words say that attractors change, if any.
@@ -453,7 +482,12 @@ class Study:
             yield from self._meetings(low, high, seen.place, images, max(PERIOD, self.order), True)
 
     def _same(self, left: _Seen, right: _Seen) -> bool:
-        """Whether the same attracts at two places, up to which images are the outermost."""
+        """Whether the same attracts at two places, up to which images are the outermost.
+
+        Where that is open at both it is not asked any further.
+        """
+        if left.found.open and right.found.open:
+            return True
         if (left.counts, left.cycles) != (right.counts, right.cycles):
             return False
         return left.ends == right.ends or not left.counts or self._close(left, right)
@@ -595,10 +629,10 @@ class Study:
 
     def _kind(self, left: _Seen, right: _Seen, change: _Change) -> PointKind | None:
         """What happens to bands between two places; None if nothing does."""
-        if not left.counts and not right.counts:
+        if left.found.open or right.found.open or not (left.counts or right.counts):
             return None
         if not (left.counts and right.counts):
-            return self._end(*((left, right) if left.counts else (right, left)))
+            return self._end(*((left, right) if left.counts else (right, left)), change)
         if change.low == change.high:
             same = self._set_at(left, change.place) == self._set_at(right, change.place)
         else:
@@ -607,14 +641,37 @@ class Study:
             return PointKind.XC
         return None if left.counts == right.counts else PointKind.MC
 
-    def _end(self, chaotic: _Seen, other: _Seen) -> PointKind:
+    def _end(self, chaotic: _Seen, other: _Seen, change: _Change) -> PointKind:
         """How bands end beyond which there are none."""
-        known = {_first_turn(cycle.word) for cycle in chaotic.found.cycles}
-        new = [c for c in other.found.cycles if _first_turn(c.word) not in known]
+        new = self._new_words(chaotic, other)
         if not new:
             return PointKind.FC
-        nearly = QQ(1, 1000)
-        return PointKind.PD if any(c.multiplier < nearly - 1 for c in new) else PointKind.BC
+        if change.low < change.high:
+            return PointKind.BC
+        flips = (self.orbits.polynomial(Multiplier(tuple(sorted(word)), -1)) for word in new)
+        at_one = any(self.axis.sign(each, change.place) == 0 for each in flips)
+        return PointKind.PD if at_one else PointKind.BC
+
+    def _new_words(self, one: _Seen, other: _Seen) -> list[Word]:
+        """Words of attracting cycles that are at the other place only."""
+        known = {_first_turn(cycle.word) for cycle in one.found.cycles}
+        return [
+            tuple(_numbers(self.map, cycle.word))
+            for cycle in other.found.cycles
+            if _first_turn(cycle.word) not in known
+        ]
+
+    def _ends_of_cycles(self, left: _Seen, right: _Seen) -> Iterator[Real]:
+        """Where a cycle that attracts at one of two places only meets a break, or has +1 or -1."""
+        low, high = left.place, right.place
+        for word in (*self._new_words(left, right), *self._new_words(right, left)):
+            numbers = [self.orbits.polynomial(Multiplier(tuple(sorted(word)), u)) for u in (1, -1)]
+            for k in range(len(word)):
+                fixed = self.orbits.fixed_point(word[k:] + word[:k])
+                breaks = (self.orbits.value(other, ()) for other in self.layout.breaks)
+                numbers += [fixed[0] * b[1] - b[0] * fixed[1] for b in breaks]
+            for number in numbers:
+                yield from (root for root in self._zeros(dense(number)) if low < root < high)
 
     def _crisis(self, left: _Seen, right: _Seen, kind: PointKind, change: _Change) -> Crisis:
         spelled = self.map.spelled
@@ -645,6 +702,7 @@ class Study:
                 for bands in seen.ends
             ),
             line=seen.line,
+            is_open=bool(seen.found.open),
         )
 
 

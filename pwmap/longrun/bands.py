@@ -1,0 +1,246 @@
+"""Bands and crises as branches and special points of a bifurcation diagram.
+
+A band between two crises is a branch as a cycle between two collisions is, and the points between
+bands are crises; so the graph of connections goes on where cycles end and chaos begins.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import sympy
+from sympy import QQ
+
+from pwmap.algebra.exact import to_float
+from pwmap.algebra.roots import simplest_between, spread
+from pwmap.diagrams.diagram import (
+    Branch,
+    BranchKind,
+    Diagram,
+    FloatArray,
+    PointKind,
+    SpecialPoint,
+    Stretch,
+)
+from pwmap.longrun.crises import AttractorCell, AttractorDiagram, Crisis, meeting_x
+from pwmap.longrun.dynamics import dynamics
+from pwmap.longrun.numbers import algebraic
+
+PLACES = 7  # in each cell at which bands are computed exactly
+NEAR = QQ(1, 8)  # of the distance between two of them: there a simple rational is taken
+
+
+def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
+    """The same diagram with bands of chaotic attractors as branches, and crises as points.
+
+    Parameters
+    ----------
+    diagram
+        Branches and special points of a map over a parameter.
+    found
+        Its attractors over an interval of the same parameter.
+
+    Returns
+    -------
+    Diagram
+        Bands have the kind ``BAND``, as order the number of bands of their attractor, the columns
+        ``low`` and ``high``, and in ``exact`` the formulas ``lower`` and ``upper``, unless
+        other images of breaks take over in between. Where bands give way to a cycle they end in the
+        point at which it loses its stability, if the diagram has it.
+
+    Raises
+    ------
+    ValueError
+        If the two are over different parameters.
+    """
+    if diagram.parameter_name != str(found.parameter):
+        raise ValueError(
+            f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
+        )
+    points = _Points(diagram, found)
+    branches = tuple(
+        piece.branch(f"B{number}", points) for number, piece in enumerate(_pieces(found), start=1)
+    )
+    return replace(diagram, branches=(*diagram.branches, *branches), points=points.all())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Row:
+    """A band in one cell: the parameter and both ends at some places, and formulas if they hold."""
+
+    cell: AttractorCell
+    order: int
+    parameter: FloatArray
+    low: FloatArray
+    high: FloatArray
+    formulas: tuple[sympy.Expr, sympy.Expr] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Piece:
+    """A band from one crisis to the next: it may pass several cells."""
+
+    rows: tuple[_Row, ...]
+
+    def branch(self, name: str, points: _Points) -> Branch:
+        """The same as a branch, with its ends among the points."""
+        first, last = self.rows[0], self.rows[-1]
+        low, high, parameter = (
+            np.concatenate([getattr(row, column) for row in self.rows])
+            for column in ("low", "high", "parameter")
+        )
+        middle = 0.5 * (low + high)
+        starts = np.cumsum([0, *(len(row.parameter) for row in self.rows[:-1])]).tolist()
+        words = tuple(
+            Stretch(start, "", exact=_formulas(row))
+            for start, row in zip(starts, self.rows, strict=True)
+        )
+        return Branch(
+            id=name,
+            kind=BranchKind.BAND,
+            order=first.order,
+            word="",
+            parameter=parameter,
+            x=middle,
+            multiplier=np.full(len(middle), np.nan),
+            ends=(
+                points.at(first.cell.lower, float(middle[0]), name),
+                points.at(last.cell.upper, float(middle[-1]), name),
+            ),
+            exact=words[0].exact,
+            attracts=True,
+            words=words,
+            columns={"low": low, "high": high},
+        )
+
+
+def _formulas(row: _Row) -> dict[str, object]:
+    if row.formulas is None:
+        return {}
+    lower, upper = row.formulas
+    return {
+        "lower": lower,
+        "upper": upper,
+        "interval": sympy.Interval.open(row.cell.lower, row.cell.upper),
+    }
+
+
+def _pieces(found: AttractorDiagram) -> Iterator[_Piece]:
+    """All bands, from left to right and bottom to top, each as far as no crisis ends it."""
+    ends = {crisis.parameter for crisis in found.crises}
+    run: list[list[_Row]] = []  # the rows of each cell since the last crisis
+    for cell in found.cells:
+        rows = _rows(found, cell)
+        if run and (cell.lower in ends or len(rows) != len(run[-1])):
+            yield from (_Piece(each) for each in zip(*run, strict=True))
+            run = []
+        run.append(rows)
+    yield from (_Piece(each) for each in zip(*run, strict=True))
+
+
+def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
+    """The bands of a cell, from the lowest; none if they are not known throughout."""
+    if cell.is_open:
+        return []
+    low, high = algebraic(cell.lower), algebraic(cell.upper)
+    even = spread(low, high, PLACES)
+    near = (even[1] - even[0]) * NEAR
+    places = [simplest_between(p - near, p + near) for p in even]
+    name, map_ = found.parameter, found.map
+    seen = [dynamics(map_, {name: QQ.to_sympy(p)}).attractors for p in places]
+    bands = [
+        [(a.bands[k], len(a.bands)) for a in each for k in range(len(a.bands))] for each in seen
+    ]
+    formulas = [pair for pairs in cell.bands for pair in pairs]
+    rows = []
+    for k in range(min(map(len, bands))):
+        values = [each[k][0] for each in bands]
+        known = formulas[k] if len(formulas) == len(bands[0]) else None
+        if known is not None and any(
+            formula.subs(name, QQ.to_sympy(p)) != end
+            for p, band in zip(places, values, strict=True)
+            for formula, end in zip(known, (band.start, band.end), strict=True)
+        ):
+            known = None
+        over = np.array([float(cell.lower), *map(to_float, places), float(cell.upper)])
+        lines = [
+            _to_ends(over, np.array([float(band.args[which]) for band in values]))
+            for which in (0, 1)
+        ]
+        rows.append(_Row(cell, bands[0][k][1], over, lines[0], lines[1], known))
+    return rows
+
+
+def _to_ends(over: FloatArray, values: FloatArray) -> FloatArray:
+    """Values at inner places, with those at both ends on straight lines through the nearest two."""
+    first = values[0] + (values[1] - values[0]) * (over[0] - over[1]) / (over[2] - over[1])
+    last = values[-1] + (values[-2] - values[-1]) * (over[-1] - over[-2]) / (over[-3] - over[-2])
+    return np.array([first, *values, last])
+
+
+class _Points:
+    """The points of a diagram, to which crises and ends of the span are added."""
+
+    def __init__(self, diagram: Diagram, found: AttractorDiagram) -> None:
+        self._found = found
+        self._points = {point.id: point for point in diagram.points}
+        self._counts = Counter(str(point.kind) for point in diagram.points)
+        self._crises = {crisis.parameter: crisis for crisis in found.crises}
+        self._known: dict[sympy.Expr, str] = {}
+
+    def all(self) -> tuple[SpecialPoint, ...]:
+        """Those of the diagram first."""
+        return tuple(self._points.values())
+
+    def at(self, parameter: sympy.Expr, x: float, branch: str) -> str:
+        """The point in which a band ends: that of a crisis, or one of its own."""
+        crisis = self._crises.get(parameter)
+        name = self._known.get(parameter, "") if crisis is not None else ""
+        if not name and crisis is not None:
+            name = self._known[parameter] = self._own(crisis) or self._added(crisis, x)
+        if not name:
+            ends = self._found.cells[0].lower, self._found.cells[-1].upper
+            note = "end of the span" if parameter in ends else "beyond, what attracts is open"
+            name = self._new(
+                PointKind.EP, parameter=float(parameter), x=x, note=note,
+                exact={"parameter": parameter},
+            )  # fmt: skip
+        point = self._points[name]
+        self._points[name] = replace(point, branches=(*point.branches, branch))
+        return name
+
+    def _own(self, crisis: Crisis) -> str:
+        """The point of the diagram where a cycle ends and bands begin, if it is there."""
+        kinds = {PointKind.BC: (PointKind.BC, PointKind.FF), PointKind.PD: (PointKind.PD,)}
+        found = [
+            point
+            for point in self._points.values()
+            if point.kind in kinds.get(crisis.kind, ())
+            and point.exact.get("parameter") == crisis.parameter
+        ]
+        return min(found, key=lambda point: point.order).id if found else ""
+
+    def _added(self, crisis: Crisis, x: float) -> str:
+        exact: dict[str, object] = {"parameter": crisis.parameter}
+        cause = ""
+        if crisis.meetings:
+            meeting = min(crisis.meetings, key=lambda each: (len(each.image), each))
+            formula = meeting_x(self._found.map, meeting)
+            value = sympy.radsimp(formula.subs(self._found.parameter, crisis.parameter))
+            exact["x"], x = value, float(value)
+            cause = f"the image {meeting.image} of a border meets the cycle {meeting.cycle}"
+        before, after = crisis.bands
+        return self._new(
+            crisis.kind, parameter=float(crisis.parameter), x=x, exact=exact, cause=cause,
+            note=f"{before} bands on the left, {after} on the right", precision=crisis.width,
+        )  # fmt: skip
+
+    def _new(self, kind: PointKind, **what: Any) -> str:
+        self._counts[str(kind)] += 1
+        name = f"{kind}{self._counts[str(kind)]}"
+        self._points[name] = SpecialPoint(id=name, kind=kind, **what)
+        return name
