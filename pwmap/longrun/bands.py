@@ -171,6 +171,8 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
             _to_ends(over, np.array([float(band.args[which]) for band in values]))
             for which in (0, 1)
         ]
+        for formula, line in zip(known or (), lines, strict=False):
+            line[[0, -1]] = [float(formula.subs(name, end)) for end in (cell.lower, cell.upper)]
         rows.append(_Row(cell, bands[0][k][1], over, lines[0], lines[1], known))
     return rows
 

@@ -58,7 +58,7 @@ def test_bands_of_the_tent_map_end_in_crises(tent: Diagram) -> None:
         assert sympy.expand(branch.exact["upper"] - sympy.expand(upper)) == 0
         for formula, column in ((lower, "low"), (upper, "high")):
             values = [float(formula.subs(A, p)) for p in branch.parameter]
-            np.testing.assert_allclose(branch.columns[column], values, rtol=0, atol=1e-4)
+            np.testing.assert_allclose(branch.columns[column], values, rtol=0, atol=1e-14)
 
 
 def test_a_diagram_with_bands_is_asked_exactly(tent: Diagram) -> None:
