@@ -20,6 +20,7 @@ from pwmap.longrun.crises import (
     attractor_diagram,
     meeting_curve,
 )
+from pwmap.longrun.cycles import FoundCycle, FoundCycles, cycles
 from pwmap.longrun.densities import Density
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropies import Entropy
@@ -76,6 +77,8 @@ __all__ = [
     "Entropy",
     "FixedInterval",
     "FixedPoint",
+    "FoundCycle",
+    "FoundCycles",
     "Jump",
     "JumpCrossing",
     "Kneading",
@@ -102,6 +105,7 @@ __all__ = [
     "WordFamily",
     "attractor_diagram",
     "bifurcation_diagram",
+    "cycles",
     "dynamics",
     "farey",
     "meeting_curve",

@@ -41,8 +41,9 @@ from pwmap.algebra.roots import (
 from pwmap.algebra.terms import own_name
 from pwmap.diagrams.diagram import PointKind
 from pwmap.longrun.attractors import Attractors, attractors_of
+from pwmap.longrun.cycles import repelling_words
 from pwmap.longrun.dynamics import Dynamics
-from pwmap.longrun.line import Branch, Germ, Interval, Line, joined, line_of
+from pwmap.longrun.line import Germ, Interval, Line, joined, line_of
 from pwmap.longrun.numbers import Element, Exact, to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import CriticalOrbit, Multiplier, Slope, Word
@@ -557,7 +558,8 @@ class Study:
         """
         ends = [to_double(_number(end)) for end in (low, high)]
         values = [(image, self.orbits.value(image.k, image.word)) for image in images]
-        for word in self._repelling(self.seen(sample).line, order, sample):
+        for numbers in repelling_words(self.seen(sample).line, order):
+            word = tuple(self.letters[k] for k in numbers)
             fixed = self.orbits.fixed_point(word)
             for image, value in values:
                 difference = dense(value[0] * fixed[1] - fixed[0] * value[1])
@@ -569,15 +571,6 @@ class Study:
 
     def _zeros(self, polynomial: Dense) -> tuple[Real, ...]:
         return real_roots(polynomial)
-
-    def _repelling(self, line: Line, order: int, place: Number) -> Iterator[Word]:
-        """Words of the points of all repelling cycles up to a period, each of its own length."""
-        for word in _periodic(line, order):
-            size = QQ.one
-            for k in word:
-                size = size * line.branches[k].slope
-            if size > 1 or size < -1:
-                yield tuple(self.letters[k] for k in word)
 
     # --- What attracts ------------------------------------------------------------------------
 
@@ -722,49 +715,3 @@ def _by_length(word: str) -> tuple[int, str]:
 def _first_turn(word: str) -> str:
     """The first of the words of a cycle in the alphabet."""
     return min(word[i:] + word[:i] for i in range(len(word)))
-
-
-def _periodic(line: Line, order: int) -> Iterator[tuple[int, ...]]:
-    """Words, as numbers of branches, of periodic points up to a period, each of its own length.
-
-    A point lies inside the interval on which its word is followed.
-    """
-    found: list[tuple[tuple[int, ...], Exact, Exact, tuple[Exact | None, Exact | None]]] = [
-        ((), QQ.one, QQ.zero, (None, None))
-    ]
-    for _ in range(order):
-        longer = []
-        for word, slope, intercept, domain in found:
-            for k, branch in enumerate(line.branches):
-                low, high = _followed_by(branch, slope, intercept, domain)
-                if not slope or (low is not None and high is not None and not low < high):
-                    continue
-                here = (*word, k)
-                whole = branch.slope * slope, branch.slope * intercept + branch.intercept
-                longer.append((here, *whole, (low, high)))
-                if whole[0] == 1 or not _is_primitive(here):
-                    continue
-                x = whole[1] / (1 - whole[0])
-                if (low is None or low < x) and (high is None or x < high):
-                    yield here
-        found = longer
-
-
-def _followed_by(
-    branch: Branch, slope: Exact, intercept: Exact, domain: tuple[Exact | None, Exact | None]
-) -> tuple[Exact | None, Exact | None]:
-    """The part of an interval that an affine map, which is not flat, takes to a branch."""
-    if not slope:
-        return domain
-    ends = [None if x is None else (x - intercept) / slope for x in (branch.lower, branch.upper)]
-    if slope < 0:
-        ends.reverse()
-    lows = [x for x in (domain[0], ends[0]) if x is not None]
-    highs = [x for x in (domain[1], ends[1]) if x is not None]
-    return max(lows, default=None), min(highs, default=None)
-
-
-def _is_primitive(word: tuple[int, ...]) -> bool:
-    """Whether a word is no repetition of a shorter one."""
-    n = len(word)
-    return all(n % d or word != word[:d] * (n // d) for d in range(1, n))

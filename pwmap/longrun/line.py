@@ -47,6 +47,13 @@ class Branch(NamedTuple):
         return self.slope * x + self.intercept
 
 
+class Owner(NamedTuple):
+    """The piece that a break belongs to, and its slope; None if it is a piece of its own."""
+
+    letter: str
+    slope: Exact | None
+
+
 @dataclass(frozen=True, eq=False)
 class Line:
     """A map at one place of its parameters.
@@ -57,10 +64,13 @@ class Line:
         The pieces on open intervals, from left to right.
     values
         The value at each break between two of them.
+    owners
+        The piece that each break belongs to.
     """
 
     branches: tuple[Branch, ...]
     values: tuple[Exact, ...]
+    owners: tuple[Owner, ...]
 
     @cached_property
     def breaks(self) -> tuple[Exact, ...]:
@@ -91,6 +101,13 @@ class Line:
         if k < len(self.breaks) and self.breaks[k] == x:
             return self.values[k]
         return self.branches[k](x)
+
+    def piece(self, x: Exact) -> Owner:
+        """The piece in which a point lies."""
+        k = bisect_left(self.breaks, x)
+        if k < len(self.breaks) and self.breaks[k] == x:
+            return self.owners[k]
+        return Owner(self.branches[k].letter, self.branches[k].slope)
 
     def letter(self, germ: Germ) -> str:
         """The letter of the piece that a germ is mapped by; at a break itself that of its value."""
@@ -203,7 +220,8 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
 
 def _of_pieces(map_: PiecewiseLinearMap) -> Line:
     """A map, or an iterate, whose parameters have rational values."""
-    orbits, branches, values = map_.orbits, list[Branch](), list[Exact]()
+    orbits, branches = map_.orbits, list[Branch]()
+    values, owners = list[Exact](), list[Owner]()
 
     def quotient(fraction: tuple[Any, Any]) -> Exact:
         return fraction[0] / fraction[1]
@@ -220,15 +238,18 @@ def _of_pieces(map_: PiecewiseLinearMap) -> Line:
             if upper is None
             else quotient(orbits.preimage(upper.k, cylinder.word[: upper.steps]))
         )
+        letter = map_.spelled(cylinder.word)
         if cylinder.is_point or (last is not None and cylinder.lower_closed):
             values.append(slope * last + intercept)
+            owners.append(Owner(letter, None if cylinder.is_point else slope))
         if cylinder.is_point:
             continue
-        branches.append(Branch(slope, intercept, last, end, map_.spelled(cylinder.word)))
+        branches.append(Branch(slope, intercept, last, end, letter))
         if cylinder.upper_closed:
             values.append(slope * end + intercept)
+            owners.append(Owner(letter, slope))
         last = end
-    return Line(tuple(branches), tuple(values))
+    return Line(tuple(branches), tuple(values), tuple(owners))
 
 
 def _of_table(map_: PiecewiseLinearMap, root: RealRoot) -> Line:
@@ -264,4 +285,10 @@ def _of_table(map_: PiecewiseLinearMap, root: RealRoot) -> Line:
         slopes[letter] * x + intercepts[letter]
         for letter, x in zip(layout.slots[1::2], cuts[1:-1], strict=True)
     )
-    return Line(branches, values)
+    owners = tuple(
+        Owner(map_.letters[here], slopes[here] if here in (left, right) else None)
+        for left, here, right in zip(
+            layout.slots[:-1:2], layout.slots[1::2], layout.slots[2::2], strict=True
+        )
+    )
+    return Line(branches, values, owners)

@@ -1,0 +1,293 @@
+"""All cycles of a map at one place of its parameters, by enumeration of words.
+
+A cycle is looked for at its leftmost point. The points that follow a word, and of which no image so
+far lies left of them, are an interval; letter by letter it is cut further, by one linear inequality
+for each image, and where it is empty no longer word is looked at. So the cost follows the number of
+such words, which grows like the exponential of the topological entropy times the order, and not the
+number of pieces of an iterate. Cycles through breaks are found by following the breaks themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import sympy
+from sympy import QQ
+
+from pwmap.longrun.fates import abs_
+from pwmap.longrun.line import Branch, Line, line_of
+from pwmap.longrun.numbers import Exact, exact_to_sympy, key
+from pwmap.maps.budget import BUDGET, Budget, Progress, Report
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FoundCycle:
+    """A cycle at one place of the parameters.
+
+    Attributes
+    ----------
+    line
+        The map there.
+    word
+        The pieces that it visits, from its leftmost point on.
+    start
+        That point.
+    slope
+        Its multiplier; None if it has a point that is a piece of its own.
+    at_break
+        Whether it has a point on a break: then it attracts as both sides of it do.
+    """
+
+    line: Line
+    word: str
+    start: Exact
+    slope: Exact | None
+    at_break: bool = False
+
+    @property
+    def period(self) -> int:
+        """How many points it has."""
+        return len(self.exact_points)
+
+    @property
+    def exact_points(self) -> tuple[Exact, ...]:
+        """Its points in the order in which they are visited."""
+        points, x = [self.start], self.line(self.start)
+        while x != self.start:
+            points.append(x)
+            x = self.line(x)
+        return tuple(points)
+
+    @property
+    def points(self) -> tuple[sympy.Expr, ...]:
+        """The same as expressions."""
+        return tuple(map(exact_to_sympy, self.exact_points))
+
+    @property
+    def multiplier(self) -> sympy.Expr | None:
+        """The product of the slopes of its pieces; None if one of them is a point."""
+        return None if self.slope is None else exact_to_sympy(self.slope)
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether it attracts; None if that hangs on both sides of a break."""
+        return None if self.at_break or self.slope is None else bool(abs_(self.slope) < 1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundCycles:
+    """All isolated cycles up to some period.
+
+    Attributes
+    ----------
+    cycles
+        By period, and then from left to right.
+    order
+        Up to which period they are complete.
+    words
+        How many words were looked at.
+    left_out
+        A sentence on what is missing; empty if nothing is.
+    """
+
+    cycles: tuple[FoundCycle, ...]
+    order: int
+    words: int
+    left_out: str = ""
+
+    def of_period(self, period: int) -> tuple[FoundCycle, ...]:
+        """Those of one period, from left to right."""
+        return tuple(cycle for cycle in self.cycles if len(cycle.word) == period)
+
+    def __len__(self) -> int:
+        return len(self.cycles)
+
+    def __iter__(self) -> Iterator[FoundCycle]:
+        """All cycles."""
+        return iter(self.cycles)
+
+
+class _Start(NamedTuple):
+    """The points, between two ends, that follow a word and lie left of all of their images."""
+
+    word: tuple[int, ...]
+    slope: Exact
+    intercept: Exact
+    low: Exact | None
+    high: Exact | None
+
+
+def cycles(
+    map_: PiecewiseLinearMap,
+    values: Mapping[Any, object] | None = None,
+    order: int = 8,
+    *,
+    budget: Budget = BUDGET,
+    progress: Report | None = None,
+    on_interrupt: Callable[[], None] | None = None,
+) -> FoundCycles:
+    """All isolated cycles of a map up to a period, at one place of its parameters.
+
+    Parameters
+    ----------
+    map_
+        The map.
+    values
+        Of its parameters by symbol or name: rationals, and one may be a real algebraic number.
+    order
+        The largest period.
+    budget
+        How many words of one length may be looked at.
+    progress
+        Is told after each period: the period, the cycles and the words so far.
+    on_interrupt
+        Is called where Ctrl-C ends the search; then what was completed is kept.
+
+    Returns
+    -------
+    FoundCycles
+        If the budget ends the search, or an interruption, what was completed, with a sentence.
+        Points that are periodic over an interval, where a word has the slope 1, are left out.
+
+    Raises
+    ------
+    ValueError
+        If a parameter has no value, or the order is none.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, cycles
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = cycles(tent, {"a": "7/4"}, 5)
+    >>> [cycle.word for cycle in found]
+    ['L', 'R', 'LR', 'LLR', 'LRR', 'LRRR', 'LLRRR', 'LRRRR', 'LRRLR']
+    """
+    order = checked_order(order)
+    line = line_of(map_, values)
+    found = list(_through_breaks(line, order))
+    searched = done = 0
+    left_out = ""
+    try:
+        for done, level in zip(range(1, order + 1), _levels(line), strict=False):
+            searched += len(level)
+            if len(level) > budget.pieces:
+                left_out = (
+                    f"stopped after period {done}: {len(level)} words of that length, at most "
+                    f"{budget.pieces} are allowed"
+                )
+            found += (
+                FoundCycle(line, _spelled(line, start.word), x, start.slope)
+                for start in level
+                if (x := _closed(start)) is not None
+            )
+            if progress is not None:
+                progress(Progress(done, len(found), searched))
+            if left_out or not level:
+                break
+    except KeyboardInterrupt:
+        if on_interrupt is None:
+            raise
+        on_interrupt()
+        done -= 1
+        left_out = f"stopped after period {done}: interrupted"
+    if not left_out:
+        done = order
+    kept = [cycle for cycle in found if len(cycle.word) <= done]
+    kept.sort(key=lambda cycle: cycle.start)
+    kept.sort(key=lambda cycle: len(cycle.word))
+    return FoundCycles(cycles=tuple(kept), order=done, words=searched, left_out=left_out)
+
+
+def repelling_words(line: Line, order: int) -> Iterator[tuple[int, ...]]:
+    """Words, as numbers of branches, of all points of repelling cycles that lie on no break."""
+    for _, level in zip(range(order), _levels(line), strict=False):
+        for start in level:
+            if abs_(start.slope) > 1 and _closed(start) is not None:
+                word = start.word
+                yield from (word[i:] + word[:i] for i in range(len(word)))
+
+
+def _levels(line: Line) -> Iterator[list[_Start]]:
+    """All words of one letter, of two, and so on, until there are none."""
+    level = [_Start((), QQ.one, QQ.zero, None, None)]
+    while level := [longer for start in level for longer in _longer(line, start)]:
+        yield level
+
+
+def _longer(line: Line, start: _Start) -> Iterator[_Start]:
+    """The words of one letter more that points follow, each with these points."""
+    for k, branch in enumerate(line.branches):
+        cut = _mapped_into(start, branch)
+        if cut is None:
+            continue
+        slope = branch.slope * start.slope
+        intercept = branch.slope * start.intercept + branch.intercept
+        yield _Start((*start.word, k), slope, intercept, *cut)
+
+
+def _mapped_into(start: _Start, branch: Branch) -> tuple[Exact | None, Exact | None] | None:
+    """The points of a start whose last image lies in a branch, and not left of themselves."""
+    low, high = start.low, start.high
+    for end, side in ((branch.lower, 1), (branch.upper, -1)):
+        if end is not None:
+            cut = _cut(side * start.slope, side * (start.intercept - end), low, high)
+            if cut is None:
+                return None
+            low, high = cut
+    if start.word:
+        return _cut(start.slope - 1, start.intercept, low, high)
+    return low, high
+
+
+def _cut(
+    slope: Exact, intercept: Exact, low: Exact | None, high: Exact | None
+) -> tuple[Exact | None, Exact | None] | None:
+    """The part of an interval in which slope x + intercept is positive; None if there is none."""
+    if not slope:
+        return (low, high) if intercept > 0 else None
+    zero = -intercept / slope
+    if slope > 0:
+        low = zero if low is None or low < zero else low
+    else:
+        high = zero if high is None or zero < high else high
+    return None if low is not None and high is not None and not low < high else (low, high)
+
+
+def _closed(start: _Start) -> Exact | None:
+    """The fixed point of a word, if it is among the points that follow it."""
+    if start.slope == 1:
+        return None
+    x = start.intercept / (1 - start.slope)
+    above = start.low is None or start.low < x
+    return x if above and (start.high is None or x < start.high) else None
+
+
+def _spelled(line: Line, word: tuple[int, ...]) -> str:
+    return "".join(line.branches[k].letter for k in word)
+
+
+def _through_breaks(line: Line, order: int) -> Iterator[FoundCycle]:
+    """Cycles that have a point on a break."""
+    seen = set[Any]()
+    for x in line.breaks:
+        points = [x]
+        for _ in range(order):
+            image = line(points[-1])
+            if image == x:
+                break
+            points.append(image)
+        if len(points) > order or line(points[-1]) != x:
+            continue
+        least = min(points)
+        if key(least) in seen:
+            continue
+        seen.add(key(least))
+        first = points.index(least)
+        pieces = [line.piece(point) for point in points[first:] + points[:first]]
+        slope: Exact | None = QQ.one
+        for piece in pieces:
+            slope = None if slope is None or piece.slope is None else slope * piece.slope
+        yield FoundCycle(line, "".join(piece.letter for piece in pieces), least, slope, True)
