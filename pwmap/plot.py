@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 import sympy
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -56,34 +57,38 @@ def plot_diagram(
         Whether to mark where the word of a branch changes: there can be hundreds of places.
     """
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
+    shown = draw_branches(diagram, ax, kinds)
+    if words:
+        marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
+        shown["word change"] = marks
+    if legend:
+        ax.legend(
+            shown.values(), shown.keys(), fontsize=7, loc="best", frameon=True, framealpha=0.9
+        )
+    return ax
+
+
+def draw_branches(diagram: Diagram, ax: Axes, kinds: Iterable[PointKind]) -> dict[str, Artist]:
+    """Draw branches, special points of some kinds, names and labels; artists by their legend."""
     styles: dict[str, Line2D] = {}
     for label, p, x in _curves(diagram):
         (line,) = ax.plot(p, x, solid_capstyle="round", **_STYLES[label])
         styles.setdefault(label, line)
-    handles = [styles[label] for label in _STYLES if label in styles]
-    labels = [label for label in _STYLES if label in styles]
+    shown: dict[str, Artist] = {label: styles[label] for label in _STYLES if label in styles}
     for kind in kinds:
         points = [point for point in diagram.points if point.kind is kind]
         if points:
             marker, color = MARKERS.get(kind, (".", "#969696"))
-            handles.append(
-                ax.scatter(
-                    [point.parameter for point in points], [point.x for point in points],
-                    s=70 if marker == "*" else 26, marker=marker, zorder=5, color=color,
-                    edgecolors="white" if marker not in "|" else None, linewidths=0.6,
-                )  # type: ignore[arg-type]
+            shown[kind.label] = ax.scatter(
+                [point.parameter for point in points], [point.x for point in points],
+                s=70 if marker == "*" else 26, marker=marker, zorder=5, color=color,
+                edgecolors="white" if marker not in "|" else None, linewidths=0.6,
             )  # fmt: skip
-            labels.append(kind.label)
-    if words:
-        handles.append(ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD))  # type: ignore[arg-type]
-        labels.append("word change")
     _name_points(diagram, ax)
     ax.set_xlabel(axis_label(diagram.parameter_name))
     ax.set_ylabel(axis_label(diagram.x_name))
     ax.grid(alpha=0.25, linewidth=0.5)
-    if legend:
-        ax.legend(handles, labels, fontsize=7, loc="best", frameon=True, framealpha=0.9)
-    return ax
+    return shown
 
 
 _STYLES: dict[str, dict[str, Any]] = {

@@ -40,7 +40,11 @@ def test_links_lead_to_files(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_works_that_are_cited_are_in_the_list(page: Path) -> None:
-    known = set(re.findall(r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), flags=re.M))
+    known = set(
+        re.findall(
+            r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), flags=re.M
+        )
+    )
     cited = re.findall(r"\b[A-Z]\w+\d{4}\b", page.read_text(encoding="utf-8"))
     assert cited
     assert set(cited) <= known
