@@ -128,7 +128,7 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
 
 def _legend_below(ax: Axes, shown: dict[str, Artist]) -> None:
     ax.legend(shown.values(), shown.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.13),
-              ncols=4, frameon=False, fontsize=7)  # fmt: skip
+              ncols=3, frameon=False, fontsize=7)  # fmt: skip
 
 
 def _draw_attractors(
@@ -373,7 +373,7 @@ def plot_density(found: Dynamics, ax: Axes | None = None, *, points: int = 200_0
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 3.6), layout="constrained").gca()
     for number, (attractor, density) in enumerate(known):
         ends = to_double(density.places[0]), to_double(density.places[-1])
-        label = "" if number else f"orbits, {points} points"
+        label = "" if number else f"orbits, {points:,} points"
         sample = _orbits(found, attractor, points)
         ax.hist(sample, bins=BINS, range=ends, density=True, color=POINTS, label=label)
         heights = [to_double(v) if density.exact else float(v.mid) for v in density.values]
