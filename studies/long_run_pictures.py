@@ -66,7 +66,7 @@ PAPER = (
           r"$\mathrm{P1^L}$ with the slope 3/2 on the left, $a = 5/4$"),
 )  # fmt: skip
 TENTS = (
-    Scene(SKEW.at({"a": "5/4"}), "b", ("-11/2", "-11/10"), (1, 2), "skew tent map, $a = 5/4$"),
+    Scene(SKEW.at({"a": "5/4"}), "b", ("-11/2", "-11/10"), (1, 2), "skew tent map, $a = 5/4$", 5),
     Scene(SKEW.at({"a": "1/2"}), "b", ("-5", "-43/10"), (1, 2, 3), "skew tent map, $a = 1/2$"),
 )
 
