@@ -16,7 +16,7 @@ from sympy import QQ
 
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.diagram import Diagram, FloatArray, PointKind
-from pwmap.longrun.crises import AttractorDiagram, Crisis
+from pwmap.longrun.crises import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -35,6 +35,7 @@ CRISES = {PointKind.MC: "^", PointKind.XC: "P", PointKind.FC: "X"}  # markers
 EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
 STEPS = 12  # places in each cell at which bands are drawn, at least
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
+INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
 BINS = 120  # of histograms
 SEED = 1  # of starts of orbits
 
@@ -82,7 +83,7 @@ def plot_long_run(
         )
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
     shown = _draw_attractors(found, map_, ax, steps)
-    shown |= _draw_crises(found.crises, map_, found.parameter, ax)
+    shown |= _draw_crises(found, map_, ax)
     inner = ax.dataLim.frozen()
     shown = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP]) | shown
     _window(ax, found, inner)
@@ -109,7 +110,7 @@ def plot_attractors(
     """
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
     shown = _draw_attractors(found, map_, ax, steps)
-    shown |= _draw_crises(found.crises, map_, found.parameter, ax)
+    shown |= _draw_crises(found, map_, ax)
     _window(ax, found, ax.dataLim.frozen())
     ax.set_xlabel(axis_label(str(found.parameter)))
     ax.set_ylabel(axis_label(str(map_.x)))
@@ -200,24 +201,24 @@ def _to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
     return [first, *values, last]
 
 
-def _draw_crises(
-    crises: Iterable[Crisis], map_: PiecewiseLinearMap, parameter: sympy.Symbol, ax: Axes
-) -> dict[str, Artist]:
+def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> dict[str, Artist]:
     """A line with a label at each crisis, and a marker at each point of the cycle that is met."""
     shown: dict[str, Artist] = {}
-    for crisis in crises:
+    low, high = float(found.cells[0].lower), float(found.cells[-1].upper)
+    for crisis in found.crises:
         at, style = float(crisis.parameter), DASHES[crisis.kind]
+        side = -1 if at - low > INSIDE * (high - low) else 1  # of the line: inside the axes
         line = ax.axvline(at, color=CRISIS, linewidth=0.7, linestyle=style, zorder=1.2)
         ax.annotate(
-            f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (2.0, -3.0),
+            f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (side * 2.0, -3.0),
             xycoords=("data", "axes fraction"), textcoords="offset points", fontsize=6.5,
-            rotation=90, ha="left", va="top", color=CRISIS, zorder=7,
+            rotation=90, ha="left" if side > 0 else "right", va="top", color=CRISIS, zorder=7,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
         )  # fmt: skip
         mark: Artist = line
         if crisis.kind in CRISES and crisis.cycles:
             points = map_.cycle(crisis.cycles[0]).points
-            x = [float(point.subs(parameter, sympy.Float(at))) for point in points]
+            x = [float(point.subs(found.parameter, sympy.Float(at))) for point in points]
             mark = ax.scatter(
                 [at] * len(x), x, s=40, marker=CRISES[crisis.kind], color=CRISIS, zorder=6,
                 edgecolors="white", linewidths=0.6,

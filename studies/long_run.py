@@ -58,6 +58,7 @@ STILL = 1e-13  # change of an eigenvector in one of them
 
 COUNT = 10  # random maps of each kind
 SEED = 20
+SHORTEST = 2e-5  # s; there was nothing to do
 ASKED: dict[str, Callable[[Dynamics], object]] = {  # in this order: each keeps what it has found
     "attractors": lambda seen: seen.attractors,
     "basins": lambda seen: [each.basin for each in seen.attractors],
@@ -128,6 +129,7 @@ def by_order(name: str, orders: tuple[int, ...]) -> list[Row]:
 def by_graph(name: str, orders: tuple[int, ...]) -> list[Row]:
     """Bounds of the entropy by the order of the graph of laps."""
     map_, values = MAPS[name]
+    _ = dynamics(map_, values, orders=orders[:1]).entropy  # what is loaded only then, is now
     rows = []
     for order in orders:
         seen = dynamics(map_, values, orders=(order,))
@@ -315,7 +317,7 @@ def draw_entropy(ax: Axes, entropy: Mapping[str, list[Row]], ulam: Mapping[str, 
             label = name if key == "width" else None
             ax.loglog(over, sizes, style, color=color, markersize=3.5, linewidth=1.0,
                       mfc=color if key == "width" else "white", label=label)  # fmt: skip
-            for row in shown:
+            for row in shown if key == "width" else (shown[0], shown[-1]):
                 number = row["order" if key == "width" else "bins"]
                 ax.annotate(f"{number:.0f}", (row["cpu"], row[key]), (2, 3), fontsize=5,
                             textcoords="offset points", color=color)  # fmt: skip
@@ -332,7 +334,9 @@ def draw_random(ax: Axes, taken: Mapping[str, list[Row]]) -> None:
     for number, (color, (kind, rows)) in enumerate(zip(COLORS, taken.items(), strict=False)):
         height = 0.2 * (number - 1.5)
         for k, name in enumerate(names):
-            times = [max(row[name], 1e-5) for row in rows]
+            times = [row[name] for row in rows]
+            if max(times) < SHORTEST:
+                continue
             label = kind if not k else None
             ax.plot(times, [k + height] * len(times), ".", color=color, markersize=3, label=label)
             ax.plot(statistics.median(times), k + height, "|", color=color, markersize=7)
