@@ -83,7 +83,8 @@ def analyse(
         more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
                        density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
-        write_figure(out / "diagram.png", _drawn(found))
+        write_figure(out / "diagram.png", _drawn(found, more))
+        found = more.added(found)
         write_results(found, out)
         written = more.write(out)
     except KeyboardInterrupt:
@@ -136,12 +137,13 @@ def _computed(
     return found, bool(interrupts)
 
 
-def _drawn(found: Any) -> Any:
-    """The picture of a diagram, drawn without a screen."""
+def _drawn(found: Diagram, more: LongRun) -> Any:
+    """The picture of a diagram, over its bands if these are known, drawn without a screen."""
     mpl.use("Agg")
     from pwmap.plot import plot_diagram
 
-    return plot_diagram(found).figure
+    ax = more.drawn(found) if more.found is not None else plot_diagram(found)
+    return ax.figure
 
 
 app.command("plane")(draw_plane)

@@ -6,10 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
 
+from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_figure, write_table
+from pwmap.longrun.bands import with_attractors
 from pwmap.longrun.crises import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -54,18 +57,28 @@ class LongRun:
             if all(each.density is None for each in seen.attractors):
                 raise ValueError(f"at {parameter} = {value} no chaotic attractor has a density")
 
+    def added(self, diagram: Diagram) -> Diagram:
+        """A diagram with the bands and crises that were found."""
+        return diagram if self.found is None else with_attractors(diagram, self.found)
+
+    def drawn(self, diagram: Diagram) -> Axes:
+        """A diagram over the attractors that were found."""
+        from pwmap.plot_longrun import plot_long_run
+
+        assert self.found is not None
+        return plot_long_run(diagram, self.found, self._map)
+
     def write(self, folder: Path) -> list[str]:
         """Write what was asked for into a folder, and name the files."""
         names = list[str]()
         mpl.use("Agg")
-        from pwmap.plot_longrun import plot_attractors, plot_density, plot_entropy
+        from pwmap.plot_longrun import plot_density, plot_entropy
 
         def keep(name: str, figure: Figure) -> None:
             write_figure(folder / name, figure)
             names.append(name)
 
         if self.found is not None:
-            keep("attractors.png", _figure(plot_attractors(self.found, self._map)))
             self._write_cells(folder / "attractors.csv")
             self._write_crises(folder / "crises.csv")
             names += ["attractors.csv", "crises.csv"]

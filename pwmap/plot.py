@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 import sympy
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from sympy import QQ
@@ -18,6 +19,7 @@ from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, FloatArray, Poin
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
+BAND = "#c6dbef"
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
     PointKind.PD: ("D", "#6a51a3"),
@@ -26,6 +28,9 @@ MARKERS = {
     PointKind.FF: ("*", "#cb181d"),
     PointKind.FALL: ("v", "#525252"),
     PointKind.EP: ("|", "#525252"),
+    PointKind.MC: ("^", "#cb181d"),
+    PointKind.XC: ("P", "#cb181d"),
+    PointKind.FC: ("X", "#cb181d"),
 }
 
 
@@ -53,34 +58,44 @@ def plot_diagram(
         Whether to mark where the word of a branch changes: there can be hundreds of places.
     """
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
+    shown = draw_branches(diagram, ax, kinds)
+    if words:
+        marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
+        shown["word change"] = marks
+    if legend:
+        ax.legend(
+            shown.values(), shown.keys(), fontsize=7, loc="best", frameon=True, framealpha=0.9
+        )
+    return ax
+
+
+def draw_branches(diagram: Diagram, ax: Axes, kinds: Iterable[PointKind]) -> dict[str, Artist]:
+    """Draw branches, special points of some kinds, names and labels; artists by their legend."""
     styles: dict[str, Line2D] = {}
+    shown: dict[str, Artist] = {}
+    for branch in diagram.branches:
+        if branch.kind is BranchKind.BAND:
+            ends = branch.columns["low"], branch.columns["high"]
+            area = ax.fill_between(branch.parameter, *ends, color=BAND, linewidth=0.0, zorder=0.5)
+            shown["bands"] = area
     for label, p, x in _curves(diagram):
         (line,) = ax.plot(p, x, solid_capstyle="round", **_STYLES[label])
         styles.setdefault(label, line)
-    handles = [styles[label] for label in _STYLES if label in styles]
-    labels = [label for label in _STYLES if label in styles]
+    shown |= {label: styles[label] for label in _STYLES if label in styles}
     for kind in kinds:
         points = [point for point in diagram.points if point.kind is kind]
         if points:
             marker, color = MARKERS.get(kind, (".", "#969696"))
-            handles.append(
-                ax.scatter(
-                    [point.parameter for point in points], [point.x for point in points],
-                    s=70 if marker == "*" else 26, marker=marker, zorder=5, color=color,
-                    edgecolors="white" if marker not in "|" else None, linewidths=0.6,
-                )  # type: ignore[arg-type]
+            shown[kind.label] = ax.scatter(
+                [point.parameter for point in points], [point.x for point in points],
+                s=70 if marker == "*" else 26, marker=marker, zorder=5, color=color,
+                edgecolors="white" if marker not in "|" else None, linewidths=0.6,
             )  # fmt: skip
-            labels.append(kind.label)
-    if words:
-        handles.append(ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD))  # type: ignore[arg-type]
-        labels.append("word change")
     _name_points(diagram, ax)
     ax.set_xlabel(axis_label(diagram.parameter_name))
     ax.set_ylabel(axis_label(diagram.x_name))
     ax.grid(alpha=0.25, linewidth=0.5)
-    if legend:
-        ax.legend(handles, labels, fontsize=7, loc="best", frameon=True, framealpha=0.9)
-    return ax
+    return shown
 
 
 _STYLES: dict[str, dict[str, Any]] = {
@@ -120,7 +135,7 @@ def _curves(diagram: Diagram) -> list[tuple[str, FloatArray, FloatArray]]:
     """
     curves: list[_Curve] = []
     for branch in diagram.branches:
-        parts = _stretches(branch)
+        parts = _stretches(branch) if branch.kind is not BranchKind.BAND else []
         for k, (label, stretch) in enumerate(parts):
             ends = (
                 branch.ends[0] if k == 0 else f"{branch.id}:{k}",

@@ -1,26 +1,29 @@
-"""Pictures of the long run: bands under a diagram, entropy over a parameter, densities."""
+"""Pictures of the long run: bands, kneading sequences, entropy over a parameter, densities."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import groupby
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import sympy
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Rectangle
 from sympy import QQ
 
 from pwmap.algebra.roots import simplest_between
-from pwmap.diagrams.diagram import FloatArray, PointKind
+from pwmap.diagrams.diagram import Diagram, FloatArray, PointKind
 from pwmap.longrun.crises import AttractorDiagram
-from pwmap.longrun.dynamics import Attractor, Dynamics, dynamics
+from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.plot import BAND, MARKERS, STABLE, axis_label, draw_branches
 
-BAND, CYCLE, STEP, POINTS, CRISIS = "#9ecae1", "#08306b", "#08306b", "#c6dbef", "#cb181d"
+STEP, POINTS, CRISIS = "#08306b", "#c6dbef", "#cb181d"
+LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
 DASHES: dict[PointKind, Any] = {
     PointKind.MC: "--",
     PointKind.XC: ":",
@@ -28,9 +31,65 @@ DASHES: dict[PointKind, Any] = {
     PointKind.BC: "-.",
     PointKind.PD: (0, (1, 3)),
 }
+CRISES = {PointKind.MC: "^", PointKind.XC: "P", PointKind.FC: "X"}  # markers
+EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
 STEPS = 12  # places in each cell at which bands are drawn, at least
+MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
+INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
 BINS = 120  # of histograms
 SEED = 1  # of starts of orbits
+
+
+# --- Over a parameter -----------------------------------------------------------------------------
+
+
+def plot_long_run(
+    diagram: Diagram,
+    found: AttractorDiagram,
+    map_: PiecewiseLinearMap,
+    ax: Axes | None = None,
+    *,
+    steps: int = 160,
+    legend: bool = True,
+) -> Axes:
+    """Draw branches and special points over the bands below them, with the crises of these.
+
+    A crisis is marked where it takes place: at the points of the repelling cycle that an image of a
+    break meets.
+
+    Parameters
+    ----------
+    diagram
+        Branches, as :func:`pwmap.bifurcation_diagram` finds them.
+    found
+        Attractors, over an interval of the same parameter.
+    map_
+        The map both are of.
+    ax
+        Axes to draw on; new ones by default.
+    steps
+        How many places the whole interval has; at each bands are computed exactly.
+    legend
+        Whether to explain what is drawn.
+
+    Raises
+    ------
+    ValueError
+        If the two are over different parameters.
+    """
+    if diagram.parameter_name != str(found.parameter):
+        raise ValueError(
+            f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
+        )
+    ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
+    shown = _draw_attractors(found, map_, ax, steps)
+    shown |= _draw_crises(found, map_, ax)
+    inner = ax.dataLim.frozen()
+    shown = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP]) | shown
+    _window(ax, found, inner)
+    if legend:
+        _legend_below(ax, shown)
+    return ax
 
 
 def plot_attractors(
@@ -50,9 +109,36 @@ def plot_attractors(
         How many places the whole interval has; each is computed exactly.
     """
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
+    shown = _draw_attractors(found, map_, ax, steps)
+    shown |= _draw_crises(found, map_, ax)
+    _window(ax, found, ax.dataLim.frozen())
+    ax.set_xlabel(axis_label(str(found.parameter)))
+    ax.set_ylabel(axis_label(str(map_.x)))
+    if shown:
+        _legend_below(ax, shown)
+    return ax
+
+
+def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
+    """The whole interval of the parameter, and in x what attracts, with a margin."""
+    ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
+    if np.isfinite(inner.height) and inner.height > 0:
+        margin = MARGIN * inner.height
+        ax.set_ylim(inner.y0 - margin, inner.y1 + margin)
+
+
+def _legend_below(ax: Axes, shown: dict[str, Artist]) -> None:
+    ax.legend(shown.values(), shown.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.13),
+              ncols=3, frameon=False, fontsize=7)  # fmt: skip
+
+
+def _draw_attractors(
+    found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes, steps: int
+) -> dict[str, Artist]:
+    """Bands and attracting cycles, from exact ones at places in each cell."""
     name = str(found.parameter)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
-    shown = dict[str, Patch | Line2D]()
+    shown: dict[str, Artist] = {}
     for cell in found.cells:
         low, high = float(cell.lower), float(cell.upper)
         places = np.linspace(low, high, max(STEPS, round(steps * (high - low) / whole)) + 2)[1:-1]
@@ -60,19 +146,7 @@ def plot_attractors(
         exact = [simplest_between(_rational(p - near), _rational(p + near)) for p in places]
         seen = [dynamics(map_, {name: QQ.to_sympy(p)}).attractors for p in exact]
         _areas(ax, [to_double(p) for p in exact], seen, (low, high), shown)
-    for crisis in found.crises:
-        style = DASHES[crisis.kind]
-        ax.axvline(float(crisis.parameter), color=CRISIS, linewidth=0.9, linestyle=style)
-        shown.setdefault(
-            crisis.kind.label, Line2D([], [], color=CRISIS, linewidth=0.9, linestyle=style)
-        )
-    ax.set_xlabel(name)
-    ax.set_ylabel("x")
-    ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
-    if shown:
-        ax.legend(shown.values(), shown.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.13),
-                  ncols=3, frameon=False, fontsize=8)  # fmt: skip
-    return ax
+    return shown
 
 
 def _rational(x: float) -> Any:
@@ -81,33 +155,159 @@ def _rational(x: float) -> Any:
 
 def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
-    cell: tuple[float, float], shown: dict[str, Patch | Line2D],
+    cell: tuple[float, float], shown: dict[str, Artist],
 ) -> None:  # fmt: skip
-    """Bands and cycles of one cell; to its ends they go on as straight lines."""
-    over = [cell[0], *places, cell[1]]
-    for number in range(max((len(each) for each in seen), default=0)):
-        rows = [each[number] for each in seen if number < len(each)]
-        counts = {(len(row.bands), len(row.points)) for row in rows}
-        if len(rows) < len(seen) or len(counts) > 1:
-            continue
-        for k in range(len(rows[0].bands)):
-            low = _to_ends(over, [float(row.bands[k].start) for row in rows])
-            high = _to_ends(over, [float(row.bands[k].end) for row in rows])
-            ax.fill_between(over, low, high, color=BAND, linewidth=0.0)
-            shown.setdefault("bands", Patch(color=BAND))
-        for k in range(len(rows[0].points)):
-            values = _to_ends(over, [sorted(map(float, row.points))[k] for row in rows])
-            (line,) = ax.plot(over, values, color=CYCLE, linewidth=1.0)
-            shown.setdefault("attracting cycle", line)
+    """What attracts in one cell; places between which its bands and points are as many are joined.
+
+    Long words are not told apart by cells, so that there may be several such groups.
+    """
+    first = 0
+    for _, group in groupby(seen, key=_shape):
+        rows = list(group)
+        last = first + len(rows) - 1
+        inner = places[first : last + 1]
+        low = 0.5 * (places[first - 1] + places[first]) if first else cell[0]
+        high = 0.5 * (places[last] + places[last + 1]) if last + 1 < len(places) else cell[1]
+        over = [low, *inner, high]
+        for attractors in zip(*rows, strict=True):
+            for bands in zip(*(each.bands for each in attractors), strict=True):
+                ends = ([float(band.start) for band in bands], [float(band.end) for band in bands])
+                below, above = (_to_ends(over, values) for values in ends)
+                area = ax.fill_between(over, below, above, color=BAND, linewidth=0.0, zorder=0.5)
+                shown.setdefault("bands", area)
+            for points in zip(*(sorted(map(float, p.points)) for p in attractors), strict=True):
+                if len(points) == 1:
+                    ax.plot(inner, points, ".", color=STABLE, markersize=1.5, zorder=1.5)
+                    continue
+                values = _to_ends(over, points)
+                (line,) = ax.plot(over, values, color=STABLE, linewidth=0.8, zorder=1.5)
+                shown.setdefault("attracting cycle", line)
+        first = last + 1
+
+
+def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int], ...]:
+    """How many bands and points attractors have."""
+    return tuple((len(each.bands), len(each.points)) for each in attractors)
 
 
 def _to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
     """Values at inner places, with those at both ends on straight lines through the nearest two."""
+    if len(values) == 1:
+        return [*values, *values, *values]
     first, last = (
         values[i] + (values[i] - values[j]) * (over[end] - over[m]) / (over[m] - over[n])
         for end, i, j, m, n in ((0, 0, 1, 1, 2), (-1, -1, -2, -2, -3))
     )
     return [first, *values, last]
+
+
+def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> dict[str, Artist]:
+    """A line with a label at each crisis, and a marker at each point of the cycle that is met."""
+    shown: dict[str, Artist] = {}
+    low, high = float(found.cells[0].lower), float(found.cells[-1].upper)
+    for crisis in found.crises:
+        at, style = float(crisis.parameter), DASHES[crisis.kind]
+        side = -1 if at - low > INSIDE * (high - low) else 1  # of the line: inside the axes
+        line = ax.axvline(at, color=CRISIS, linewidth=0.7, linestyle=style, zorder=1.2)
+        ax.annotate(
+            f"{crisis.kind} ${_written(crisis.parameter)}$", (at, 1.0), (side * 2.0, -3.0),
+            xycoords=("data", "axes fraction"), textcoords="offset points", fontsize=6.5,
+            rotation=90, ha="left" if side > 0 else "right", va="top", color=CRISIS, zorder=7,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
+        )  # fmt: skip
+        mark: Artist = line
+        if crisis.kind in CRISES and crisis.cycles:
+            points = map_.cycle(crisis.cycles[0]).points
+            x = [float(point.subs(found.parameter, sympy.Float(at))) for point in points]
+            mark = ax.scatter(
+                [at] * len(x), x, s=40, marker=CRISES[crisis.kind], color=CRISIS, zorder=6,
+                edgecolors="white", linewidths=0.6,
+            )  # fmt: skip
+        shown.setdefault(crisis.kind.label, mark)
+    return shown
+
+
+def _written(x: sympy.Expr) -> str:
+    """A number between dollar signs: as it is if that is short, else in decimals."""
+    if len(str(x)) > EXACT:
+        return f"{float(x):.5g}"
+    return str(x) if x.is_Rational else str(sympy.latex(x))
+
+
+# --- At one place ---------------------------------------------------------------------------------
+
+
+def plot_kneading(seen: Dynamics, ax: Axes | None = None, *, steps: int = 24) -> Axes:
+    """Draw the letters along the orbits of both sides of all breaks, with what becomes of these.
+
+    Each row is an orbit, each column a step. What comes again and again is framed, and paler where
+    it is repeated.
+
+    Parameters
+    ----------
+    seen
+        The long run of a map.
+    ax
+        Axes to draw on; new ones by default.
+    steps
+        How many steps are shown.
+
+    Raises
+    ------
+    ValueError
+        If the map has no break, or no step is to be shown.
+    """
+    if steps < 1:
+        raise ValueError(f"a kneading table needs at least one step, got {steps}")
+    rows = seen.kneading
+    if not rows:
+        raise ValueError("expected a map with breaks, this one has none")
+    if ax is None:
+        size = (2.6 + 0.24 * steps, 0.9 + 0.34 * len(rows))
+        ax = plt.figure(figsize=size, layout="constrained").gca()
+    letters = list(dict.fromkeys(branch.letter for branch in seen.line.branches))
+    colors = {letter: LETTERS[k % len(LETTERS)] for k, letter in enumerate(letters)}
+    for number, row in enumerate(rows):
+        _draw_row(ax, number, row, steps, colors)
+    ax.set_xlim(-0.1, steps + 0.1)
+    ax.set_ylim(len(rows) - 0.42, -0.58)
+    ax.set_yticks(range(len(rows)), [_side(row) for row in rows])
+    ax.set_xticks([k + 0.5 for k in range(0, steps, 4)], [str(k) for k in range(0, steps, 4)])
+    ax.set_xlabel("step")
+    ax.tick_params(length=0)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    return ax
+
+
+def _side(row: Kneading) -> str:
+    """A break with its side: 0^- is the limit from the left."""
+    return f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$"
+
+
+def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str, str]) -> None:
+    """One row of a kneading table."""
+    known, start = len(row.letters), len(row.letters) - row.repeating
+    for step in range(steps if row.repeating else min(steps, known)):
+        repeated = step >= known
+        letter = row.letters[start + (step - start) % row.repeating if repeated else step]
+        place = (step, number - 0.4)
+        face = colors[letter]
+        ax.add_patch(Rectangle(place, 1.0, 0.8, facecolor=face, edgecolor="white", linewidth=0.8,
+                               alpha=0.4 if repeated else 1.0))  # fmt: skip
+        ax.text(step + 0.5, number, letter, ha="center", va="center", fontsize=7,
+                color="#737373" if repeated else "black")  # fmt: skip
+    fate = row.fate
+    if row.repeating:
+        fate += f", period {row.repeating}"
+        if start < steps:
+            width = min(known, steps) - start
+            ax.add_patch(Rectangle((start, number - 0.4), width, 0.8, fill=False,
+                                   edgecolor="black", linewidth=1.1, zorder=3))  # fmt: skip
+    elif known < steps:
+        ax.text(known + 0.15, number, "…", ha="left", va="center", fontsize=8)
+    ax.annotate(fate, (1.0, number), (4.0, 0.0), xycoords=("axes fraction", "data"),
+                textcoords="offset points", va="center", fontsize=7.5)  # fmt: skip
 
 
 def plot_entropy(
@@ -134,15 +334,18 @@ def plot_entropy(
     places = [low + (high - low) * sympy.Rational(2 * k + 1, 2 * steps) for k in range(steps)]
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
     over = [float(p) for p in places]
-    ax.fill_between(over, [e.low for e in found], [e.high for e in found], color=POINTS,
-                    linewidth=0.0, label="between bounds")  # fmt: skip
-    ax.plot(over, [e.low for e in found], color=STEP, linewidth=0.9, label="bounds")
-    ax.plot(over, [e.high for e in found], color=STEP, linewidth=0.9)
+    lows, highs = [e.low for e in found], [e.high for e in found]
+    area = ax.fill_between(over, lows, highs, color=POINTS, linewidth=0.0)
+    (line,) = ax.plot(over, lows, color=STEP, linewidth=0.9)
+    ax.plot(over, highs, color=STEP, linewidth=0.9)
+    widest = max(high - low for low, high in zip(lows, highs, strict=True))
     ax.set_xlim(float(low), float(high))
     ax.set_ylim(bottom=0.0)
-    ax.set_xlabel(parameter)
+    ax.set_xlabel(axis_label(parameter))
+    ax.grid(alpha=0.25, linewidth=0.5)
     ax.set_ylabel("topological entropy")
-    ax.legend(frameon=False, fontsize=8)
+    label = f"between bounds, at most {widest:.1g} apart" if widest else "exact"
+    ax.legend([(area, line)], [label], frameon=False, fontsize=8)
     return ax
 
 
@@ -169,17 +372,21 @@ def plot_density(found: Dynamics, ax: Axes | None = None, *, points: int = 200_0
             "expected a map with a chaotic attractor, this one has none with a density"
         )
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 3.6), layout="constrained").gca()
-    for attractor, density in known:
+    for number, (attractor, density) in enumerate(known):
         ends = to_double(density.places[0]), to_double(density.places[-1])
-        label = f"orbits, {points} points"
+        label = "" if number else f"orbits, {points:,} points"
         sample = _orbits(found, attractor, points)
         ax.hist(sample, bins=BINS, range=ends, density=True, color=POINTS, label=label)
         heights = [to_double(v) if density.exact else float(v.mid) for v in density.values]
-        label = "density, exact" if density.exact else f"density, to {density.error:.0e}"
+        label = "density, exact"
+        if not density.exact:
+            label = f"density, error below {density.error:.0e}"
         ax.stairs(heights, [to_double(x) for x in density.places], color=STEP, linewidth=1.1,
                   baseline=None, label=label)  # fmt: skip
     ax.set_xlabel("x")
     ax.set_ylabel("density")
+    ax.grid(alpha=0.25, linewidth=0.5)
+    ax.set_axisbelow(True)
     ax.set_ylim(bottom=0.0)
     ax.legend(frameon=False, fontsize=8)
     return ax

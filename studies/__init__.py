@@ -40,4 +40,6 @@ and beside them:
     how fast and how exact a return is
 ``symbolic``, ``ground_types``
     how fast exact composition is, against sympy and with python-flint
+``long_run``, ``long_run_pictures``
+    what crises, entropy and densities of piecewise-linear maps cost, and the pictures of their page
 """

@@ -450,11 +450,34 @@ def machine(results: All) -> str:
     )
 
 
+def long_run(results: All) -> str:
+    """Entropy by bounds and by Ulam's method, and random maps."""
+    found = results["long_run"]
+    lines = []
+    for name, graphs in found["entropy"].items():
+        last, ulam = graphs[-1], found["ulam"][name][-1]
+        lines.append(
+            [name.replace("-", "−"), number(last["width"]), seconds(last["cpu"]), number(ulam["entropy"]),
+             number(ulam["density"]), seconds(ulam["cpu"])]
+        )  # fmt: skip
+    order, bins = last["order"], ulam["bins"]
+    header = ["map", f"bounds of order {order}: width", "CPU time", f"Ulam, {bins} bins: error", "of the density", "CPU time"]  # fmt: skip
+    kinds = ", ".join(
+        f"{kind}: {seconds(times['everything']['median'])} ({seconds(times['everything']['worst'])})"
+        for kind, times in found["random"].items()
+    )
+    return (
+        f"{rows(header, lines)}\n\n"
+        f"Attractors, basins, kneading sequences, densities, exponents and entropy of a random map at one "
+        f"place take, in the median (at most), {kinds}."
+    )
+
+
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
         main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
-        ground, machine,
+        ground, long_run, machine,
     )
 }  # fmt: skip
 

@@ -50,6 +50,8 @@ STUDIES = {  # the name of each study and of its results, and its module
     "fig12_local_model": "studies.figures.fig12_local_model",
     "order_three": "studies.order_three",
     "paper_numbers": "studies.paper_numbers",
+    "long_run": "studies.long_run",
+    "long_run_pictures": "studies.long_run_pictures",
     "map_grazing": "studies.maps.grazing",
     "map_bouncing": "studies.maps.bouncing",
     "map_boost": "studies.maps.boost",

@@ -34,12 +34,18 @@ class Kneading:
         The letters, those that come again and again in brackets; dots where it was not followed on.
     fate
         What becomes of the orbit, in words.
+    letters
+        The same letters one by one, each once.
+    repeating
+        How many of the last ones come again and again; 0 if none are known to.
     """
 
     x: sympy.Expr
     side: int
     word: str
     fate: str
+    letters: tuple[str, ...]
+    repeating: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,6 +237,8 @@ class Dynamics:
                 side=germ.side,
                 word=orbit.kneading(),
                 fate=orbit.fate.value,
+                letters=orbit.letters,
+                repeating=orbit.period if orbit.fate is Fate.FINITE else 0,
             )
             for germ, orbit in zip(self.line.germs, self._found.orbits, strict=True)
         )

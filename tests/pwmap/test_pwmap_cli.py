@@ -90,7 +90,7 @@ def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
         assert part in text
     lines = (tmp_path / "crises.csv").read_text().splitlines()
     assert lines[1].startswith("MC,1.4142135623730951,sqrt(2),2,1,R,")
-    for name in ("attractors.png", "density_2.png"):
+    for name in ("diagram.png", "density_2.png"):
         assert (tmp_path / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     assert (tmp_path / "attractors.csv").read_text().count("\n") == 5  # 2, 1 and 0 bands
 
