@@ -51,6 +51,8 @@ STUDIES = {  # the name of each study and of its results, and its module
     "order_three": "studies.order_three",
     "paper_numbers": "studies.paper_numbers",
     "long_run": "studies.long_run",
+    "cycles": "studies.cycles",
+    "parameter_plane": "studies.parameter_plane",
     "long_run_pictures": "studies.long_run_pictures",
     "map_grazing": "studies.maps.grazing",
     "map_bouncing": "studies.maps.bouncing",

@@ -11,14 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from math import prod
 from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
 
 from pwmap.longrun.fates import abs_
-from pwmap.longrun.line import Branch, Line, line_of
-from pwmap.longrun.numbers import Exact, exact_to_sympy, key
+from pwmap.longrun.line import Branch, Germ, Line, Owner, line_of
+from pwmap.longrun.numbers import Exact, exact_to_sympy, key, sign
 from pwmap.maps.budget import BUDGET, Budget, Progress, Report
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
@@ -36,7 +37,7 @@ class FoundCycle:
     start
         That point.
     slope
-        Its multiplier; None if it has a point that is a piece of its own.
+        Its multiplier; None if no points beside it follow its pieces.
     at_break
         Whether it has a point on a break: then it attracts as both sides of it do.
     """
@@ -68,7 +69,7 @@ class FoundCycle:
 
     @property
     def multiplier(self) -> sympy.Expr | None:
-        """The product of the slopes of its pieces; None if one of them is a point."""
+        """The product of the slopes of its pieces; None if no points beside it follow these."""
         return None if self.slope is None else exact_to_sympy(self.slope)
 
     @property
@@ -286,8 +287,22 @@ def _through_breaks(line: Line, order: int) -> Iterator[FoundCycle]:
             continue
         seen.add(key(least))
         first = points.index(least)
-        pieces = [line.piece(point) for point in points[first:] + points[:first]]
-        slope: Exact | None = QQ.one
-        for piece in pieces:
-            slope = None if slope is None or piece.slope is None else slope * piece.slope
-        yield FoundCycle(line, "".join(piece.letter for piece in pieces), least, slope, True)
+        points = points[first:] + points[:first]
+        pieces = [line.piece(point) for point in points]
+        sides = [side for side in (-1, 1) if _is_followed(line, points, pieces, side)]
+        slopes: list[Exact] = [piece.slope for piece in pieces]
+        slope = prod(slopes, start=QQ.one) if sides else None
+        if slope != 1:
+            yield FoundCycle(line, "".join(piece.letter for piece in pieces), least, slope, True)
+
+
+def _is_followed(line: Line, points: list[Exact], pieces: list[Owner], side: int) -> bool:
+    """Whether points close to a cycle through breaks, on one side of its first, follow its pieces.
+
+    If not on either side, it is a piece of an iterate for itself, and has no slope.
+    """
+    for x, piece in zip(points, pieces, strict=True):
+        if piece.slope is None or (side and line.letter(Germ(x, side)) != piece.letter):
+            return False
+        side *= sign(piece.slope)
+    return True
