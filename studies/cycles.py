@@ -27,7 +27,7 @@ THREE = PiecewiseLinearMap.from_sympy(
     "Piecewise((-3*x/2 - 2, x < -1), (a*x, x < 1), (-3*x/2 + 2, True))"
 )
 SCENES: dict[str, tuple[PiecewiseLinearMap, dict[str, str]]] = {
-    "rotation, slope 1/2": (ROTATION, {"s": "1/2", "d": "5/7"}),
+    "rotation, slope 1/2": (ROTATION, {"s": "1/2", "d": "3/5"}),
     "P1^L, slopes 1/4, -5/4": (P1L, {"a": "5/4", "b": "1/4", "r": "3"}),
     "tent map, a = 17/10": (TENT, {"a": "17/10"}),
     "three pieces, a = 3/2": (THREE, {"a": "3/2"}),
