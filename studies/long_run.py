@@ -6,6 +6,9 @@ Ulam's method is the usual one: an interval is cut into equal bins, and how much
 to which is a matrix. Its eigenvector stands for the density. If every image counts in full, and not
 by the inverse of the slope, its spectral radius stands for the growth of the laps. It says nothing
 of its error; here that is known, for ``pwmap`` has the exact value or bounds of it.
+
+The numbers that are kept were made with ``OPENBLAS_NUM_THREADS=1``: threads of numpy that wait for
+one another count as CPU time.
 """
 
 from __future__ import annotations

@@ -462,14 +462,14 @@ def long_run(results: All) -> str:
         )  # fmt: skip
     order, bins = last["order"], ulam["bins"]
     header = ["map", f"bounds of order {order}: width", "CPU time", f"Ulam, {bins} bins: error", "of the density", "CPU time"]  # fmt: skip
-    kinds = ", ".join(
+    kinds = "; ".join(
         f"{kind}: {seconds(times['everything']['median'])} ({seconds(times['everything']['worst'])})"
         for kind, times in found["random"].items()
     )
     return (
         f"{rows(header, lines)}\n\n"
         f"Attractors, basins, kneading sequences, densities, exponents and entropy of a random map at one "
-        f"place take, in the median (at most), {kinds}."
+        f"place take, in the median (and at most): {kinds}."
     )
 
 

@@ -8,7 +8,6 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs").glob("*.md"))
-SHORT = 100  # characters of a line, but for pictures
 
 
 @pytest.mark.slow

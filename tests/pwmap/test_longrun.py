@@ -263,6 +263,11 @@ def test_kneading_sequences_of_the_tent_map() -> None:
     found = dynamics(TENT, {"a": 2})
     assert [each.word for each in found.kneading] == ["LR(L)", "RR(L)"]
     assert {each.fate for each in found.kneading} == {"periodic after a while"}
+    assert [(each.letters, each.repeating) for each in found.kneading] == [
+        (("L", "R", "L"), 1), (("R", "R", "L"), 1),
+    ]  # fmt: skip
+    drawn = dynamics(PAPER, {"r": 3, "a": "5/4", "b": 0}).kneading[1]
+    assert (drawn.letters, drawn.repeating) == (("R",), 0)
 
 
 def test_algebraic_numbers_are_read() -> None:
