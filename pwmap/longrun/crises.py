@@ -379,14 +379,18 @@ class Study:
                         cuts.add(root)
                         met.setdefault(root, []).append((image, cycle))
         places = sorted(cuts)
-        seen = [self.seen(self.axis.between(a, b)) for a, b in pairwise(places)]
+        inner = [self._sampled(a, b) for a, b in pairwise(places)]
+        ends = self._beside(low, inner[0].place), self._beside(high, inner[-1].place)
         shown, crises = list[AttractorCell](), list[Crisis]()
         start: Real = low
-        last = seen[0]
-        for here, root in zip(seen[1:], places[1:-1], strict=True):
-            for change, before, after in self._changes(
-                last, here, _Change(root, root, tuple(met.get(root, ())))
-            ):
+        last = ends[0]
+        for here, root in zip((*inner, ends[1]), (None, *places[1:-1], None), strict=True):
+            changes = (
+                self._halved(last, here, HALVINGS)
+                if root is None
+                else self._changes(last, here, _Change(root, root, tuple(met.get(root, ()))))
+            )
+            for change, before, after in changes:
                 kind = self._kind(before, after, change)
                 if kind is None and before.shown == after.shown:
                     continue
@@ -397,6 +401,18 @@ class Study:
             last = here
         shown.append(self._cell(start, high, last))
         return tuple(shown), tuple(crises)
+
+    def _sampled(self, low: Real, high: Real) -> _Seen:
+        """What attracts at a simple place of an interval; at another one if it is open there.
+
+        The simplest places are just those at which cycles flip or collide.
+        """
+        third = (bounds(high)[0] - bounds(low)[1]) / 3
+        for part in ((low, high), (bounds(low)[1] + third, bounds(high)[0] - third)):
+            found = self.seen(simplest_between(*part))
+            if not found.found.open:
+                break
+        return found
 
     def _changes(
         self, left: _Seen, right: _Seen, known: _Change
