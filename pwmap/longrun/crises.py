@@ -11,7 +11,7 @@ to that order says why, the interval between them is halved until longer words d
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -57,7 +57,7 @@ LONGEST = (8, 16, 32, 64)  # orders of images of breaks that are compared where 
 PARTS = 16  # into which an interval is cut, whatever happens in it
 TRIED = 4  # halvings after which longer words are tried again
 MANY = 12  # places that they may name: more are looked at in a shorter interval
-BESIDE = 2**8  # part of a distance: so close to a place lies what is beside it
+BESIDE = (2**8, 2**5, 2**2)  # parts of a distance: so close to a place lies what is beside it
 HALVINGS = 24  # of an interval in which they do, at most
 PERIOD = 8  # of cycles that are compared there, at least
 SAME = 1e-4  # of their length: so little may bands differ that are the same, with other names
@@ -210,19 +210,21 @@ class _Seen:
         """How many bands each chaotic attractor has."""
         return tuple(sorted(map(len, self.found.bands)))
 
-    @property
-    def shown(self) -> tuple[object, ...]:
-        """What parts cells where no crisis does."""
-        return self.cycles, bool(self.found.open)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Change:
-    """A place at which what attracts changes, or an interval around it, and what meets there."""
+    """A place at which what attracts changes, or an interval around it, and what meets there.
+
+    Attributes
+    ----------
+    is_open
+        Whether it is not known in the interval what attracts: then there may be several changes.
+    """
 
     low: Real
     high: Real
     met: tuple[tuple[_Image, Word], ...] = ()
+    is_open: bool = False
 
     @property
     def place(self) -> Real:
@@ -379,27 +381,44 @@ class Study:
                         cuts.add(root)
                         met.setdefault(root, []).append((image, cycle))
         places = sorted(cuts)
-        inner = [self._sampled(a, b) for a, b in pairwise(places)]
-        ends = self._beside(low, inner[0].place), self._beside(high, inner[-1].place)
+        seen = [self._sampled(a, b) for a, b in pairwise(places)]
+        ends = self._beside(low, seen[0].place), self._beside(high, seen[-1].place)
+        row = [(ends[0], None), *zip(seen, (None, *places[1:-1]), strict=True), (ends[1], None)]
+        known = [number for number, (here, _) in enumerate(row) if not here.found.open]
+        if not known:
+            return (self._open_cell(low, high),), ()
+        first, last = (row[number][0] for number in (known[0], known[-1]))
         shown, crises = list[AttractorCell](), list[Crisis]()
-        start: Real = low
-        last = ends[0]
-        for here, root in zip((*inner, ends[1]), (None, *places[1:-1], None), strict=True):
+        start = low
+        if known[0] > 0:
+            shown.append(self._open_cell(low, first.place))
+            start = first.place
+        for one, other in pairwise(known):
+            left, (right, root) = row[one][0], row[other]
             changes = (
-                self._halved(last, here, HALVINGS)
-                if root is None
-                else self._changes(last, here, _Change(root, root, tuple(met.get(root, ()))))
+                self._changes(left, right, _Change(root, root, tuple(met.get(root, ()))))
+                if root is not None and other == one + 1
+                else self._halved(left, right, HALVINGS)
             )
             for change, before, after in changes:
-                kind = self._kind(before, after, change)
-                if kind is None and before.shown == after.shown:
+                kind = None if change.is_open else self._kind(before, after, change)
+                if kind is None and before.cycles == after.cycles and not change.is_open:
+                    continue
+                if change.is_open:
+                    shown += [
+                        self._cell(start, change.low, before),
+                        self._open_cell(change.low, change.high),
+                    ]
+                    start = change.high
                     continue
                 shown.append(self._cell(start, change.place, before))
                 start = change.place
                 if kind is not None:
                     crises.append(self._crisis(before, after, kind, change))
-            last = here
-        shown.append(self._cell(start, high, last))
+        if known[-1] == len(row) - 1:
+            shown.append(self._cell(start, high, last))
+        else:
+            shown += [self._cell(start, last.place, last), self._open_cell(last.place, high)]
         return tuple(shown), tuple(crises)
 
     def _sampled(self, low: Real, high: Real) -> _Seen:
@@ -407,8 +426,9 @@ class Study:
 
         The simplest places are just those at which cycles flip or collide.
         """
-        third = (bounds(high)[0] - bounds(low)[1]) / 3
-        for part in ((low, high), (bounds(low)[1] + third, bounds(high)[0] - third)):
+        first, last = bounds(low)[1], bounds(high)[0]
+        third = (last - first) / 3
+        for part in ((low, high), (low, first + third), (last - third, high)):
             found = self.seen(simplest_between(*part))
             if not found.found.open:
                 break
@@ -423,20 +443,24 @@ class Study:
         """
         if self._same(left, right):
             return
-        if bool(left.found.open) != bool(right.found.open):  # where that ends says nothing
-            yield known, left, right
-            return
         near = [self._beside(known.place, left.place), self._beside(known.place, right.place)]
+        if any(each.found.open for each in near):
+            yield from self._halved(left, right, HALVINGS)
+            return
         yield from self._halved(left, near[0], HALVINGS)
         if not self._same(*near):
             yield known, near[0], near[1]
         yield from self._halved(near[1], right, HALVINGS)
 
     def _beside(self, place: Real, other: Number) -> _Seen:
-        """What attracts right beside a place, on the side of another one."""
+        """What attracts right beside a place, on the side of another one; farther if it is open."""
         end = bounds(place)[0 if other < place else 1]
-        near = end + (other - end) * QQ(1, BESIDE)
-        return self.seen(simplest_between(*sorted((place, near))))
+        for part in BESIDE:
+            near = end + (other - end) * QQ(1, part)
+            found = self.seen(simplest_between(*sorted((place, near))))
+            if not found.found.open:
+                break
+        return found
 
     def _halved(
         self, left: _Seen, right: _Seen, times: int
@@ -449,9 +473,13 @@ class Study:
             yield from found
         elif times:
             third = (right.place - left.place) / 3
-            middle = self.seen(simplest_between(left.place + third, right.place - third))
-            yield from self._halved(left, middle, times - 1)
-            yield from self._halved(middle, right, times - 1)
+            middle = self._sampled(left.place + third, right.place - third)
+            if not middle.found.open:
+                yield from self._halved(left, middle, times - 1)
+                yield from self._halved(middle, right, times - 1)
+                return
+            found = self._ended(left, right) or self._located(left, right)
+            yield from found or [(_Change(left.place, right.place, is_open=True), left, right)]
         else:
             yield _Change(left.place, right.place), left, right
 
@@ -499,12 +527,7 @@ class Study:
             yield from self._meetings(low, high, seen.place, images, max(PERIOD, self.order), True)
 
     def _same(self, left: _Seen, right: _Seen) -> bool:
-        """Whether the same attracts at two places, up to which images are the outermost.
-
-        Where that is open at both it is not asked any further.
-        """
-        if left.found.open and right.found.open:
-            return True
+        """Whether the same attracts at two places, up to which images are the outermost."""
         if (left.counts, left.cycles) != (right.counts, right.cycles):
             return False
         return left.ends == right.ends or not left.counts or self._close(left, right)
@@ -638,7 +661,7 @@ class Study:
 
     def _kind(self, left: _Seen, right: _Seen, change: _Change) -> PointKind | None:
         """What happens to bands between two places; None if nothing does."""
-        if left.found.open or right.found.open or not (left.counts or right.counts):
+        if not left.counts and not right.counts:
             return None
         if not (left.counts and right.counts):
             return self._end(*((left, right) if left.counts else (right, left)), change)
@@ -696,6 +719,11 @@ class Study:
             width=width,
         )
 
+    def _open_cell(self, low: Real, high: Real) -> AttractorCell:
+        """A cell of which nothing is claimed."""
+        cell = self._cell(low, high, self._sampled(low, high))
+        return replace(cell, cycles=(), bands=(), is_open=True)
+
     def _cell(self, low: Real, high: Real, seen: _Seen) -> AttractorCell:
         value = self.orbits.value
         return AttractorCell(
@@ -711,7 +739,6 @@ class Study:
                 for bands in seen.ends
             ),
             line=seen.line,
-            is_open=bool(seen.found.open),
         )
 
 
