@@ -11,6 +11,13 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from pwmap.diagrams.graph import read_graph, write_graph
+from pwmap.longrun.constant import (
+    ConstantEntropy,
+    EntropyGap,
+    EntropyIntervals,
+    GapCause,
+    constant_entropy,
+)
 from pwmap.longrun.crises import (
     AttractorCell,
     AttractorDiagram,
@@ -59,14 +66,18 @@ __all__ = [
     "Budget",
     "BudgetError",
     "CentreKind",
+    "ConstantEntropy",
     "Crisis",
     "Cycle",
     "Density",
     "Diagram",
     "Dynamics",
     "Entropy",
+    "EntropyGap",
+    "EntropyIntervals",
     "FixedInterval",
     "FixedPoint",
+    "GapCause",
     "Jump",
     "JumpCrossing",
     "Kneading",
@@ -89,6 +100,7 @@ __all__ = [
     "WordFamily",
     "attractor_diagram",
     "bifurcation_diagram",
+    "constant_entropy",
     "dynamics",
     "farey",
     "meeting_curve",
