@@ -12,6 +12,13 @@ from pwmap.diagrams.diagram import (
 )
 from pwmap.diagrams.graph import read_graph, write_graph
 from pwmap.longrun.bands import with_attractors
+from pwmap.longrun.constant import (
+    ConstantEntropy,
+    EntropyGap,
+    EntropyIntervals,
+    GapCause,
+    constant_entropy,
+)
 from pwmap.longrun.crises import (
     AttractorCell,
     AttractorDiagram,
@@ -69,16 +76,20 @@ __all__ = [
     "CentreKind",
     "CodimensionTwo",
     "Colours",
+    "ConstantEntropy",
     "Crisis",
     "Cycle",
     "Density",
     "Diagram",
     "Dynamics",
     "Entropy",
+    "EntropyGap",
+    "EntropyIntervals",
     "FixedInterval",
     "FixedPoint",
     "FoundCycle",
     "FoundCycles",
+    "GapCause",
     "Jump",
     "JumpCrossing",
     "Kneading",
@@ -105,6 +116,7 @@ __all__ = [
     "WordFamily",
     "attractor_diagram",
     "bifurcation_diagram",
+    "constant_entropy",
     "cycles",
     "dynamics",
     "farey",

@@ -273,6 +273,38 @@ def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
     return _real_roots(tuple(c / dense[0] for c in dense))
 
 
+def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
+    """At most how many roots a polynomial has between two rationals, by Descartes' rule of signs.
+
+    The number is too large by an even one, or none.
+    """
+    (a, b), (c, d) = pair(low), pair(high)
+    unit = lcm(b, d)
+    start, length = a * (unit // b), c * (unit // d) - a * (unit // b)
+    rest, power = list(integers(polynomial)), 1
+    for k in range(len(rest)):  # in multiples of 1/unit
+        rest[k] *= power
+        power *= unit
+    rest = _shifted(rest, start)  # from the low end
+    power = 1
+    for k in reversed(range(len(rest))):  # in multiples of the length
+        rest[k] *= power
+        power *= length
+    signs = [
+        c > 0 for c in _shifted(rest[::-1], 1) if c
+    ]  # x/(1 + x) goes from one end to the other
+    return sum(one != other for one, other in pairwise(signs))
+
+
+def _shifted(polynomial: Sequence[int], x: int) -> list[int]:
+    """A polynomial of a variable that is counted from x."""
+    rest = list(polynomial)
+    for end in range(len(rest), 1, -1):
+        for k in range(1, end):
+            rest[k] += x * rest[k - 1]
+    return rest
+
+
 @cache
 def _real_roots(dense: Dense) -> tuple[Real, ...]:
     found: list[Real] = []
@@ -294,10 +326,15 @@ def sign_at(polynomial: Dense, x: Real) -> int:
     """Sign of a polynomial at a rational or algebraic number."""
     if isinstance(x, RealRoot):
         return x.sign_of(integers(polynomial))
+    return sign(value_at(polynomial, x))
+
+
+def value_at(polynomial: Dense, x: Number) -> Number:
+    """A polynomial at a rational number."""
     value = QQ.zero
     for coefficient in polynomial:
         value = value * x + coefficient
-    return sign(value)
+    return value
 
 
 def simplest_between(low: Real | None, high: Real | None) -> Number:

@@ -195,15 +195,19 @@ def entropy_of(line: Line, found: Attractors, orders: Sequence[int] = ORDERS) ->
         if laps.is_finite:
             growth = growth_of(laps.ways)
             if growth is not None:
-                low, high = (0.0, 0.0) if growth == 1 else log_bounds(_number(growth))
-                value = sympy.log(real_to_sympy(growth))
-                return Entropy(low=low, high=high, value=value, order=order)
+                return exact_entropy(growth, order)
         low = max(best.low, _log(spectral_bounds(laps.ways)[0])[0])
         high = min(best.high, _log(spectral_bounds(laps.whole)[1])[1])
         best = Entropy(low=low, high=high, value=None, order=order)
         if laps.is_finite or high - low <= WIDTH:
             break
     return best
+
+
+def exact_entropy(growth: Real, order: int) -> Entropy:
+    """The entropy of a map whose laps grow like the powers of a number, at least 1."""
+    low, high = (0.0, 0.0) if growth == 1 else log_bounds(_number(growth))
+    return Entropy(low=low, high=high, value=sympy.log(real_to_sympy(growth)), order=order)
 
 
 def _number(x: Real) -> Exact:

@@ -158,10 +158,10 @@ class Fates:
             here = self.line.image(here)
         if not abs_(slope) < 1:
             return None
-        return self._attracting(intercept / (1 - slope), period)
+        return self.attracting(intercept / (1 - slope), period)
 
-    def _attracting(self, x: Exact, period: int) -> AttractingCycle | None:
-        """The attracting cycle of a point; None if it is none, or a jump of it is in the way.
+    def attracting(self, x: Exact, period: int) -> AttractingCycle | None:
+        """The attracting cycle of a point; None if it has none, or a jump of it is in the way.
 
         What lies as close to a point as its reach follows its pieces: the first time round it stays
         within them, and then it is closer.

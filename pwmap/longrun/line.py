@@ -18,7 +18,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.exact import dense
-from pwmap.algebra.roots import RealRoot
+from pwmap.algebra.roots import Real, RealRoot, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
 from pwmap.longrun.numbers import Element, Exact, algebraic, sign
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -82,11 +82,13 @@ class Line:
         """Both sides of all breaks."""
         return tuple(Germ(x, side) for x in self.breaks for side in (-1, 1))
 
+    def number(self, germ: Germ) -> int:
+        """The number of the branch on the side of a germ; for a point within a branch of that."""
+        return (bisect_left if germ.side < 0 else bisect_right)(self.breaks, germ.x)
+
     def beside(self, germ: Germ) -> Branch:
         """The branch on the side of a germ; for a point within a branch that branch."""
-        if germ.side < 0:
-            return self.branches[bisect_left(self.breaks, germ.x)]
-        return self.branches[bisect_right(self.breaks, germ.x)]
+        return self.branches[self.number(germ)]
 
     def image(self, germ: Germ) -> Germ:
         """Where a germ maps to."""
@@ -215,7 +217,7 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
         raise ValueError(f"one parameter may have an algebraic value, got {', '.join(roots)}")
     if map_.order > 1:
         raise ValueError(f"an algebraic value needs the map itself, got an iterate of {map_.order}")
-    return _of_table(map_, next(iter(roots.values())))
+    return line_at(map_, next(iter(roots.values())))
 
 
 def _of_pieces(map_: PiecewiseLinearMap) -> Line:
@@ -252,8 +254,10 @@ def _of_pieces(map_: PiecewiseLinearMap) -> Line:
     return Line(tuple(branches), tuple(values), tuple(owners))
 
 
-def _of_table(map_: PiecewiseLinearMap, root: RealRoot) -> Line:
-    """A map with one parameter, at an algebraic value of it.
+def line_at(map_: PiecewiseLinearMap, place: Real) -> Line:
+    """A map of one parameter at a rational or algebraic value of it.
+
+    Its branches are those of the map's layout, one by one.
 
     Raises
     ------
@@ -262,13 +266,16 @@ def _of_table(map_: PiecewiseLinearMap, root: RealRoot) -> Line:
     """
     table, ring = map_.definition.table, map_.definition.ring
 
-    def element(polynomial: Any) -> Element:
-        return Element(root, root.reduced(dense(polynomial)))
+    def element(polynomial: Any) -> Exact:
+        coefficients = dense(polynomial)
+        if isinstance(place, RealRoot):
+            return Element(place, place.reduced(coefficients))
+        return value_at(coefficients, place)
 
     for constraint in map_.definition.region.constraints:
         found = sign(element(constraint.polynomial))
         if found < 0 or (constraint.strict and not found):
-            value = f"{ring.symbols[0]} = {root.to_sympy()}"
+            value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
             raise ValueError(f"{value} contradicts the assumption {constraint}")
     bottom = element(table.denominator)
     slopes, intercepts, breaks = (

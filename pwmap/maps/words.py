@@ -116,6 +116,15 @@ class CriticalOrbit(NamedTuple):
     l: int  # noqa: E741  the notation of the module
 
 
+class Return(NamedTuple):
+    """How far a critical orbit has moved since its first n letters: A_word(b_k) - A_start(b_k)."""
+
+    k: int
+    word: Word
+    n: int
+    name: str = "return"  # or it would be equal to a critical orbit: both are tuples
+
+
 class Slope(NamedTuple):
     """The slope of one letter."""
 
@@ -136,7 +145,7 @@ class Offset(NamedTuple):
     name: str = "offset"
 
 
-Decision = CriticalOrbit | Slope | Multiplier | Offset
+Decision = CriticalOrbit | Return | Slope | Multiplier | Offset
 
 
 class Mark(NamedTuple):
@@ -269,6 +278,8 @@ class Orbits:
             case CriticalOrbit(k, word, l):
                 b = self.table.breaks[l]
                 return self.orbit(k, word) - (b if self._plain else b * self.power(len(word)))
+            case Return(k, word, n, _):
+                return self.orbit(k, word) - self.orbit(k, word[:n]) * self.power(len(word) - n)
             case Slope(letter):
                 return self.table.slopes[letter]
             case Multiplier(word, unit):
@@ -309,6 +320,8 @@ class IntegerOrbits:
         match decision:
             case CriticalOrbit(k, word, l):
                 return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
+            case Return(k, word, n, _):
+                return self._orbit(k, word) - self._orbit(k, word[:n]) * self._power(len(word) - n)
             case Slope(letter):
                 return self._slopes[letter]
             case Multiplier(word, unit):

@@ -1,0 +1,458 @@
+"""Intervals of a parameter on which the topological entropy is constant, proved.
+
+At a rational sample the itineraries of all germs at breaks are followed until they are known to the
+end. What was decided on the way is the sign of finitely many polynomials in the parameter, and as
+long as these keep their signs the itineraries are the same, so that the graph of laps is, and its
+growth. The nearest roots on both sides of the sample are the ends of an interval of one entropy. An
+interval is swept with such samples, the widest gap first. Two intervals that touch are joined if
+their entropies agree, and at the number between them, where it is computed exactly, too.
+
+There is a second proof, for entropy zero: pieces none of which expands. N steps cut a short
+interval once at most, if it is short enough; as no image is longer, N steps at most double the
+number of laps but for a factor that grows like a power, for any N.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from functools import cache
+from heapq import heappop, heappush
+
+import sympy
+from sympy import QQ
+
+from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.exact import Number, dense
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    bounds,
+    most_roots,
+    real_roots,
+    real_to_sympy,
+    sign_at,
+    simplest_between,
+)
+from pwmap.algebra.terms import own_name
+from pwmap.longrun.entropies import Entropy, exact_entropy
+from pwmap.longrun.fates import AttractingCycle, Fates
+from pwmap.longrun.itineraries import Ending, Itinerary, drawn_to, growth_at, itinerary_of
+from pwmap.longrun.line import Line, line_at
+from pwmap.longrun.numbers import sign, to_double
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Return, Slope
+from pwmap.parameters.admitted import admitted_intervals
+from pwmap.parameters.axes import axis_of
+from pwmap.parameters.axis import Axis
+from pwmap.parameters.cells import checked_span
+
+STEPS = 64  # of an itinerary until it is known to the end
+SAMPLES = 200
+FINE = 4096  # part of a span: gaps shorter than that are left
+PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # of a gap around which samples are looked for, in turn
+NEAR = 12  # part of a gap: so close to these places
+DEGREE = 24  # of an algebraic number at which the entropy is computed, at most
+
+
+class GapCause(Enum):
+    """Why an interval is left out; the value says it in words."""
+
+    EXPANDS = "every piece expands, so that nothing attracts, and orbits of breaks go on"
+    OPEN = "orbits of breaks are not known to the end after as many steps"
+    NARROW = "it is narrower than the tolerance"
+    BUDGET = "as many samples as were allowed have been taken"
+    SPECIAL = "all samples tried are places at which orbits of breaks meet"
+    LARGE = "the graph of laps is too large"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConstantEntropy:
+    """An interval of a parameter on which the topological entropy is constant.
+
+    Attributes
+    ----------
+    lower, upper
+        Exact ends.
+    closed
+        Whether the entropy is known to be the same at the ends.
+    entropy
+        Exact, with doubles below and above.
+    samples
+        Rational values inside from which it was proved, from left to right.
+    cycles
+        Words of the attracting cycles at these samples, each once.
+    """
+
+    lower: sympy.Expr
+    upper: sympy.Expr
+    closed: tuple[bool, bool]
+    entropy: Entropy
+    samples: tuple[sympy.Rational, ...]
+    cycles: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EntropyGap:
+    """An interval of a parameter of which nothing was proved.
+
+    Attributes
+    ----------
+    lower, upper
+        Exact ends.
+    causes
+        Why, each once.
+    """
+
+    lower: sympy.Expr
+    upper: sympy.Expr
+    causes: tuple[GapCause, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EntropyIntervals:
+    """Where the topological entropy is known to be constant over an interval of a parameter.
+
+    Attributes
+    ----------
+    parameter
+        The symbol.
+    intervals
+        Apart, or touching with different entropies, from left to right.
+    gaps
+        What is between them, from left to right.
+    """
+
+    parameter: sympy.Symbol
+    intervals: tuple[ConstantEntropy, ...]
+    gaps: tuple[EntropyGap, ...]
+
+    @property
+    def share(self) -> float:
+        """The part of the whole that the intervals cover."""
+        covered, left = (
+            sum(float(each.upper - each.lower) for each in group)
+            for group in (self.intervals, self.gaps)
+        )
+        return covered / (covered + left)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Proved:
+    """An open interval with one entropy, and whether the same proof holds at its ends."""
+
+    low: Real
+    high: Real
+    closed: tuple[bool, bool]
+    growth: Real
+    sample: Number
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Left:
+    """An interval that is left out."""
+
+    low: Real
+    high: Real
+    causes: tuple[GapCause, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """The growth of laps at a place, and what was decided to know it.
+
+    Attributes
+    ----------
+    growth
+        A number, at least 1.
+    decisions
+        Wherever their polynomials have the signs that they have at the place, it is the same.
+    """
+
+    growth: Real
+    decisions: tuple[Decision, ...]
+
+
+def constant_entropy(
+    map_: PiecewiseLinearMap,
+    parameter: object,
+    span: tuple[object, object],
+    *,
+    tolerance: object = None,
+    samples: int = SAMPLES,
+    steps: int = STEPS,
+) -> EntropyIntervals:
+    """Intervals of a parameter on which the topological entropy is one algebraic number, proved.
+
+    Parameters
+    ----------
+    map_
+        A map whose other parameters have values.
+    parameter
+        Symbol or name.
+    span
+        Two rationals.
+    tolerance
+        A rational: narrower gaps are left. By default 1/4096 of the span.
+    samples
+        How many values are tried at most.
+    steps
+        How far orbits of breaks are followed.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters, or is an iterate, or the span is no interval, or a number
+        is not positive.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, constant_entropy
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
+    >>> for each in constant_entropy(skew, "b", (-6, -1), samples=20).intervals:
+    ...     print(each.lower, each.upper, each.entropy.value, *each.cycles)
+    -4 -3 log(1/2 + sqrt(5)/2) LLR
+    -2 -1 0 LR
+    """
+    name = str(own_name(parameter, map_.parameters))
+    names = [str(symbol) for symbol in map_.parameters]
+    if names != [name]:
+        raise ValueError(f"expected a map of {name} alone, this one has {names or 'no parameters'}")
+    if map_.order > 1:
+        raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
+    low, high = checked_span(span)
+    least = (high - low) / FINE if tolerance is None else rational(tolerance)
+    if not least > 0:
+        raise ValueError(f"a tolerance must be positive, got {tolerance}")
+    axis = axis_of(map_.definition, name, {})
+    admitted_intervals(axis, (low, high))
+    study = _Study(map_, axis, checked_order(steps))
+    proved, left = _swept(study, low, high, least, checked_order(samples))
+    return EntropyIntervals(
+        parameter=map_.parameters[0],
+        intervals=tuple(_joined(study, proved)),
+        gaps=tuple(
+            EntropyGap(
+                lower=real_to_sympy(each.low), upper=real_to_sympy(each.high), causes=each.causes
+            )
+            for each in left
+        ),
+    )
+
+
+class _Study:
+    """A map over one parameter, with the proofs that are found at places of it."""
+
+    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, steps: int) -> None:
+        self.map, self.axis, self.steps = map_, axis, steps
+        self.layout = map_.definition.table.layouts[map_.chain[0]]
+        self.letters = self.layout.slots[::2]
+
+    def line(self, place: Real) -> Line:
+        """The map at a place."""
+        return line_at(self.map, place)
+
+    def proof(self, line: Line) -> Proof | GapCause:
+        """What is known of the growth of laps of the map at a place."""
+        if all(-1 <= branch.slope <= 1 for branch in line.branches):
+            units = [Multiplier((k,), unit) for k in set(self.letters) for unit in (1, -1)]
+            return Proof(QQ.one, tuple(units))
+        itineraries = list[Itinerary]()
+        for germ in line.germs:
+            itineraries.append(itinerary_of(line, germ, self.steps))
+            if itineraries[-1].ending is Ending.OPEN:
+                expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
+                return GapCause.EXPANDS if expands else GapCause.OPEN
+        growth = growth_at(line, itineraries)
+        if growth is None:
+            return GapCause.LARGE
+        decided: dict[Decision, None] = {Slope(k): None for k in self.letters}
+        for number, itinerary in enumerate(itineraries):
+            decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
+        return Proof(growth, tuple(decided))
+
+    def decisions(self, line: Line, number: int, itinerary: Itinerary) -> Iterator[Decision]:
+        """What says that a germ at a break has an itinerary.
+
+        Signs of slopes go without saying; they say on which side of an image points lie.
+        """
+        k = self.layout.breaks[number]
+        word = tuple(self.letters[i] for i in itinerary.pieces)
+        for n, piece in enumerate(itinerary.pieces):
+            for other in self.around(piece) if n else ():
+                yield CriticalOrbit(k, word[:n], other)
+        again = word[itinerary.start :]
+        match itinerary.ending:
+            case Ending.PERIODIC | Ending.OUTWARD:
+                yield Return(k, word, itinerary.start)
+            case Ending.DRAWN if self.slope(line, itinerary) < 0:
+                yield Multiplier(tuple(sorted(again)), -1)
+            case Ending.DRAWN:
+                yield Multiplier(tuple(sorted(again)), 1)
+                for n, piece in enumerate(itinerary.word):
+                    turned = again[n:] + again[:n]
+                    yield from (CriticalOrbit(b, turned, b) for b in self.around(piece))
+
+    def around(self, piece: int) -> tuple[int, ...]:
+        """The breaks at the ends of a piece."""
+        return self.layout.breaks[max(0, piece - 1) : piece + 1]
+
+    @staticmethod
+    def slope(line: Line, itinerary: Itinerary) -> int:
+        """The sign of the slope of the word that comes again and again."""
+        found = 1
+        for k in itinerary.word:
+            found *= sign(line.branches[k].slope)
+        return found
+
+    def polynomials(self, proof: Proof) -> list[Dense]:
+        """The polynomials of a proof that are not zero everywhere, simple ones first."""
+        every = (self.axis.orbits.polynomial(decision) for decision in proof.decisions)
+        return sorted(dict.fromkeys(dense(each) for each in every if each), key=len)
+
+    @cache  # noqa: B019  as long as the study lives
+    def growth(self, place: Real) -> Real | None:
+        """The growth of laps at one place; None if it is not known."""
+        if isinstance(place, RealRoot) and len(place.polynomial) > DEGREE + 1:
+            return None
+        found = self.proof(self.line(place))
+        return found.growth if isinstance(found, Proof) else None
+
+    def proved(self, low: Real, high: Real, sample: Number) -> _Proved | GapCause:
+        """The largest interval between two places in which a proof at a sample holds."""
+        proof = self.proof(self.line(sample))
+        if isinstance(proof, GapCause):
+            return proof
+        polynomials = self.polynomials(proof)
+        if any(not sign_at(each, sample) for each in polynomials):
+            return GapCause.SPECIAL
+        for each in polynomials:
+            if not most_roots(each, bounds(low)[0], bounds(high)[1]):
+                continue
+            for root in real_roots(each):
+                if low < root < sample:
+                    low = root
+                elif sample < root < high:
+                    high = root
+
+        def holds(end: Real) -> bool:
+            return all(sign_at(each, end) for each in polynomials)
+
+        return _Proved(low, high, (holds(low), holds(high)), proof.growth, sample)
+
+    def cycles(self, sample: Number) -> list[str]:
+        """Words of the attracting cycles at a sample, to which orbits of breaks come."""
+        line = self.line(sample)
+        fates = Fates(line, self.steps)
+        found = list[AttractingCycle | None]()
+        for germ in line.germs:
+            itinerary = itinerary_of(line, germ, self.steps)
+            if itinerary.ending is Ending.DRAWN:
+                x = drawn_to(line, itinerary.word)
+                found.append(fates.attracting(x, len(itinerary.word)))
+            elif itinerary.ending is Ending.FLAT:
+                found.append(fates.orbit(germ).cycle)
+                found += fates.cycles
+        known = {cycle.points: cycle.word for cycle in found if cycle is not None}
+        return [known[points] for points in sorted(known)]
+
+
+def _swept(
+    study: _Study, low: Number, high: Number, least: Number, samples: int
+) -> tuple[list[_Proved], list[_Left]]:
+    """Proofs at samples in the widest gaps, and what is left, each from left to right."""
+    proved, left = list[_Proved](), list[_Left]()
+    gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
+    taken = 0
+
+    def keep(a: Real, b: Real, causes: tuple[GapCause, ...] = ()) -> None:
+        width = _width(a, b)
+        if width > least:
+            heappush(gaps, (-to_double(width), len(gaps) + 1000 * taken, a, b, causes))
+        elif a != b:
+            left.append(_Left(a, b, causes or (GapCause.NARROW,)))
+
+    keep(low, high)
+    while gaps:
+        _, _, a, b, causes = heappop(gaps)
+        found: _Proved | GapCause = GapCause.BUDGET
+        for part in PARTS:
+            if taken >= samples:
+                break
+            taken += 1
+            sample = _near(a, b, part)
+            found = study.proved(a, b, sample)
+            if found is not GapCause.SPECIAL:
+                break
+        if isinstance(found, _Proved):
+            proved.append(found)
+            keep(a, found.low)
+            keep(found.high, b)
+        elif found in (GapCause.BUDGET, GapCause.SPECIAL):
+            left.append(_Left(a, b, causes or (found,)))
+        else:
+            keep(a, sample, (found,))
+            keep(sample, b, (found,))
+    proved.sort(key=lambda each: each.sample)
+    return proved, _contiguous(left)
+
+
+def _width(low: Real, high: Real) -> Number:
+    """How far two places are apart, at most."""
+    return bounds(high)[1] - bounds(low)[0]
+
+
+def _near(low: Real, high: Real, part: tuple[int, int]) -> Number:
+    """The simplest rational near a place between two others."""
+    a, b = bounds(low)[1], bounds(high)[0]
+    middle, off = a + (b - a) * QQ(*part), (b - a) / NEAR
+    return simplest_between(middle - off, middle + off)
+
+
+def _contiguous(left: Sequence[_Left]) -> list[_Left]:
+    """What is left, with parts that touch joined."""
+    found = list[_Left]()
+    for each in sorted(left, key=lambda each: each.low):
+        if found and found[-1].high == each.low:
+            causes = tuple(dict.fromkeys((*found[-1].causes, *each.causes)))
+            found[-1] = _Left(found[-1].low, each.high, causes)
+        else:
+            found.append(each)
+    return found
+
+
+def _joined(study: _Study, proved: Sequence[_Proved]) -> Iterator[ConstantEntropy]:
+    """Intervals as long as they have one entropy."""
+    run = list[_Proved]()
+    for each in proved:
+        if run and not _goes_on(study, run[-1], each):
+            yield _interval(study, run)
+            run = []
+        run.append(each)
+    if run:
+        yield _interval(study, run)
+
+
+def _goes_on(study: _Study, one: _Proved, other: _Proved) -> bool:
+    """Whether two intervals, and the place between them, have one entropy."""
+    if one.high != other.low or one.growth != other.growth:
+        return False
+    return one.closed[1] or other.closed[0] or study.growth(one.high) == one.growth
+
+
+def _interval(study: _Study, run: Sequence[_Proved]) -> ConstantEntropy:
+    first, last = run[0], run[-1]
+    words = dict.fromkeys(word for each in run for word in study.cycles(each.sample))
+    return ConstantEntropy(
+        lower=real_to_sympy(first.low),
+        upper=real_to_sympy(last.high),
+        closed=(
+            first.closed[0] or study.growth(first.low) == first.growth,
+            last.closed[1] or study.growth(last.high) == last.growth,
+        ),
+        entropy=exact_entropy(first.growth, study.steps),
+        samples=tuple(QQ.to_sympy(each.sample) for each in run),
+        cycles=tuple(words),
+    )

@@ -1,0 +1,218 @@
+"""Itineraries of germs that are known to the end, and the growth of laps that follows from them.
+
+Where an orbit goes on for ever can often be said after finitely many steps: it has come back, or it
+follows a word that draws it in, or it moves outward on outer pieces. Then its letters are known for
+all times, and if those of all germs at breaks are, so is the graph of laps: an end of a node is
+named by a germ and a number of steps, the image of a node is cut at the breaks between the letters
+of the images of its ends, and nothing else is asked for. Points are not compared with each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from sympy import QQ
+
+from pwmap.algebra.roots import Real
+from pwmap.longrun.entropies import growth_of
+from pwmap.longrun.line import Germ, Line
+from pwmap.longrun.numbers import Exact, sign
+
+
+class Ending(Enum):
+    """Why the letters of an orbit are known from some step on; the value says it in words."""
+
+    PERIODIC = "it comes back"
+    DRAWN = "it follows a word that draws it in"
+    OUTWARD = "it moves outward on outer pieces"
+    FLAT = "it comes to a flat piece, where laps end"
+    OPEN = "not known"
+
+
+@dataclass(frozen=True, slots=True)
+class Itinerary:
+    """The pieces that a germ visits.
+
+    Attributes
+    ----------
+    pieces
+        Their numbers from the left. Those from ``start`` on come again and again.
+    start
+        After so many steps.
+    ending
+        Why.
+    """
+
+    pieces: tuple[int, ...]
+    start: int
+    ending: Ending
+
+    @property
+    def word(self) -> tuple[int, ...]:
+        """What comes again and again."""
+        return self.pieces[self.start :]
+
+    def after(self, step: int) -> int:
+        """The step that is followed by the same letters as the next one."""
+        return step + 1 if step + 1 < len(self.pieces) else self.start
+
+
+def itinerary_of(line: Line, germ: Germ, steps: int) -> Itinerary:
+    """The itinerary of a germ, up to the first step after which it is known to the end.
+
+    Parameters
+    ----------
+    line, germ
+        A map, and what is followed.
+    steps
+        How far at most.
+    """
+    seen, pieces, places = dict[Germ, int](), list[int](), list[Exact]()
+    for step in range(steps):
+        if germ in seen:
+            return Itinerary(tuple(pieces), seen[germ], Ending.PERIODIC)
+        seen[germ] = step
+        pieces.append(line.number(germ))
+        places.append(germ.x)
+        if not line.branches[pieces[-1]].slope:
+            return Itinerary(tuple(pieces), step, Ending.FLAT)
+        germ = line.image(germ)
+        start = _drawn_from(line, pieces)
+        if start is not None:
+            return Itinerary(tuple(pieces), start, Ending.DRAWN)
+        start = _outward_from(line, pieces, [*places[-2:], germ.x])
+        if start is not None:
+            return Itinerary(tuple(pieces), start, Ending.OUTWARD)
+    return Itinerary(tuple(pieces), 0, Ending.OPEN)
+
+
+def _drawn_from(line: Line, pieces: Sequence[int]) -> int | None:
+    """The step from which on the last letters are a word that draws in what follows it; or None.
+
+    A word w of slope s, 0 < s < 1, takes an orbit that has followed it once closer to its fixed
+    point on the same side. If the fixed point follows w too, in the closures of pieces, then all
+    between them does, and so does the orbit for ever. If -1 < s < 0 an orbit that has followed w
+    twice has its first point and that after w on two sides of the fixed point, and what lies
+    between them is taken into itself.
+    """
+    slope, intercept = QQ.one, QQ.zero
+    for start in range(len(pieces) - 1, -1, -1):
+        branch = line.branches[pieces[start]]
+        slope, intercept = branch.slope * slope, slope * branch.intercept + intercept
+        word = pieces[start:]
+        if 0 < slope < 1 and _follows(line, intercept / (1 - slope), word):
+            return start
+        before = start - len(word)
+        if -1 < slope < 0 and before >= 0 and pieces[before:start] == word:
+            return start
+    return None
+
+
+def drawn_to(line: Line, word: Sequence[int]) -> Exact:
+    """The fixed point of a word that draws in."""
+    slope, intercept = QQ.one, QQ.zero
+    for k in word:
+        branch = line.branches[k]
+        slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
+    return intercept / (1 - slope)
+
+
+def _follows(line: Line, x: Exact, word: Sequence[int]) -> bool:
+    """Whether a point follows a word in the closures of its pieces."""
+    for k in word:
+        branch = line.branches[k]
+        if (branch.lower is not None and x < branch.lower) or (
+            branch.upper is not None and x > branch.upper
+        ):
+            return False
+        x = branch(x)
+    return True
+
+
+def _outward_from(line: Line, pieces: Sequence[int], places: Sequence[Exact]) -> int | None:
+    """The step from which on an orbit moves outward, and goes on like that; None if it does not.
+
+    Either within one outer piece that rises, or round two that fall: a word of a positive slope
+    moves a point always the same way.
+    """
+    first, last = 0, len(line.branches) - 1
+    for word in ((first,), (last,), (first, last), (last, first)):
+        if tuple(pieces[-len(word) :]) != word:
+            continue
+        falls = [line.branches[k].slope < 0 for k in word]
+        way = sign(places[-1] - places[-1 - len(word)])
+        if all(falls) == any(falls) == (len(word) == 2) and way == (1 if word[0] == last else -1):
+            return len(pieces) - len(word)
+    return None
+
+
+def growth_at(line: Line, itineraries: Sequence[Itinerary]) -> Real | None:
+    """How laps grow: the spectral radius of the graph that itineraries make, at least 1.
+
+    Parameters
+    ----------
+    line
+        The map, of which only the signs of slopes are looked at.
+    itineraries
+        Of all its germs, in its order, and all known to the end.
+
+    Returns
+    -------
+    Real or None
+        None if the graph is too large.
+    """
+    return growth_of(_merged(_ways(line, itineraries)))
+
+
+End = tuple[int, int] | None  # of a node: the number of a germ and a step of it; None is infinite
+_Node = tuple[int, End, End]  # the number of a piece, and both ends of a part of it
+
+
+def _ways(line: Line, itineraries: Sequence[Itinerary]) -> list[list[int]]:
+    """The graph of laps."""
+    slopes = [sign(branch.slope) for branch in line.branches]
+    last = len(slopes) - 1
+
+    def image(end: End) -> End:
+        """An end one step later; what is infinite stays so, on the side that its place says."""
+        return None if end is None else (end[0], itineraries[end[0]].after(end[1]))
+
+    def cut(low: End, high: End) -> Iterator[_Node]:
+        """Parts between two ends: germ 2 k is the left side of break k, germ 2 k + 1 the right."""
+        i = 0 if low is None else itineraries[low[0]].pieces[low[1]]
+        j = last if high is None else itineraries[high[0]].pieces[high[1]]
+        for k in range(i, j + 1):
+            yield k, low if k == i else (2 * k - 1, 0), high if k == j else (2 * k, 0)
+
+    nodes: dict[_Node, int] = {node: k for k, node in enumerate(cut(None, None))}
+    ways, waiting = list[list[int]](), list(nodes)
+    for node in waiting:
+        k, low, high = node
+        ends = [image(end) for end in (low, high)][:: slopes[k] or 1]
+        onward = list(cut(*ends)) if slopes[k] else []
+        for other in onward:
+            if other not in nodes:
+                nodes[other] = len(nodes)
+                waiting.append(other)
+        ways.append([nodes[other] for other in onward])
+    return ways
+
+
+def _merged(ways: Sequence[Sequence[int]]) -> list[list[int]]:
+    """A smaller graph with as many paths: nodes from which as many lead on, always, are one."""
+    kinds = [0] * len(ways)
+    while True:
+        names = dict[tuple[int, ...], int]()
+        finer = [
+            names.setdefault(tuple(sorted(kinds[other] for other in others)), len(names))
+            for others in ways
+        ]
+        if len(names) == len(set(kinds)):
+            break
+        kinds = finer
+    found = dict[int, list[int]]()
+    for kind, others in zip(finer, ways, strict=True):
+        found.setdefault(kind, sorted(finer[other] for other in others))
+    return [found[kind] for kind in range(len(found))]
