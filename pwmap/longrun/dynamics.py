@@ -38,6 +38,10 @@ class Kneading:
         The same letters one by one, each once.
     repeating
         How many of the last ones come again and again; 0 if none are known to.
+    minmax
+        Min-max symbols of the images [Amigo2012]: M where an iterate has a local maximum at the
+        limit, m for a minimum, 0 where it is constant, each with the letter of where it lies;
+        brackets and dots as in ``word``.
     """
 
     x: sympy.Expr
@@ -46,6 +50,7 @@ class Kneading:
     fate: str
     letters: tuple[str, ...]
     repeating: int
+    minmax: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,6 +244,7 @@ class Dynamics:
                 fate=orbit.fate.value,
                 letters=orbit.letters,
                 repeating=orbit.period if orbit.fate is Fate.FINITE else 0,
+                minmax=orbit.minmax(),
             )
             for germ, orbit in zip(self.line.germs, self._found.orbits, strict=True)
         )

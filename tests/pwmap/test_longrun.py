@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from sympy import Interval, Rational, log, sqrt
+from sympy import QQ, Interval, Rational, log, sqrt
 
 from pwmap import Attractor, PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import pair
@@ -305,3 +305,29 @@ def test_a_cycle_through_a_break_is_open() -> None:
     flat = "Piecewise((3*x/4 - 1/3, x <= -3), (16/3, x <= -1), (-x/8 - 1/3, True))"
     found = dynamics(PiecewiseLinearMap.from_sympy(flat))
     assert found.open
+
+
+# --- Min-max symbols ------------------------------------------------------------------------------
+
+
+def test_min_max_symbols_of_the_golden_mean() -> None:
+    """The break goes to a/2, a maximum, then to a minimum on the left, and to itself from above,
+    whose right side is that of the letter R."""
+    left, right = dynamics(TENT, {"a": (1 + sqrt(5)) / 2}).kneading
+    assert (left.word, right.word) == ("L(RLR)", "(RRL)")
+    assert left.minmax == right.minmax == "(M^R m^L m^R)"
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_min_max_symbols_are_those_of_iterates_beside_the_break(side: int) -> None:
+    """Points at a distance of 2^-60 from a break with a jump, followed exactly for 9 steps."""
+    map_ = PiecewiseLinearMap([("1 - 7*x/5", "x < 0"), ("-9/10 + 6*x/5", "x >= 0")])
+    seen = dynamics(map_)
+    kneading = next(each for each in seen.kneading if each.side == side)
+    found = kneading.minmax.replace("(", "").replace(")", "").split()
+    line = seen.line
+    germ = line.germs[0 if side < 0 else 1]
+    x = germ.x + side * QQ(1, 2**60)
+    for symbol in found[:9]:
+        germ, x = line.image(germ), line(x)
+        assert symbol == f"{'M' if x < germ.x else 'm'}^{map_.word_of(QQ.to_sympy(x))}"
