@@ -15,6 +15,7 @@ from sympy import QQ
 
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.diagram import FloatArray, PointKind
+from pwmap.longrun.constant import EntropyIntervals, constant_entropy
 from pwmap.longrun.crises import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, dynamics
 from pwmap.longrun.numbers import to_double
@@ -113,8 +114,11 @@ def _to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
 def plot_entropy(
     map_: PiecewiseLinearMap, parameter: str, span: tuple[object, object], ax: Axes | None = None,
     *, steps: int = 120, orders: tuple[int, ...] = (12, 24),
+    intervals: EntropyIntervals | None = None,
 ) -> Axes:  # fmt: skip
     """Draw the topological entropy over a parameter, as the area between its bounds.
+
+    Where it is known to be constant it is drawn as a thick horizontal piece.
 
     Parameters
     ----------
@@ -128,6 +132,8 @@ def plot_entropy(
         How many rational values.
     orders
         Up to which the graph of laps is made.
+    intervals
+        What :func:`pwmap.constant_entropy` found; by default it is asked.
     """
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 3.6), layout="constrained").gca()
     low, high = (sympy.Rational(str(end)) for end in span)
@@ -138,6 +144,12 @@ def plot_entropy(
                     linewidth=0.0, label="between bounds")  # fmt: skip
     ax.plot(over, [e.low for e in found], color=STEP, linewidth=0.9, label="bounds")
     ax.plot(over, [e.high for e in found], color=STEP, linewidth=0.9)
+    known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
+    if known.intervals:
+        ax.hlines([each.entropy.high for each in known.intervals],
+                  [float(each.lower) for each in known.intervals],
+                  [float(each.upper) for each in known.intervals],
+                  color=CRISIS, linewidth=3.0, label="constant, proved")  # fmt: skip
     ax.set_xlim(float(low), float(high))
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel(parameter)

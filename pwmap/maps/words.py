@@ -122,6 +122,7 @@ class Return(NamedTuple):
     k: int
     word: Word
     n: int
+    name: str = "return"  # or it would be equal to a critical orbit: both are tuples
 
 
 class Slope(NamedTuple):
@@ -277,7 +278,7 @@ class Orbits:
             case CriticalOrbit(k, word, l):
                 b = self.table.breaks[l]
                 return self.orbit(k, word) - (b if self._plain else b * self.power(len(word)))
-            case Return(k, word, n):
+            case Return(k, word, n, _):
                 return self.orbit(k, word) - self.orbit(k, word[:n]) * self.power(len(word) - n)
             case Slope(letter):
                 return self.table.slopes[letter]
@@ -319,7 +320,7 @@ class IntegerOrbits:
         match decision:
             case CriticalOrbit(k, word, l):
                 return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
-            case Return(k, word, n):
+            case Return(k, word, n, _):
                 return self._orbit(k, word) - self._orbit(k, word[:n]) * self._power(len(word) - n)
             case Slope(letter):
                 return self._slopes[letter]
