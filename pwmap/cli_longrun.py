@@ -13,6 +13,7 @@ from rich.table import Table
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_figure, write_table
 from pwmap.longrun.bands import with_attractors
+from pwmap.longrun.constant import EntropyIntervals, constant_entropy
 from pwmap.longrun.crises import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -51,7 +52,9 @@ class LongRun:
         self.found: AttractorDiagram | None = None
         if attractors and span is not None:
             self.found = attractor_diagram(map_, parameter, span, min(order, HIGHEST))
-        self._entropy = entropy
+        self.constant: EntropyIntervals | None = None
+        if entropy and span is not None:
+            self.constant = constant_entropy(map_, parameter, span)
         self.at: dict[str, Dynamics] = {p: dynamics(map_, {parameter: p}) for p in density}
         for value, seen in self.at.items():
             if all(each.density is None for each in seen.attractors):
@@ -82,8 +85,11 @@ class LongRun:
             self._write_cells(folder / "attractors.csv")
             self._write_crises(folder / "crises.csv")
             names += ["attractors.csv", "crises.csv"]
-        if self._entropy and self._span is not None:
-            keep("entropy.png", _figure(plot_entropy(self._map, self._parameter, self._span)))
+        if self.constant is not None and self._span is not None:
+            axes = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
+            keep("entropy.png", _figure(axes))
+            self._write_intervals(folder / "entropy.csv")
+            names.append("entropy.csv")
         for value, seen in self.at.items():
             keep(f"density_{value.replace('/', '_')}.png", _figure(plot_density(seen)))
         return names
@@ -112,6 +118,23 @@ class LongRun:
                 for c in self.found.crises
             ),
         )  # fmt: skip
+
+    def _write_intervals(self, path: Path) -> None:
+        assert self.constant is not None
+        header = ("lower", "upper", "lower_exact", "upper_exact", "lower_closed", "upper_closed",
+                  "entropy", "entropy_exact", "cycles", "open_because")  # fmt: skip
+        rows: list[tuple[float, tuple[object, ...]]] = [
+            (float(e.lower), (float(e.lower), float(e.upper), e.lower, e.upper, *e.closed,
+                              e.entropy.high, e.entropy.value, " ".join(e.cycles), ""))
+            for e in self.constant.intervals
+        ]  # fmt: skip
+        rows += [
+            (float(g.lower), (float(g.lower), float(g.upper), g.lower, g.upper, "", "", "", "", "",
+                              "; ".join(cause.value for cause in g.causes)))
+            for g in self.constant.gaps
+        ]  # fmt: skip
+        rows.sort(key=lambda row: row[0])
+        write_table(path, header, ([str(each) for each in row] for _, row in rows))
 
     def tables(self) -> Iterator[Table]:
         """Crises, and what is known at single values."""

@@ -16,6 +16,7 @@ from sympy import QQ
 
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.diagram import Diagram, FloatArray, PointKind
+from pwmap.longrun.constant import EntropyIntervals, constant_entropy
 from pwmap.longrun.crises import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
@@ -313,8 +314,11 @@ def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str
 def plot_entropy(
     map_: PiecewiseLinearMap, parameter: str, span: tuple[object, object], ax: Axes | None = None,
     *, steps: int = 120, orders: tuple[int, ...] = (12, 24),
+    intervals: EntropyIntervals | None = None,
 ) -> Axes:  # fmt: skip
     """Draw the topological entropy over a parameter, as the area between its bounds.
+
+    Where it is known to be constant it is drawn as a thick horizontal piece.
 
     Parameters
     ----------
@@ -328,6 +332,8 @@ def plot_entropy(
         How many rational values.
     orders
         Up to which the graph of laps is made.
+    intervals
+        What :func:`pwmap.constant_entropy` found; by default it is asked.
     """
     ax = ax if ax is not None else plt.figure(figsize=(7.0, 3.6), layout="constrained").gca()
     low, high = (sympy.Rational(str(end)) for end in span)
@@ -339,13 +345,22 @@ def plot_entropy(
     (line,) = ax.plot(over, lows, color=STEP, linewidth=0.9)
     ax.plot(over, highs, color=STEP, linewidth=0.9)
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
+    known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
+    shown: list[tuple[Any, str]] = []
+    if known.intervals:
+        pieces = ax.hlines([each.entropy.high for each in known.intervals],
+                  [float(each.lower) for each in known.intervals],
+                  [float(each.upper) for each in known.intervals],
+                  color=CRISIS, linewidth=3.0)  # fmt: skip
+        shown = [(pieces, "constant, proved")]
     ax.set_xlim(float(low), float(high))
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel(axis_label(parameter))
     ax.grid(alpha=0.25, linewidth=0.5)
     ax.set_ylabel("topological entropy")
     label = f"between bounds, at most {widest:.1g} apart" if widest else "exact"
-    ax.legend([(area, line)], [label], frameon=False, fontsize=8)
+    shown.insert(0, ((area, line), label))
+    ax.legend(*zip(*shown, strict=True), frameon=False, fontsize=8)
     return ax
 
 
