@@ -43,6 +43,7 @@ def plot_plane(
     raster: PlaneRaster | None = None,
     colours: Colours = Colours.PERIOD,
     samples: int = 200,
+    legend: bool = True,
 ) -> Axes:
     """Draw two parameters: colours, bifurcation curves, and the points in which they meet.
 
@@ -59,8 +60,10 @@ def plot_plane(
         What the colours of the raster say.
     samples
         Points along a curve from one side to the other.
+    legend
+        Whether to explain colours and lines.
     """
-    ax = ax if ax is not None else plt.figure(figsize=(6.8, 5.0), layout="constrained").gca()
+    ax = ax if ax is not None else plt.figure(figsize=(6.0, 6.2), layout="constrained").gca()
     if raster is None:
         patches = _cells(ax, plane, samples)
         title = "attracting periods"
@@ -87,8 +90,10 @@ def plot_plane(
         *(str(patch.get_label()) for patch in patches),
         *(kind.label for kind in LINES if kind in shown),
     ]
-    ax.legend(handles, labels, fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5),
-              title=title if patches else None, title_fontsize=7, frameon=False)  # fmt: skip
+    if legend:
+        ax.legend(handles, labels, fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.13),
+                  ncols=2, title=title if patches else None, title_fontsize=7,
+                  frameon=False)  # fmt: skip
     return ax
 
 
@@ -146,13 +151,13 @@ def _ends(middles: FloatArray) -> FloatArray:
 def _periods(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
     """The shortest period that attracts; where bands do, and no cycle, grey."""
     numbers = np.where(raster.periods > 0, raster.periods + 1, np.where(raster.bands > 0, 1, 0))
-    return _listed(ax, raster, numbers, ("no bounded attractor", "bands"), "period {}", 2)
+    return _listed(ax, raster, numbers, ("none known", "bands"), "period {}", 2)
 
 
 def _bands(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
     """How many bands there are; where only cycles attract, light."""
     numbers = np.where(raster.bands > 0, raster.bands + 1, np.where(raster.periods > 0, 1, 0))
-    return _listed(ax, raster, numbers, ("no bounded attractor", "cycles only"), "{} bands", 2)
+    return _listed(ax, raster, numbers, ("none known", "cycles only"), "{} bands", 2)
 
 
 def _listed(
@@ -179,8 +184,9 @@ def _entropy(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch
     """The topological entropy, with a scale beside."""
     mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0,
                          rasterized=True)  # fmt: skip
-    ax.figure.colorbar(mesh, ax=ax, label="topological entropy", location="top", shrink=0.6,
-                       aspect=40)  # fmt: skip
+    bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
+    bar.set_label("topological entropy", fontsize=8)
+    bar.ax.tick_params(labelsize=7)
     return []
 
 

@@ -61,8 +61,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
             {"order": highest, "cpu": seconds.cpu, "strips": len(plane.strips),
              "curves": len(plane.curves), "points": len(plane.points)}
         )  # fmt: skip
-    crises, of_crises = timed(partial(with_crises, plane, 1 if fast else 2, 1 if fast else 6))
-    raster, of_raster = timed(partial(plane_raster, plane, *((8, 6) if fast else (80, 60))))
+    crises, of_crises = timed(partial(with_crises, plane, 1 if fast else 2, 1 if fast else 4))
+    raster, of_raster = timed(partial(plane_raster, plane, *((8, 6) if fast else (64, 48))))
     if out is not None:
         keep(draw(crises, raster), out / "parameter_plane.png")
     return {
@@ -80,7 +80,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 
 def draw(plane: ParameterPlane, raster: PlaneRaster) -> Figure:
     """Three schemes of colours side by side."""
-    figure, axes = canvas(3.6, 1, 3)
+    figure, axes = canvas(4.6, 1, 3)
     for ax, colours in zip(axes, Colours, strict=True):
         plot_plane(plane, ax, raster=raster, colours=colours)
         ax.set_title(TITLES[colours])
