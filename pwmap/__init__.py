@@ -26,7 +26,7 @@ from pwmap.longrun.crises import (
     meeting_curve,
 )
 from pwmap.longrun.densities import Density
-from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
+from pwmap.longrun.dynamics import Attractor, Dynamics, Extremum, Kneading, MinMax, dynamics
 from pwmap.longrun.entropies import Entropy
 from pwmap.maps.budget import Budget, BudgetError, Progress
 from pwmap.maps.piecewise_linear import (
@@ -75,12 +75,14 @@ __all__ = [
     "Entropy",
     "EntropyGap",
     "EntropyIntervals",
+    "Extremum",
     "FixedInterval",
     "FixedPoint",
     "GapCause",
     "Jump",
     "JumpCrossing",
     "Kneading",
+    "MinMax",
     "OrganisingCentre",
     "ParameterCell",
     "ParameterCells",
