@@ -274,7 +274,7 @@ class Dynamics:
                 side=germ.side,
                 word=orbit.kneading(),
                 fate=orbit.fate.value,
-                minmax=_minmax(self.line, orbit),
+                minmax=_minmax(self.line, germ, orbit),
             )
             for germ, orbit in zip(self.line.germs, self._found.orbits, strict=True)
         )
@@ -339,15 +339,15 @@ def dynamics(
 EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side
 
 
-def _minmax(line: Line, orbit: Orbit) -> MinMax:
+def _minmax(line: Line, start: Germ, orbit: Orbit) -> MinMax:
     """The min-max sequence of an orbit: it starts at the first image."""
-    found = itinerary_of(line, orbit.germs[0], STEPS)
+    found = itinerary_of(line, start, STEPS)
     if found.ending in (Ending.FLAT, Ending.OPEN):
-        germs, start = _until_back(line, orbit)
+        germs, again = _until_back(line, start, orbit)
         letters = [line.letter(germ) for germ in germs]
-        return _from_first_image([germ.side for germ in germs], letters, start)
+        return _from_first_image([germ.side for germ in germs], letters, again)
     pieces = [line.branches[k] for k in found.pieces]
-    sides = [orbit.germs[0].side]
+    sides = [start.side]
     for branch in pieces:
         sides.append(sides[-1] * sign(branch.slope))
     if sides[-1] != sides[found.start]:  # only twice the word brings a side back
@@ -356,11 +356,11 @@ def _minmax(line: Line, orbit: Orbit) -> MinMax:
     return _from_first_image(sides[:-1], [branch.letter for branch in pieces], found.start)
 
 
-def _until_back(line: Line, orbit: Orbit) -> tuple[Sequence[Germ], int | None]:
+def _until_back(line: Line, germ: Germ, orbit: Orbit) -> tuple[Sequence[Germ], int | None]:
     """Germs until one comes again, and the number of that, if one does in so many steps."""
     if orbit.fate is Fate.FINITE:
         return orbit.germs, orbit.start
-    seen, germ = dict[Germ, int](), orbit.germs[0]
+    seen = dict[Germ, int]()
     while germ not in seen and len(seen) < STEPS:
         seen[germ] = len(seen)
         germ = line.image(germ)
