@@ -29,7 +29,7 @@ from pwmap.longrun.crises import (
 )
 from pwmap.longrun.cycles import FoundCycle, FoundCycles, cycles
 from pwmap.longrun.densities import Density
-from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
+from pwmap.longrun.dynamics import Attractor, Dynamics, Extremum, Kneading, MinMax, dynamics
 from pwmap.longrun.entropies import Entropy
 from pwmap.maps.budget import Budget, BudgetError, Progress
 from pwmap.maps.piecewise_linear import (
@@ -85,6 +85,7 @@ __all__ = [
     "Entropy",
     "EntropyGap",
     "EntropyIntervals",
+    "Extremum",
     "FixedInterval",
     "FixedPoint",
     "FoundCycle",
@@ -94,6 +95,7 @@ __all__ = [
     "JumpCrossing",
     "Kneading",
     "Meeting",
+    "MinMax",
     "OrganisingCentre",
     "ParameterCell",
     "ParameterCells",

@@ -39,7 +39,7 @@ from pwmap.algebra.roots import (
 from pwmap.algebra.terms import own_name
 from pwmap.longrun.entropies import Entropy, exact_entropy
 from pwmap.longrun.fates import AttractingCycle, Fates
-from pwmap.longrun.itineraries import Ending, Itinerary, drawn_to, growth_at, itinerary_of
+from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
 from pwmap.longrun.line import Line, line_at
 from pwmap.longrun.numbers import sign, to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -49,7 +49,6 @@ from pwmap.parameters.axes import axis_of
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import checked_span
 
-STEPS = 64  # of an itinerary until it is known to the end
 SAMPLES = 200
 FINE = 4096  # part of a span: gaps shorter than that are left
 PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # of a gap around which samples are looked for, in turn

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
 from typing import Any
 
@@ -14,10 +15,49 @@ from pwmap.longrun.attractors import Attractors, Bands, attractors_of, common_pe
 from pwmap.longrun.basins import Basin, basin_of
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropies import ORDERS, Entropy, entropy_of, lap_numbers
-from pwmap.longrun.fates import AttractingCycle, Fate
-from pwmap.longrun.line import Interval, Line, line_of
-from pwmap.longrun.numbers import exact_to_sympy
+from pwmap.longrun.fates import AttractingCycle, Fate, Orbit
+from pwmap.longrun.itineraries import STEPS, Ending, itinerary_of
+from pwmap.longrun.line import Germ, Interval, Line, line_of
+from pwmap.longrun.numbers import exact_to_sympy, sign
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+
+
+class Extremum(Enum):
+    """What the iterate of a map is at one side of a break; the value is its symbol."""
+
+    MAXIMUM = "M"
+    MINIMUM = "m"
+    CONSTANT = "c"
+
+
+@dataclass(frozen=True, slots=True)
+class MinMax:
+    """The min-max sequence of one side of a break [Amigo2012].
+
+    The n-th iterate, n = 1, 2, ..., has a limit at the break from that side. If it comes to it from
+    below, points beside the break are mapped to the left of the limit: it is a local maximum of the
+    iterate's branch there; a minimum if they are mapped to its right. Its address is the piece in
+    which these images lie.
+
+    Attributes
+    ----------
+    symbols
+        What the iterate is, and the letter of the address, for n = 1, 2, ... Beyond a flat piece
+        iterates are constant.
+    start
+        The number of the first that comes again and again with all that follow; None if that is not
+        known.
+    """
+
+    symbols: tuple[tuple[Extremum, str], ...]
+    start: int | None
+
+    def __str__(self) -> str:
+        """Such as ``M^R (m^L M^R)``, with those in brackets that come again; dots for open ends."""
+        shown = [f"{extremum.value}^{letter}" for extremum, letter in self.symbols]
+        if self.start is None:
+            return " ".join([*shown, "..."])
+        return " ".join([*shown[: self.start], f"({' '.join(shown[self.start :])})"])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,9 +79,7 @@ class Kneading:
     repeating
         How many of the last ones come again and again; 0 if none are known to.
     minmax
-        Min-max symbols of the images [Amigo2012]: M where an iterate has a local maximum at the
-        limit, m for a minimum, 0 where it is constant, each with the letter of where it lies;
-        brackets and dots as in ``word``.
+        Whether limits of the iterates are maxima or minima of their branches, with addresses.
     """
 
     x: sympy.Expr
@@ -50,7 +88,7 @@ class Kneading:
     fate: str
     letters: tuple[str, ...]
     repeating: int
-    minmax: str
+    minmax: MinMax
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +282,7 @@ class Dynamics:
                 fate=orbit.fate.value,
                 letters=orbit.letters,
                 repeating=orbit.period if orbit.fate is Fate.FINITE else 0,
-                minmax=orbit.minmax(),
+                minmax=_minmax(self.line, germ, orbit),
             )
             for germ, orbit in zip(self.line.germs, self._found.orbits, strict=True)
         )
@@ -304,6 +342,45 @@ def dynamics(
     for order in orders:
         checked_order(order)
     return Dynamics(line_of(map_, values), tuple(orders))
+
+
+EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side
+
+
+def _minmax(line: Line, start: Germ, orbit: Orbit) -> MinMax:
+    """The min-max sequence of an orbit: it starts at the first image."""
+    found = itinerary_of(line, start, STEPS)
+    if found.ending in (Ending.FLAT, Ending.OPEN):
+        germs, again = _until_back(line, start, orbit)
+        letters = [line.letter(germ) for germ in germs]
+        return _from_first_image([germ.side for germ in germs], letters, again)
+    pieces = [line.branches[k] for k in found.pieces]
+    sides = [start.side]
+    for branch in pieces:
+        sides.append(sides[-1] * sign(branch.slope))
+    if sides[-1] != sides[found.start]:  # only twice the word brings a side back
+        pieces += pieces[found.start :]
+        sides += [-side for side in sides[found.start + 1 :]]
+    return _from_first_image(sides[:-1], [branch.letter for branch in pieces], found.start)
+
+
+def _until_back(line: Line, germ: Germ, orbit: Orbit) -> tuple[Sequence[Germ], int | None]:
+    """Germs until one comes again, and the number of that, if one does in so many steps."""
+    if orbit.fate is Fate.FINITE:
+        return orbit.germs, orbit.start
+    seen = dict[Germ, int]()
+    while germ not in seen and len(seen) < STEPS:
+        seen[germ] = len(seen)
+        germ = line.image(germ)
+    return tuple(seen), seen.get(germ)
+
+
+def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int | None) -> MinMax:
+    """The sequence of all germs but the first, which is the last of a round if it comes again."""
+    first, *others = ((EXTREMA[side], x) for side, x in zip(sides, letters, strict=True))
+    if start == 0:
+        return MinMax((*others, first), 0)
+    return MinMax(tuple(others), None if start is None else start - 1)
 
 
 def _closed(interval: Interval) -> sympy.Interval:

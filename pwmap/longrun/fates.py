@@ -15,9 +15,6 @@ REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit i
 FIRST = 16  # step at which that is asked for the first time; then at every power of two
 
 
-EXTREMES = {-1: "M", 0: "0", 1: "m"}  # of an iterate at a break, by the side of a germ's image
-
-
 class Fate(Enum):
     """What becomes of an orbit; the value says it in words."""
 
@@ -91,20 +88,6 @@ class Orbit:
         if self.fate is Fate.FINITE:
             return f"{word[: self.start]}({word[self.start :]})"
         return f"{word}..."
-
-    def minmax(self) -> str:
-        """Min-max symbols of the images: of a limit from below M, from above m, with its letter.
-
-        Those that come again and again are in brackets; open ends have dots.
-        """
-        images = [*zip(self.germs, self.letters, strict=True)][1:]
-        start = self.start - 1
-        if self.start == 0:  # the germ itself comes again
-            images, start = [*images, (self.germs[0], self.letters[0])], 0
-        symbols = [f"{EXTREMES[germ.side]}^{letter}" for germ, letter in images]
-        if self.fate is not Fate.FINITE:
-            return " ".join([*symbols, "..."])
-        return " ".join([*symbols[:start], f"({' '.join(symbols[start:])})"])
 
 
 class Fates:

@@ -20,6 +20,8 @@ from pwmap.longrun.entropies import growth_of
 from pwmap.longrun.line import Germ, Line
 from pwmap.longrun.numbers import Exact, sign
 
+STEPS = 64  # of an itinerary until it is known to the end
+
 
 class Ending(Enum):
     """Why the letters of an orbit are known from some step on; the value says it in words."""

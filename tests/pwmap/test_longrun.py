@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import sympy
-from sympy import QQ, Interval, Rational, log, sqrt
+from sympy import Interval, Rational, log, sqrt
 
-from pwmap import Attractor, PiecewiseLinearMap, dynamics
+from pwmap import Attractor, Extremum, PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import pair
 from pwmap.longrun.line import Branch, Line, line_of
 from pwmap.longrun.numbers import Exact, algebraic, exact_to_sympy, to_double
@@ -329,6 +329,53 @@ def test_kneading_sequences_of_the_tent_map() -> None:
     assert (drawn.letters, drawn.repeating) == (("R",), 0)
 
 
+def test_min_max_sequences_of_the_tent_map() -> None:
+    """At a = 2 the break goes to 1, a maximum, and to 0, a minimum for ever. At the golden mean
+
+    it comes back after three steps, 1/2 -> a/2 -> a (1 - a/2) -> 1/2, and the minimum of the third
+    iterate is on the right of 1/2, from both sides: there it is R.
+    """
+    assert [str(each.minmax) for each in dynamics(TENT, {"a": 2}).kneading] == ["M^R (m^L)"] * 2
+    found = dynamics(TENT, {"a": GOLDEN}).kneading
+    assert [str(each.minmax) for each in found] == ["(M^R m^L m^R)"] * 2
+    found = dynamics(TENT, {"a": "3/2"}).kneading
+    for each in found:  # after the first maximum every R turns, every L keeps
+        side = -1
+        for extremum, letter in each.minmax.symbols:
+            assert extremum is (Extremum.MAXIMUM if side < 0 else Extremum.MINIMUM)
+            side = -side if letter == "R" else side
+    assert found[0].minmax.start is None
+    assert str(found[0].minmax).endswith(" ...")
+
+
+def test_min_max_sequences_are_what_iterates_do_close_to_a_break() -> None:
+    """Maps with a jump: the iterate of a point 2^-400 beside it, in fractions, and its limit."""
+    rng, looked = np.random.default_rng(11), 0
+    for _ in range(60):
+        r, a, b = (Fraction(int(rng.integers(*ends)), 16)
+                   for ends in ((-40, 80), (-40, 40), (-30, 30)))  # fmt: skip
+        for each in dynamics(PAPER, {"r": r, "a": a, "b": b}).kneading:
+            symbols, start = each.minmax.symbols, each.minmax.start
+            if start is not None:  # the rounds that come again, too
+                symbols += symbols[start:] * 40
+            x, limit = Fraction(each.side, 2**400), Fraction(0)
+            for extremum, letter in symbols[:40]:
+                slope, shift = (b, r - 2) if x <= 0 else (-a, r)
+                x, limit = slope * x + shift, slope * limit + shift
+                side = (x > limit) - (x < limit)
+                expected = (Extremum.CONSTANT, Extremum.MINIMUM, Extremum.MAXIMUM)[side]
+                assert (extremum, letter) == (expected, "L" if x <= 0 else "R"), (r, a, b)
+                looked += 1
+    assert looked > 3500
+
+
+def test_where_a_piece_is_flat_iterates_are_constant() -> None:
+    """From 0 on the left: 1 -> 7/4 -> ... in R, by -5/4 x + 3, until L after eight; then again."""
+    left, right = dynamics(PAPER, {"r": 3, "a": "5/4", "b": 0}).kneading
+    assert str(left.minmax) == f"({'c^R ' * 8}c^L)"
+    assert str(right.minmax) == f"M^R m^L ({'c^R ' * 8}c^L)"  # 3, and -3/4
+
+
 def test_algebraic_numbers_are_read() -> None:
     assert to_double(algebraic(sympy.Rational(3, 4))) == 0.75
     assert str(algebraic(sympy.cbrt(2)).to_sympy()) == "2**(1/3)"
@@ -364,29 +411,3 @@ def test_a_cycle_through_a_break_is_open() -> None:
     flat = "Piecewise((3*x/4 - 1/3, x <= -3), (16/3, x <= -1), (-x/8 - 1/3, True))"
     found = dynamics(PiecewiseLinearMap.from_sympy(flat))
     assert found.open
-
-
-# --- Min-max symbols ------------------------------------------------------------------------------
-
-
-def test_min_max_symbols_of_the_golden_mean() -> None:
-    """The break goes to a/2, a maximum, then to a minimum on the left, and to itself from above,
-    whose right side is that of the letter R."""
-    left, right = dynamics(TENT, {"a": (1 + sqrt(5)) / 2}).kneading
-    assert (left.word, right.word) == ("L(RLR)", "(RRL)")
-    assert left.minmax == right.minmax == "(M^R m^L m^R)"
-
-
-@pytest.mark.parametrize("side", [-1, 1])
-def test_min_max_symbols_are_those_of_iterates_beside_the_break(side: int) -> None:
-    """Points at a distance of 2^-60 from a break with a jump, followed exactly for 9 steps."""
-    map_ = PiecewiseLinearMap([("1 - 7*x/5", "x < 0"), ("-9/10 + 6*x/5", "x >= 0")])
-    seen = dynamics(map_)
-    kneading = next(each for each in seen.kneading if each.side == side)
-    found = kneading.minmax.replace("(", "").replace(")", "").split()
-    line = seen.line
-    germ = line.germs[0 if side < 0 else 1]
-    x = germ.x + side * QQ(1, 2**60)
-    for symbol in found[:9]:
-        germ, x = line.image(germ), line(x)
-        assert symbol == f"{'M' if x < germ.x else 'm'}^{map_.word_of(QQ.to_sympy(x))}"
