@@ -1,9 +1,9 @@
 """Invariant densities: steps whose jumps travel along critical orbits.
 
 The density h of a chaotic attractor is what the map's transfer operator leaves as it is. Its jumps
-are of two kinds: one at the image of each end of a piece, as high as h beside that end over the
+are of two kinds: one at the image of each side of a break, as high as h on that side over the
 slope; and the image of each other jump, divided by the slope. So h is known once its values beside
-the ends of the pieces are: few unknowns, however many steps h has. They obey linear equations whose
+the breaks are: few unknowns, however many steps and bands h has. They obey linear equations whose
 coefficients are sums along critical orbits [Kopf1990; Gora2009]. If these orbits are finite the
 sums are finite or geometric, and everything is exact; otherwise what is cut off is bounded by a
 geometric series, and everything is enclosed.
@@ -40,7 +40,7 @@ BITS = 120  # of enclosures
 
 @dataclass(frozen=True, slots=True)
 class _End:
-    """One end of a piece inside a band, with the jumps that leave it.
+    """One side of a break inside a band, with the jumps that leave it.
 
     Attributes
     ----------
@@ -149,10 +149,11 @@ def density_of(line: Line, bands: Bands) -> Density | None:
     if later is None:
         return None
     ends = [
-        _followed(line, bands, Germ(x, side), later)
+        _followed(line, Germ(x, side), later)
         for interval in bands.intervals
         for _, (low, high) in line.parts(interval)
         for x, side in ((low, 1), (high, -1))
+        if x in line.breaks  # the ends of bands are images of these
     ]
     exact = all(end.rest == 0.0 for end in ends)
     number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure
@@ -187,11 +188,10 @@ def _enclosure(x: Exact) -> Any:
     return mpmath.iv.mpf([low.a, high.b])
 
 
-def _followed(line: Line, bands: Bands, germ: Germ, later: float) -> _End:
+def _followed(line: Line, germ: Germ, later: float) -> _End:
     """An end of a piece with its jumps, until they end in a break, come again, or are small."""
     branch = line.beside(germ)
     x, weight = branch(germ.x), 1 / branch.slope
-    stops = {*line.breaks, *(end for interval in bands.intervals for end in interval)}
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
         if x in seen:  # from there on each round is the last one over the multiplier
@@ -201,7 +201,7 @@ def _followed(line: Line, bands: Bands, germ: Germ, later: float) -> _End:
             return _End(germ, tuple(found), 0.0)
         seen[x] = len(found)
         found.append((x, weight))
-        if x in stops:
+        if x in line.breaks:
             return _End(germ, tuple(found), 0.0)
         if len(found) >= LONGEST or abs_(weight) < LEAST:
             size = max(enclosed(abs_(weight)))
