@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from itertools import pairwise
+from itertools import pairwise, starmap
 from typing import Any, NamedTuple
 
 import sympy
@@ -494,7 +494,7 @@ class Study:
     def _located(self, left: _Seen, right: _Seen) -> list[tuple[_Change, _Seen, _Seen]]:
         """The places between two others at which longer words say that attractors change, if any.
 
-        Where bands merge both sides must agree there.
+        They must explain all that changes: between two of them nothing may.
         """
         roots = dict[Real, list[tuple[_Image, Word]]]()
         for longest in LONGEST:
@@ -507,12 +507,19 @@ class Study:
         if not 0 < len(roots) <= MANY:
             return []
         places = sorted(roots)
-        between = [self.seen(simplest_between(a, b)) for a, b in pairwise(places)]
-        found = []
-        for place, before, after in zip(places, (left, *between), (*between, right), strict=True):
-            if not self._same(before, after):
-                found.append((_Change(place, place, tuple(roots[place])), before, after))
-        return found
+        outer = [left.place, *starmap(simplest_between, pairwise(places)), right.place]
+        near = [
+            (self._beside(place, low), self._beside(place, high))
+            for place, (low, high) in zip(places, pairwise(outer), strict=True)
+        ]
+        apart = [left, *(each for both in near for each in both), right]
+        if not all(map(self._same, apart[::2], apart[1::2])):  # more happens between them
+            return []
+        return [
+            (_Change(place, place, tuple(roots[place])), before, after)
+            for place, (before, after) in zip(places, near, strict=True)
+            if not self._same(before, after)
+        ]
 
     def _between(
         self, left: _Seen, right: _Seen, longest: int

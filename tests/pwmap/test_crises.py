@@ -81,3 +81,13 @@ def test_wrong_maps_are_refused() -> None:
         attractor_diagram(SKEW, "a", (0, 1))
     with pytest.raises(ValueError, match="expected the map itself, got an iterate of order 2"):
         attractor_diagram(TENT.iterate(2), "a", (1, 2))
+
+
+def test_two_mergings_between_two_samples_are_told_apart() -> None:
+    """From 26/25 on the first sample has 16 bands and the next one 4: the tent map's merge at
+    2^(1/16) and 2^(1/8), and no words up to order 5 say so."""
+    found = attractor_diagram(TENT, "a", ("26/25", "6/5"), 5)
+    assert [(c.kind, c.bands) for c in found.crises] == [
+        ("MC", (16, 8)), ("MC", (8, 4)), ("MC", (4, 2)),
+    ]  # fmt: skip
+    assert [c.parameter**k for c, k in zip(found.crises, (16, 8, 4), strict=True)] == [2, 2, 2]
