@@ -92,6 +92,18 @@ def test_contracted_rotations_have_no_entropy() -> None:
     assert found.share == 1.0
 
 
+def test_an_end_that_is_not_admitted_does_not_belong() -> None:
+    text = "Piecewise((x/2 + c, x <= 0), (x/2 + c - 1, True))"
+    map_ = PiecewiseLinearMap.from_sympy(text, given=["c > 0"])
+    (only,) = constant_entropy(map_, "c", (0, 1)).intervals
+    assert (only.lower, only.upper, only.closed) == (0, 1, (False, True))
+    beta = PiecewiseLinearMap.from_sympy(
+        "Piecewise((b*x, x < 1/b), (b*x - 1, True))", given=["b > 1"]
+    )
+    found = constant_entropy(beta, "b", (1, 2), samples=20)
+    assert found.intervals == ()  # it is log b
+
+
 def test_a_flat_piece_ends_laps() -> None:
     """One lap goes to itself and to the flat piece: no growth, whatever the cycles are."""
     map_ = PAPER.at({"a": "5/4", "b": 0})
