@@ -123,18 +123,18 @@ class LongRun:
         assert self.constant is not None
         header = ("lower", "upper", "lower_exact", "upper_exact", "lower_closed", "upper_closed",
                   "entropy", "entropy_exact", "cycles", "open_because")  # fmt: skip
-        rows: list[tuple[float, tuple[object, ...]]] = [
-            (float(e.lower), (float(e.lower), float(e.upper), e.lower, e.upper, *e.closed,
-                              e.entropy.high, e.entropy.value, " ".join(e.cycles), ""))
+        rows: list[tuple[object, ...]] = [
+            (float(e.lower), float(e.upper), e.lower, e.upper, *e.closed,
+             0.5 * (e.entropy.low + e.entropy.high), e.entropy.value, " ".join(e.cycles), "")
             for e in self.constant.intervals
         ]  # fmt: skip
         rows += [
-            (float(g.lower), (float(g.lower), float(g.upper), g.lower, g.upper, "", "", "", "", "",
-                              "; ".join(cause.value for cause in g.causes)))
+            (float(g.lower), float(g.upper), g.lower, g.upper, "", "", "", "", "",
+             "; ".join(cause.value for cause in g.causes))
             for g in self.constant.gaps
         ]  # fmt: skip
-        rows.sort(key=lambda row: row[0])
-        write_table(path, header, ([str(each) for each in row] for _, row in rows))
+        rows.sort(key=lambda row: float(str(row[0])))
+        write_table(path, header, ([str(each) for each in row] for row in rows))
 
     def tables(self) -> Iterator[Table]:
         """Crises, and what is known at single values."""

@@ -249,6 +249,11 @@ class _Study:
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
 
+    def admits(self, place: Real) -> bool:
+        """Whether the assumptions hold at a place."""
+        constraints = self.axis.definition.region.constraints
+        return all(c.holds(self.axis.sign(c.polynomial, place)) for c in constraints)
+
     def line(self, place: Real) -> Line:
         """The map at a place."""
         return line_at(self.map, place)
@@ -316,6 +321,8 @@ class _Study:
         """The growth of laps at one place; None if it is not known."""
         if isinstance(place, RealRoot) and len(place.polynomial) > DEGREE + 1:
             return None
+        if not self.admits(place):
+            return None
         found = self.proof(self.line(place))
         return found.growth if isinstance(found, Proof) else None
 
@@ -337,7 +344,7 @@ class _Study:
                     high = root
 
         def holds(end: Real) -> bool:
-            return all(sign_at(each, end) for each in polynomials)
+            return self.admits(end) and all(sign_at(each, end) for each in polynomials)
 
         return _Proved(low, high, (holds(low), holds(high)), proof.growth, sample)
 

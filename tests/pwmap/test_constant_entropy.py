@@ -92,6 +92,18 @@ def test_contracted_rotations_have_no_entropy() -> None:
     assert found.share == 1.0
 
 
+def test_an_end_that_is_not_admitted_does_not_belong() -> None:
+    text = "Piecewise((x/2 + c, x <= 0), (x/2 + c - 1, True))"
+    map_ = PiecewiseLinearMap.from_sympy(text, given=["c > 0"])
+    (only,) = constant_entropy(map_, "c", (0, 1)).intervals
+    assert (only.lower, only.upper, only.closed) == (0, 1, (False, True))
+    beta = PiecewiseLinearMap.from_sympy(
+        "Piecewise((b*x, x < 1/b), (b*x - 1, True))", given=["b > 1"]
+    )
+    found = constant_entropy(beta, "b", (1, 2), samples=20)
+    assert found.intervals == ()  # it is log b
+
+
 def test_a_flat_piece_ends_laps() -> None:
     """One lap goes to itself and to the flat piece: no growth, whatever the cycles are."""
     map_ = PAPER.at({"a": "5/4", "b": 0})
@@ -152,22 +164,8 @@ def test_at_fifty_places_inside_it_is_the_same(
     assert open_ <= 25 * len(found.intervals)  # others are exact in half of the places at least
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("left_out", "map_", "name", "span"),
-    [
-        (lambda d: isinstance(d, Multiplier), PAPER.at({"r": 3, "b": "1/2"}), "a", ("1/2", 4)),
-        (lambda d: isinstance(d, Return), THREE, "c", (-3, 3)),
-        (lambda d: isinstance(d, CriticalOrbit), SKEW, "b", (-6, -1)),
-        (lambda d: isinstance(d, CriticalOrbit) and d.k == d.l, THREE, "c", (-3, 3)),
-    ],
-    ids=["multiplier", "return", "orbit", "fixed point"],
-)
-def test_a_decision_that_is_forgotten_shows(
-    left_out: Callable[[Decision], bool], map_: PiecewiseLinearMap, name: str,
-    span: tuple[int, int], monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    """The places inside are enough to tell: without the ends that they set intervals are wrong."""
+def forget(monkeypatch: pytest.MonkeyPatch, left_out: Callable[[Decision], bool]) -> None:
+    """Leave some decisions out of all proofs."""
     whole = constant._Study.proof
 
     def proof(self: constant._Study, line: Line) -> constant.Proof | GapCause:
@@ -177,9 +175,39 @@ def test_a_decision_that_is_forgotten_shows(
         kept = tuple(each for each in found.decisions if not left_out(each))
         return constant.Proof(found.growth, kept)
 
-    assert disagreements(map_, constant_entropy(map_, name, span, samples=40), 10)[0] == 0
     monkeypatch.setattr(constant._Study, "proof", proof)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("left_out", "map_", "name", "span"),
+    [
+        (lambda d: isinstance(d, Return), THREE, "c", (-3, 3)),
+        (lambda d: isinstance(d, CriticalOrbit), SKEW, "b", (-6, -1)),
+        (lambda d: isinstance(d, CriticalOrbit) and d.k == d.l, THREE, "c", (-3, 3)),
+    ],
+    ids=["return", "orbit", "fixed point"],
+)
+def test_a_decision_that_is_forgotten_shows(
+    left_out: Callable[[Decision], bool], map_: PiecewiseLinearMap, name: str,
+    span: tuple[int, int], monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Intervals are too long then, and at places inside the entropy is another one."""
+    assert disagreements(map_, constant_entropy(map_, name, span, samples=40), 10)[0] == 0
+    forget(monkeypatch, left_out)
     assert disagreements(map_, constant_entropy(map_, name, span, samples=40), 10)[0] > 0
+
+
+@pytest.mark.slow
+def test_a_multiplier_that_is_forgotten_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over the slope -a the cycle R repels from a = 1 on, and there is chaos around it."""
+    map_ = PAPER.at({"r": 3, "b": "1/2"})
+    (only,) = constant_entropy(map_, "a", ("1/2", 4), samples=40).intervals
+    assert (only.lower, only.upper, only.entropy.value) == (Rational(1, 2), 1, 0)
+    assert dynamics(map_, {"a": "7/5"}, orders=(48,)).entropy.low > 0.1
+    forget(monkeypatch, lambda d: isinstance(d, Multiplier))
+    found = constant_entropy(map_, "a", ("1/2", 4), samples=40).intervals
+    assert max(each.upper for each in found if each.entropy.value == 0) == Rational(3, 2)
 
 
 @pytest.mark.slow

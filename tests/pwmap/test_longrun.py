@@ -150,10 +150,10 @@ def test_laps_are_counted_as_iterates_have_pieces() -> None:
 
 @pytest.mark.slow
 def test_bounds_of_the_entropy_hold_for_a_thousand_maps() -> None:
-    """Entropy is the infimum of (log l_n)/n over all n: no lower bound exceeds any of them, nor
+    """It is the infimum of (log l_n)/n: no lower bound is above any, to order 14.
 
-    do bounds of lower orders those of higher ones. Nothing is allowed for rounding: logarithms are
-    enclosed.
+    Bounds of higher orders lie within those of lower ones. Nothing is allowed for rounding:
+    logarithms are enclosed.
     """
     rng = np.random.default_rng(5)
     mpmath.iv.prec = 120
@@ -263,9 +263,9 @@ def test_densities_hold_histograms() -> None:
 
 @pytest.mark.slow
 def test_bins_hold_all_of_a_density() -> None:
-    """Measures of bins add up to one, exactly where the density is, else within their enclosures.
+    """Measures of bins add up to one, exactly or within their enclosures.
 
-    And the transfer operator leaves them: a bin has the measure of what is mapped into it.
+    The transfer operator leaves them: a bin has the measure of what is mapped into it.
     """
     rng, looked = np.random.default_rng(8), 0
     while looked < 15:
@@ -330,10 +330,10 @@ def test_kneading_sequences_of_the_tent_map() -> None:
 
 
 def test_min_max_sequences_of_the_tent_map() -> None:
-    """At a = 2 the break goes to 1, a maximum, and to 0, a minimum for ever. At the golden mean
+    """At a = 2 the break goes to 1, a maximum, and to 0, a minimum for ever.
 
-    it comes back after three steps, 1/2 -> a/2 -> a (1 - a/2) -> 1/2, and the minimum of the third
-    iterate is on the right of 1/2, from both sides: there it is R.
+    At the golden mean it comes back, 1/2 -> a/2 -> a (1 - a/2) -> 1/2: from both sides the third
+    iterate has a minimum there, with points close by on the right, in R.
     """
     assert [str(each.minmax) for each in dynamics(TENT, {"a": 2}).kneading] == ["M^R (m^L)"] * 2
     found = dynamics(TENT, {"a": GOLDEN}).kneading

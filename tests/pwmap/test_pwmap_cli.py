@@ -1,5 +1,6 @@
 """The command ``pwmap analyse``, run in this process."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -93,6 +94,23 @@ def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
     for name in ("diagram.png", "density_2.png"):
         assert (tmp_path / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     assert (tmp_path / "attractors.csv").read_text().count("\n") == 5  # 2, 1 and 0 bands
+
+
+@pytest.mark.slow
+def test_the_long_run_lists_intervals_of_constant_entropy(tmp_path: Path) -> None:
+    skew = "Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))"
+    options = ("--parameter", "b", "--span=-5", "-1", "--orders", "1")
+    code, _ = run(skew, *options, "--entropy", out=tmp_path)
+    assert code == 0
+    assert (tmp_path / "entropy.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    with (tmp_path / "entropy.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    shown = [(row["lower_exact"], row["upper_exact"], row["entropy_exact"], row["cycles"])
+             for row in rows]  # fmt: skip
+    assert shown == [("-5", "-4", "", ""), ("-4", "-3", "log(1/2 + sqrt(5)/2)", "LLR"),
+                     ("-3", "-2", "", ""), ("-2", "-1", "0", "LR")]  # fmt: skip
+    assert rows[1]["entropy"].startswith("0.48121182505960")
+    assert rows[0]["open_because"].startswith("orbits of breaks are not known to the end")
 
 
 def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:
