@@ -40,6 +40,7 @@ GOLDEN = (1 + sqrt(5)) / 2
 # --- Closed forms --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_windows_of_the_skew_tent_map() -> None:
     """L R attracts down to b/2 = -1; L L R from where its point meets the break to b/4 = -1.
 
