@@ -192,7 +192,7 @@ class Explorer:
         self.coming = deque[Pending]()
         self._known = {
             (kind, order): Known(self.network, kind, order, map_)
-            for kind in BranchKind
+            for kind in (BranchKind.FIXED_POINT, BranchKind.JUMP)
             for order in self.orders
         }
         self._starts: dict[int, _Start] = {}
