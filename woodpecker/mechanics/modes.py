@@ -162,8 +162,8 @@ def blank(toy: Toy) -> Floats:
     """What :func:`fill` does not write: guards, pole, restitution and the law of expansion."""
     numbers = np.full(SHAPE, np.nan)
     for index in range(MODES):
-        watched = _watched(mode_states(index))
-        numbers[index, GUARDS:] = watched + [-1] * (SHAPE[1] - GUARDS - len(watched))
+        guards = watched(mode_states(index))
+        numbers[index, GUARDS:] = guards + [-1] * (SHAPE[1] - GUARDS - len(guards))
     numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
     numbers[FORCE, POLE] = toy.pole
     numbers[FORCE, SUMMED] = float(toy.expansion_friction == ExpansionFriction.SUMMED)
@@ -372,7 +372,7 @@ def _solve(system: Complexes, n: int, right: int, scale: Floats) -> None:
             system[i, j] *= scale[i]
 
 
-def _watched(states: tuple[Contact, ...]) -> list[int]:
+def watched(states: tuple[Contact, ...]) -> list[int]:
     """Guards that can end a mode, in the order in which ties are resolved."""
     watched = []
     for i, state in enumerate(states):

@@ -1,0 +1,1 @@
+"""Computer-assisted proofs in ball arithmetic: certificates of periodic motions of the toy."""

@@ -1,0 +1,269 @@
+"""Contact problems over a box: one solution by strict inequalities, every other one refuted.
+
+The same problems as in :mod:`woodpecker.mechanics.impacts` and
+:mod:`woodpecker.simulation.settling`, but the answer holds for every start and parameter of a box,
+or there is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST
+from woodpecker.mechanics.modes import SIGN
+from woodpecker.proofs.forms import Undecided, box, reciprocal, sign
+from woodpecker.proofs.model import Model, ball, sum_of
+
+Numbers = Sequence[Any]
+ZERO = arb(0)
+STICKS = 3 * REST + HOLD
+
+
+class Phase(NamedTuple):
+    """What compression or expansion does.
+
+    Attributes
+    ----------
+    cases
+        The index combination of each contact.
+    impulses, velocities
+        (N, T) of each contact in turn; velocities that a combination makes zero are exactly so.
+    """
+
+    cases: tuple[int, ...]
+    impulses: Numbers
+    velocities: Numbers
+
+
+def impulses_of(
+    model: Model, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
+) -> Phase:
+    """The compression (no floors) or the expansion of an impact.
+
+    Parameters
+    ----------
+    contacts
+        One contact, or the beak and one of the sleeve.
+    free
+        Velocities (N, T) of each contact without impulses.
+    floors
+        Least normal impulses of the expansion.
+    approaches
+        Whether the first normal velocity is known to be negative or zero, though its range does not
+        say so; for one contact only.
+
+    Raises
+    ------
+    Undecided
+        Unless one index combination holds strictly and each other one is violated strictly.
+    """
+    low = floors if floors is not None else [ZERO] * len(contacts)
+    if len(contacts) == 1:
+        candidates = _single(model, contacts[0], free, low[0], approaches)
+    else:
+        candidates = _pair(model, contacts[1], free, low, floors is not None)
+    return only(candidates, "an impact")
+
+
+def only(candidates: Iterable[tuple[bool | None, Callable[[], Any]]], what: str) -> Any:
+    """The candidate that holds, if each other one does not; a candidate is made when it is it."""
+    kept: Callable[[], Any] | None = None
+    for holds, made in candidates:
+        if holds is None or (holds and kept is not None):
+            raise Undecided(f"{what} is not decided")
+        if holds:
+            kept = made
+    if kept is None:
+        raise Undecided(f"{what} has no solution")
+    return kept()
+
+
+def verdict(conditions: Iterable[Any]) -> bool | None:
+    """Whether all are positive; False if one is negative.
+
+    A condition is a number, or a sign that is known.
+    """
+    open_ = False
+    for condition in conditions:
+        s = condition if isinstance(condition, int) else sign(condition)
+        if s == -1:
+            return False
+        open_ = open_ or s != 1
+    return None if open_ else True
+
+
+def _single(
+    model: Model, i: int, free: Numbers, floor: Any, approaches: bool
+) -> Iterator[tuple[bool | None, Callable[[], Phase]]]:
+    n, t = 2 * i, 2 * i + 1
+    g = model.delassus
+    mu, (free_n, free_t) = ball(model.equations.mu[i]), free
+    for case in range(6):
+        normal, tangential = divmod(case, 3)
+        friction = ZERO if tangential == HOLD else (-mu if tangential == FORWARD else mu)
+        stiffness = g[n][n] + friction * g[n][t]
+        if tangential == HOLD and normal == REST:
+            over = reciprocal(g[n][n] * g[t][t] - g[n][t] * g[n][t])
+            p_n = (g[n][t] * free_t - g[t][t] * free_n) * over
+            p_t = (g[n][t] * free_n - g[n][n] * free_t) * over
+        elif normal == REST:
+            p_n = -free_n * reciprocal(stiffness)
+            p_t = friction * p_n
+        else:
+            p_n = floor
+            p_t = -(free_t + g[n][t] * floor) / g[t][t] if tangential == HOLD else friction * floor
+        v_n = ZERO if normal == REST else free_n + g[n][n] * p_n + g[n][t] * p_t
+        v_t = ZERO if tangential == HOLD else free_t + g[n][t] * p_n + g[t][t] * p_t
+        if normal == REST:
+            first = p_n - floor
+            if approaches and tangential != HOLD:  # p_n = -free_n / stiffness, and the floor is 0
+                first = sign(stiffness) or first
+        else:
+            first = -1 if approaches else v_n
+        rest = _along(tangential, mu * p_n, p_t, v_t)
+        phase = Phase((case,), (p_n, p_t), (v_n, v_t))
+        yield verdict([first, *rest]), lambda phase=phase: phase  # type: ignore[misc]
+
+
+def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any]:
+    """The conditions on friction."""
+    if tangential == HOLD:
+        return [bound - impulse, bound + impulse]
+    return [velocity if tangential == FORWARD else -velocity]
+
+
+def _pair(
+    model: Model, sleeve: int, free: Numbers, floors: Numbers, expands: bool
+) -> Iterator[tuple[bool | None, Callable[[], Phase]]]:
+    """The 36 combinations; ranges first, and forms for what these leave open."""
+    for first in range(6):
+        for second in range(6):
+            table = model.case(sleeve, first, second, expands)
+            cases = (first, second)
+            if table is None:
+                load = _momentum(model, sleeve, free)
+                coupled = expands and model.summed
+                yield (
+                    _rest_is_possible(model, sleeve, load, floors, coupled),
+                    _not_unique,
+                )
+                continue
+            holds = _combination(model, sleeve, cases, table, free, floors, expands, box)[0]
+            if holds is False:
+                continue
+            holds, phase = _combination(model, sleeve, cases, table, free, floors, expands, _form)
+            yield holds, lambda phase=phase: phase  # type: ignore[misc]
+
+
+def _combination(
+    model: Model, sleeve: int, cases: tuple[int, int], table: list[Numbers], free: Numbers,
+    floors: Numbers, expands: bool, look: Callable[[Any], Any],
+) -> tuple[bool | None, Phase]:  # fmt: skip
+    """Whether a combination holds, and what it does; ``look`` takes forms or their ranges."""
+    free, floors = [look(x) for x in free], [look(x) for x in floors]
+    given = [*free, *floors]
+    p = [sum_of(look(c) * x for c, x in zip(row, given, strict=True)) for row in table]
+    at = (0, 1, 2 * sleeve, 2 * sleeve + 1)
+    v: list[Any] = []
+    for a in range(4):
+        case = cases[a // 2]
+        still = case // 3 == REST if a % 2 == 0 else case % 3 == HOLD
+        if still:
+            v.append(ZERO)
+        else:
+            g = model.delassus[at[a]]
+            v.append(free[a] + sum_of(look(g[at[b]]) * p[b] for b in range(4)))
+    coupled = expands and model.summed
+    conditions: list[Any] = []
+    for k, case in enumerate(cases):
+        n, t = 2 * k, 2 * k + 1
+        mu = look(ball(model.equations.mu[0 if k == 0 else sleeve]))
+        conditions.append(p[n] - floors[k] if case // 3 == REST else v[n])
+        bound = mu * (p[n] + p[2 - n]) if coupled else mu * p[n]
+        conditions += _along(case % 3, bound, p[t], v[t])
+    return verdict(conditions), Phase(cases, p, v)
+
+
+def _form(x: Any) -> Any:
+    return x
+
+
+def _not_unique() -> Phase:
+    raise Undecided("the impulses of an impact are not unique")
+
+
+def _momentum(model: Model, sleeve: int, free: Numbers) -> Numbers:
+    """-M u from the contact velocities that the toy would lose."""
+    e = model.equations
+    # rows of W^T u: N1 = -h_S u_S, Nk = +-h_M u_M, T1 = u_y + l_M u_M + (l_G - l_S) u_S
+    u_s = free[0] / (-model.levers[0])
+    u_m = free[2] / (model.levers[sleeve] * int(SIGN[sleeve]))
+    u_y = free[3] - model.tangents[sleeve][1] * u_m
+    u = (u_y, u_m, u_s)
+    return [sum_of(-ball(e.mass[i][j]) * u[j] for j in range(3)) for i in range(3)]
+
+
+def _rest_is_possible(
+    model: Model, sleeve: int, load: Numbers, floors: Numbers, coupled: bool
+) -> bool | None:
+    """Whether forces W lambda = load lie in both cones; four unknowns for three equations.
+
+    With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
+    """
+    side = int(SIGN[sleeve])
+    (_, l_m, arm), (_, r_m, _) = model.tangents[0], model.tangents[sleeve]
+    lever, height = model.levers[sleeve] * side, model.levers[0]
+    normal_1 = (-load[2] / height, arm / height)
+    normal_k = ((load[1] - r_m * load[0]) / lever, (r_m - l_m) / lever)
+    along_1, along_k = (ZERO, arb(1)), (load[0], arb(-1))
+    mu_1, mu_k = ball(model.equations.mu[0]), ball(model.equations.mu[sleeve])
+    total = tuple(x + y for x, y in zip(normal_1, normal_k, strict=True))
+    lines = [
+        (normal_1[0] - floors[0], normal_1[1]),
+        (normal_k[0] - floors[1], normal_k[1]),
+    ]
+    for mu, normal, along in ((mu_1, normal_1, along_1), (mu_k, normal_k, along_k)):
+        bound = [mu * x for x in (total if coupled else normal)]
+        for s in (1, -1):
+            lines.append((bound[0] + along[0] * s, bound[1] + along[1] * s))
+    return _feasible(lines)
+
+
+def _feasible(lines: list[tuple[Any, Any]]) -> bool | None:
+    """Whether some s has constant + rate s > 0 for all lines; None if that is open."""
+    decided = True
+    for k, (constant, rate) in enumerate(lines):
+        if sign(rate) == 0:
+            s = sign(constant)
+            if s == -1:
+                return False
+            decided = decided and s == 1
+            continue
+        for other, (constant_2, rate_2) in enumerate(lines):
+            if sign(rate) != 1 or sign(rate_2) != -1 or other == k:
+                decided = decided and sign(rate) is not None
+                continue
+            s = sign(constant_2 * rate - constant * rate_2)
+            if s == -1:
+                return False
+            decided = decided and s == 1
+    return True if decided else None
+
+
+def rests(model: Model, sleeve: int, d: Any) -> bool | None:
+    """Whether the beak and a contact of the sleeve can hold the toy at rest."""
+    e = model.equations
+    load = [-(ball(x) + ball(y) * d) for x, y in zip(e.h_0, e.h_1, strict=True)]
+    return _rest_is_possible(model, sleeve, load, [ZERO, ZERO], False)
+
+
+def mark(first: int, second: int | None, floor: Any) -> int:
+    """What compression and expansion did at one contact, see `impacts.MARKS`."""
+    compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
+    if second is None:
+        return compression
+    usual = FREE if sign(floor) == 1 else REST
+    return compression + 3 * ((0 if second // 3 == usual else 2) + (second % 3 == HOLD))

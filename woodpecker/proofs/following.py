@@ -1,0 +1,597 @@
+"""The toy followed over a box: from event to event, every decision proved for the whole box.
+
+What is decided in one way for all starts is one *way*, a word. One decision may be open: then there
+are two ways, and a comparator, a form that is positive where the first one is taken and negative
+where the second one is:
+
+- two gaps close at once: the gap of the second contact when the first one strikes;
+- a contact that an impact without restitution has stopped only just stays or leaves: its force. If
+  it leaves it flies along t^2 h(t) with h(0) in proportion to the force, and lands where h
+  vanishes: at once where the force is zero. There both ways do the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from itertools import product
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from woodpecker.mechanics.cases import HOLD, REST
+from woodpecker.mechanics.impacts import MARKS
+from woodpecker.mechanics.modes import (
+    ANGLE,
+    CONE_NEGATIVE,
+    CONE_POSITIVE,
+    GAP,
+    NORMAL,
+    OPEN,
+    SECTION,
+    SIGN,
+    SLIP,
+    SLIP_NEGATIVE,
+    SLIP_POSITIVE,
+    STICK,
+    Contact,
+    watched,
+)
+from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
+from woodpecker.proofs.flights import landing
+from woodpecker.proofs.forms import Form, Frame, Undecided, box, centre, sign, start
+from woodpecker.proofs.model import Model, State, ball, sum_of
+from woodpecker.proofs.oscillator import Crossing, Guard, crossing, stumpff
+from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
+from woodpecker.simulation.guards import first_root
+from woodpecker.simulation.words import word
+
+ZERO = arb(0)
+NO_GUARD = -1
+MOST_EVENTS = 400
+KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
+
+
+class ForkKind(Enum):
+    """What an open decision is about."""
+
+    MEETING = "meeting"
+    REST = "rest"
+
+
+class Fork(NamedTuple):
+    """A decision that is open over a box.
+
+    Attributes
+    ----------
+    kind
+        What it is about.
+    comparator
+        Positive on the first way, negative on the second one.
+    contacts
+        1-based: of a meeting that of the first way, and the other one.
+    """
+
+    kind: ForkKind
+    comparator: Form
+    contacts: tuple[int, ...]
+
+
+class Fired(NamedTuple):
+    """The guard that ended a phase, and the range of the phase's duration."""
+
+    guard: int
+    duration: Any
+
+    @property
+    def name(self) -> str:
+        """The guard as text, such as ``"gap 2"``."""
+        return name_of(self.guard)
+
+
+class Way(NamedTuple):
+    """A return over a box, along one word.
+
+    Attributes
+    ----------
+    word
+        The sequence of events.
+    fired
+        What ended each phase.
+    image, period, drop
+        phi_S at the return [rad], duration [s], way down [m], as forms.
+    forks
+        The decisions that were open, with the side taken: 1 the first way, -1 the second.
+    """
+
+    word: str
+    fired: tuple[Fired, ...]
+    image: Form
+    period: Form
+    drop: Form
+    forks: tuple[tuple[Fork, int], ...]
+
+
+@dataclass
+class Motion:
+    """The toy where a phase begins, over a box.
+
+    Attributes
+    ----------
+    q, u
+        Coordinates and velocities, forms or exact balls.
+    states
+        Of the contacts.
+    orders
+        How many derivatives of each gap are exactly zero.
+    held
+        Closed contacts whose slip is exactly zero.
+    fired
+        The guard that ended the phase before; -1: an impact, or none.
+    before
+        Contact states of the phase before.
+    leaves
+        The contact that has just opened at rest, by a fork; its acceleration is at least zero.
+    stays
+        The contact whose normal force is at least zero, though its range does not say so.
+    lands
+        The contact that strikes after a flight which began at rest: its approach is known.
+    """
+
+    q: list[Any]
+    u: list[Any]
+    time: Any
+    states: State
+    orders: list[int]
+    held: frozenset[int] = frozenset()
+    fired: int = NO_GUARD
+    before: State = (0, 0, 0)
+    leaves: int = NO_GUARD
+    stays: int = NO_GUARD
+    lands: int = NO_GUARD
+    codes: list[int] = field(default_factory=list)
+    log: list[Fired] = field(default_factory=list)
+    forks: list[tuple[Fork, int]] = field(default_factory=list)
+
+    def copy(self) -> Motion:
+        """Another one that goes its own way."""
+        return replace(
+            self,
+            q=list(self.q),
+            u=list(self.u),
+            orders=list(self.orders),
+            codes=list(self.codes),
+            log=list(self.log),
+            forks=list(self.forks),
+        )
+
+
+def follow(model: Model, frame: Frame, x: Any, tilt: Any) -> list[Way]:
+    """The ways of a return from phi_S = x + tilt (p - centre) + s on the section.
+
+    Raises
+    ------
+    Undecided
+        If more than one decision is open over the box, or one of another kind.
+    """
+    phi_s = start(frame, x, tilt)
+    if sign(model.limits[0] - phi_s) != 1:
+        raise Undecided("the beak may touch the pole at the start")
+    motion = Motion([ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0])
+    motion.held, motion.before = frozenset({1}), motion.states
+    todo, found = _settled(model, motion, {1}), []
+    while todo:
+        current = todo.pop()
+        for after in _next(model, current):
+            if after.log[-1].guard == SECTION:
+                found.append(_way(after))
+            else:
+                todo.append(after)
+        if len(current.log) > MOST_EVENTS:
+            raise Undecided("the toy does not return within so many events")
+    return sorted(found, key=lambda way: [-side for _, side in way.forks])
+
+
+def _way(motion: Motion) -> Way:
+    image, drop = motion.q[2], -motion.q[0]
+    return Way(
+        word(motion.codes), tuple(motion.log), image, motion.time, drop, tuple(motion.forks)
+    )
+
+
+def _guard(model: Model, motion: Motion, states: State, guard: int) -> Guard:
+    """A guard of a mode where a phase begins, with its exact zeros."""
+    kind, i = guard // 3 * 3, guard % 3
+    mode, q, u = model.mode(states), motion.q, motion.u
+    d0, d1 = q[2] - q[1], u[2] - u[1]
+    order, assumed = 0, False
+    if guard == SECTION:
+        d2 = mode.alpha + mode.kappa * d0
+        f0 = ZERO if box(d1).is_zero() else d1
+        return Guard(guard, (f0, d2, mode.kappa * d1, mode.kappa * d2), int(f0 is ZERO), mode.kappa)
+    if kind == GAP:
+        j, side = ANGLE[i], int(SIGN[i])
+        order = motion.orders[i]
+        if order == 2 and motion.fired == NORMAL + i and _only_opens(motion.before, states, i):
+            order = 3
+        a, b = mode.a[j], mode.b[j]
+        jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
+        assumed = order == 0 or motion.leaves == i
+    elif kind == SLIP:
+        side = 1 if states[i] == SLIP_POSITIVE else -1
+        w = [x * side for x in model.tangents[i]]
+        along = sum_of(w[k] * mode.b[k] for k in range(3))
+        steady = sum_of(w[k] * mode.a[k] for k in range(3))
+        d2 = mode.alpha + mode.kappa * d0
+        speed = sum_of(w[k] * u[k] for k in range(3))
+        jet = [speed, steady + along * d0, along * d1, along * d2]
+        if i in motion.held:
+            edge = CONE_POSITIVE if states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
+            order = 2 if motion.fired == edge + i else 1
+    else:
+        p, r = _force(model, mode.forces[i], kind, i)
+        d2 = mode.alpha + mode.kappa * d0
+        jet = [p + r * d0, r * d1, r * d2, r * mode.kappa * d1]
+        order = int(guard == motion.fired and states == motion.before)
+        assumed = guard == NORMAL + motion.stays
+    for k in range(order):
+        jet[k] = ZERO
+    return Guard(guard, (jet[0], jet[1], jet[2], jet[3]), order, mode.kappa, assumed)
+
+
+def _only_opens(before: State, states: State, i: int) -> bool:
+    """Whether the contacts but i are in the states that they had."""
+    return all(states[k] == before[k] for k in range(3) if k != i)
+
+
+def _force(model: Model, forces: Sequence[Any], kind: int, i: int) -> tuple[Any, Any]:
+    """The constant and the rate in d of a guard on contact forces."""
+    p_n, r_n, p_t, r_t = forces
+    if kind == NORMAL:
+        return p_n, r_n
+    mu, side = ball(model.equations.mu[i]), 1 if kind == CONE_POSITIVE else -1
+    return mu * p_n - p_t * side, mu * r_n - r_t * side
+
+
+def _next(model: Model, motion: Motion) -> list[Motion]:
+    """The motions at the start of the next phase, or at the return."""
+    guards = [
+        _guard(model, motion, motion.states, code)
+        for code in watched(tuple(Contact(s) for s in motion.states))
+    ]
+    guesses = {guard.code: _guess(guard) for guard in guards}
+    first = min(guards, key=lambda guard: guesses[guard.code])
+    if guesses[first.code] == math.inf:
+        raise Undecided("no event follows: the toy falls freely, or rests")
+    fires = _fires(first, guesses[first.code])
+    end = box(fires.time).upper()
+    if not end > 0:
+        raise Undecided("an event may lie in the past")
+    rivals = [guard for guard in guards if guard is not first and not _survives(guard, end)]
+    if rivals:
+        return _meeting(model, motion, first, fires, rivals, guesses)
+    if not fires.lands and not _survives(first, fires.bracket.lower(), fires.bracket):
+        raise Undecided(f"{name_of(first.code)} may fire earlier")
+    return _arrive(model, _moved(model, motion, first.code, fires))
+
+
+def _meeting(
+    model: Model, motion: Motion, first: Guard, fires: Crossing, rivals: list[Guard],
+    guesses: dict[int, float],
+) -> list[Motion]:  # fmt: skip
+    """Two gaps close nearly at once: both ways.
+
+    Both gaps are positive until then and fall while they close, so the second one is positive when
+    the first one closes if and only if it closes later.
+    """
+    second = rivals[0]
+    if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
+        raise Undecided(f"{name_of(second.code)} may fire before {name_of(first.code)}")
+    other = crossing(second, guesses[second.code])
+    span = fires.bracket.union(other.bracket)
+    for guard in (first, second):
+        if not _survives(guard, span.lower(), span):
+            raise Undecided(f"{name_of(guard.code)} may fire earlier")
+    fork = Fork(ForkKind.MEETING, second.at(fires.time), (first.code + 1, second.code + 1))
+    found = []
+    for side, guard, ends in ((1, first, fires), (-1, second, other)):
+        way = motion.copy()
+        way.forks.append((fork, side))
+        found += _arrive(model, _moved(model, way, guard.code, ends))
+    return found
+
+
+def _guess(guard: Guard) -> float:
+    """About when a guard fires from the centre of the box; inf if it does not."""
+    f0, f1, f2, f3 = (float(centre(f)) for f in guard.jet)
+    kappa = float(centre(guard.kappa))
+    omega = math.sqrt(abs(kappa))
+    if guard.code == SECTION:
+        angle = math.atan2(-f0, f1 / omega)
+        return (angle if angle > 0.0 else angle + 2.0 * math.pi) / omega
+    leading = guard.jet[guard.order]
+    if guard.assumed and sign(leading) is None:
+        if guard.order == 0 and f1 < 0.0:
+            return -f0 / f1
+        if guard.order == 2 and f3 < 0.0:
+            return -3.0 * f2 / f3
+    return float(first_root(max(0.0, f0), f1, f2, f3, kappa, omega, math.inf))
+
+
+def _fires(guard: Guard, guess: float) -> Crossing:
+    """When a guard fires."""
+    if guard.code == SECTION:
+        return crossing(guard, guess, falls=1)
+    if guard.code < NORMAL and guard.order == 2:
+        lands = landing(guard, guess)
+        if lands is not None:
+            return lands
+    return crossing(guard, guess)
+
+
+def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
+    """Whether a guard does not fire in (0, end], or until it falls in a range of times.
+
+    That of the section fires where the bird's velocity rises through zero.
+    """
+    if guard.code == SECTION:
+        return not end > 0 or _no_turn(guard, end)
+    if end > 0:
+        return guard.lasts(end)
+    return falling is not None and sign(guard.over(ZERO.union(falling), 1)) == -1
+
+
+def _no_turn(guard: Guard, end: Any) -> bool:
+    """Whether the bird does not turn upward in (0, end]: nowhere u = 0 and u' >= 0."""
+    parts, tiny = [(ZERO, end)], end / 2**20
+    while parts:
+        a, b = parts.pop()
+        t = a.union(b)
+        value, slope = guard.over(t), guard.over(t, 1)
+        if sign(value) or slope < 0:
+            continue
+        if slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.at(b)) == -1):
+            continue  # it starts at rest, and rises; or it is still negative in the end
+        if b - a < tiny:
+            return False
+        middle = ((a + b) / 2).mid()
+        parts += [(a, middle), (middle, b)]
+    return True
+
+
+def _moved(model: Model, motion: Motion, fired: int, fires: Crossing) -> Motion:
+    """The motion at the end of a phase, before its event."""
+    t = fires.time
+    after = motion.copy()
+    mode, states = model.mode(motion.states), motion.states
+    q, u = motion.q, motion.u
+    d0, d1 = q[2] - q[1], u[2] - u[1]
+    _, s1, s2, s3, s4 = stumpff(mode.kappa, t)
+    once = d0 * s1 + d1 * s2 + mode.alpha * s3
+    twice = d0 * s2 + d1 * s3 + mode.alpha * s4
+    half = t * t / 2
+    for j in range(3):
+        a, b = mode.a[j], mode.b[j]
+        after.q[j] = q[j] + u[j] * t + a * half + b * twice
+        after.u[j] = u[j] + a * t + b * once
+    for i in range(3):
+        if states[i] != OPEN:
+            _touch(model, after, i)
+            after.u[ANGLE[i]] = ZERO
+    for i in range(3):
+        if states[i] == STICK or (states[i] != OPEN and fired == SLIP + i):
+            _hold(model, after, i)
+    after.time = motion.time + t
+    after.log.append(Fired(fired, fires.bracket))
+    after.fired, after.before = fired, states
+    after.lands = fired if fires.lands else NO_GUARD
+    after.leaves = after.stays = NO_GUARD
+    return after
+
+
+def _touch(model: Model, motion: Motion, i: int) -> None:
+    motion.q[ANGLE[i]] = model.limits[i]
+
+
+def _hold(model: Model, motion: Motion, i: int) -> None:
+    """Make the slip of a contact exactly zero through the velocity of the sleeve."""
+    _, w_m, w_s = model.tangents[i]
+    motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
+
+
+def _arrive(model: Model, motion: Motion) -> list[Motion]:
+    """The event that ends a phase, and the start of the next one."""
+    fired, states = motion.fired, motion.states
+    if fired == SECTION:
+        return [motion]
+    closed = {i for i in range(3) if states[i] != OPEN}
+    if fired < NORMAL:
+        return _strike(model, motion, sorted(closed | {fired}))
+    slides = fired >= SLIP
+    motion.held = frozenset(i for i in closed if states[i] == STICK or slides)
+    motion.orders = [2 if i in closed else 0 for i in range(3)]
+    return _settled(model, motion, closed)
+
+
+def _strike(model: Model, motion: Motion, contacts: list[int]) -> list[Motion]:
+    """An impact, and the start of the next phase."""
+    u, striking = motion.u, motion.fired
+    free: list[Any] = []
+    for i in contacts:
+        j = ANGLE[i]
+        rate = model.levers[i] * int(SIGN[i])
+        free.append(u[j] * rate if i == striking else ZERO)
+        still = motion.states[i] == STICK
+        free.append(ZERO if still else sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True)))
+    visible = sign(free[2 * contacts.index(striking)]) == -1
+    approaches = not visible and motion.lands == striking and len(contacts) == 1
+    if not visible and not approaches:
+        raise Undecided(f"contact {striking + 1} may only graze")
+    first = impulses_of(model, contacts, free, None, approaches)
+    floors = [_floor(model.equations.eps[i], first.impulses[2 * k]) for k, i in enumerate(contacts)]
+    second = None
+    if any(sign(floor) != 0 for floor in floors):
+        if any(sign(floor) is None for floor in floors):
+            raise Undecided("an impact may store no impulse")
+        second = impulses_of(model, contacts, first.velocities, floors, False)
+    last = second or first
+    for k, i in enumerate(contacts):
+        for n in range(2):
+            impulse = first.impulses[2 * k + n]
+            if second is not None:
+                impulse = impulse + second.impulses[2 * k + n]
+            for j in range(3):
+                u[j] = u[j] + model.responses[2 * i + n][j] * impulse
+    marks, mask, closed = [0, 0], 0, set()
+    motion.orders, held = [0, 0, 0], set()
+    for k, i in enumerate(contacts):
+        mask += 1 << i
+        case = last.cases[k]
+        marks[k] = mark(first.cases[k], None if second is None else second.cases[k], floors[k])
+        _touch(model, motion, i)
+        motion.orders[i] = 2 if case // 3 == REST else 1
+        if case // 3 == REST:
+            closed.add(i)
+            u[ANGLE[i]] = ZERO
+        if case % 3 == HOLD:
+            held.add(i)
+    for i in held:
+        _hold(model, motion, i)
+    motion.codes.append(64 * (marks[0] + MARKS * marks[1]) + 8 * IMPACT + mask)
+    motion.before = _state(
+        motion.states[i] if motion.states[i] != OPEN or i not in closed else SLIP_POSITIVE
+        for i in range(3)
+    )
+    plastic = len(contacts) == 1 and sign(floors[0]) == 0
+    motion.fired, motion.held = NO_GUARD, frozenset(held & closed)
+    if not approaches or not plastic:
+        motion.lands = NO_GUARD
+    return _settled(model, motion, closed, plastic)
+
+
+def _floor(eps: Any, impulse: Any) -> Any:
+    """The least impulse of the expansion; exactly zero where either is."""
+    return ZERO if sign(eps) == 0 or sign(impulse) == 0 else eps * impulse
+
+
+def _state(states: Iterable[int]) -> State:
+    first, second, third = states
+    return first, second, third
+
+
+def _settled(model: Model, motion: Motion, closed: set[int], plastic: bool = False) -> list[Motion]:
+    """The contact problem on acceleration level: the mode that starts now, or two of them.
+
+    Every combination of states of the contacts that touch and stay is tried: each guard of theirs
+    must be positive right after now, by its first derivative that is not exactly zero.
+    """
+    slips = {i: 0 if i in motion.held else _slip(model, motion, i) for i in closed}
+    options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
+    trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
+    verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
+    open_ = [trial for trial in trials if verdicts[trial] is None]
+    if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
+        return _stays_or_leaves(model, motion, *closed, trials)
+    chosen = only(
+        ((verdicts[trial], lambda trial=trial: trial) for trial in trials), "a contact problem"
+    )
+    stays = motion.lands
+    return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
+
+
+def _stays_or_leaves(
+    model: Model, motion: Motion, i: int, trials: list[State]
+) -> list[Motion]:
+    """A contact without approach and with a force near zero: both ways.
+
+    The acceleration of its gap if it opens is minus the force if it stays, times the response
+    G = G_NN -+ mu G_NT > 0.
+    """
+    stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
+    n, t = 2 * i, 2 * i + 1
+    mu = ball(model.equations.mu[i])
+    friction = -mu if stay[i] == SLIP_POSITIVE else mu
+    if sign(model.delassus[n][n] + friction * model.delassus[n][t]) != 1:
+        raise Undecided("a contact may be neither left nor held")
+    force = _guard(model, motion, stay, NORMAL + i).jet[0]
+    fork = Fork(ForkKind.REST, force, (i + 1,))
+    found = []
+    for side, trial in ((1, stay), (-1, leave)):
+        way = motion.copy()
+        way.forks.append((fork, side))
+        found.append(
+            _set_off(
+                way, trial, stays=i if side == 1 else NO_GUARD, leaves=i if side == -1 else NO_GUARD
+            )
+        )
+    return found
+
+
+def _slip(model: Model, motion: Motion, i: int) -> int:
+    """The direction of slip."""
+    s = sign(sum_of(w * v for w, v in zip(model.tangents[i], motion.u, strict=True)))
+    if not s:
+        raise Undecided(f"contact {i + 1} may slip or not")
+    return s
+
+
+def _options(slip: int) -> list[int]:
+    if slip == 0:
+        return [STICK, SLIP_POSITIVE, SLIP_NEGATIVE, OPEN]
+    return [SLIP_POSITIVE if slip > 0 else SLIP_NEGATIVE, OPEN]
+
+
+def _moves_as_one(trial: Sequence[int]) -> bool:
+    """Two closed contacts share the velocity of the sleeve."""
+    return len({state for state in trial if state != OPEN}) <= 1
+
+
+def _admissible(model: Model, motion: Motion, closed: set[int], trial: State) -> bool | None:
+    if sum(state == STICK for state in trial) == 2:
+        if rests(model, max(closed), motion.q[2] - motion.q[1]) is False:
+            return False
+        raise Undecided("the toy may come to rest")
+    conditions: list[Any] = []
+    for i in closed:
+        if trial[i] == OPEN:
+            codes = [GAP + i]
+        elif trial[i] == STICK:
+            codes = [CONE_POSITIVE + i, CONE_NEGATIVE + i]
+        else:
+            codes = [NORMAL + i] + ([SLIP + i] if i in motion.held else [])
+        if motion.lands == i:  # its acceleration towards the pole is known, and so is its force
+            conditions.append(-1 if trial[i] == OPEN else 1)
+            codes = codes[1:]
+        for code in codes:
+            guard = _guard(model, motion, trial, code)
+            conditions.append(guard.jet[guard.order])
+    return verdict(conditions)
+
+
+def _set_off(
+    motion: Motion, states: State, stays: int = NO_GUARD, leaves: int = NO_GUARD
+) -> Motion:
+    """The next phase with these contact states, and the symbols of what has changed."""
+    before, fired = motion.before, motion.fired
+    for i in range(3):
+        code = None
+        if states[i] == OPEN:
+            code = DETACH if before[i] != OPEN else None
+        elif states[i] == STICK:
+            code = STICK_START if before[i] != STICK else None
+        elif before[i] == STICK:
+            code = SLIP_START
+        elif fired >= SLIP and states[i] != before[i]:
+            code = REVERSAL
+        if code is not None:
+            motion.codes.append(8 * code + (1 << i))
+    motion.states, motion.stays, motion.leaves, motion.lands = states, stays, leaves, NO_GUARD
+    return motion
+
+
+def name_of(guard: int) -> str:
+    """A guard as text, such as ``"gap 2"``."""
+    kind = KINDS[guard // 3]
+    return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"
