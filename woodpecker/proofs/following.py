@@ -168,15 +168,24 @@ class Motion:
         )
 
 
-def follow(model: Model, frame: Frame, x: Any, tilt: Any) -> list[Way]:
-    """The ways of a return from phi_S = x + tilt (p - centre) + s on the section.
+def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
+    """The ways of a return from phi_S on a curve over the parameter, plus s, on the section.
+
+    Parameters
+    ----------
+    model
+        Of the toy, with its parameter in the same frame.
+    frame
+        The box.
+    curve
+        Coefficients of powers of p - centre.
 
     Raises
     ------
     Undecided
         If more than one decision is open over the box, or one of another kind.
     """
-    phi_s = start(frame, x, tilt)
+    phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
         raise Undecided("the beak may touch the pole at the start")
     motion = Motion([ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0])

@@ -7,134 +7,58 @@ With Stumpff's functions s_k(t) = t^k c_k(kappa t^2), where c_k(x) = 1/k! + x/(k
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 
-from woodpecker.proofs.forms import Form, Undecided, box, centre, implicit, of_two, sign
+from woodpecker.proofs.forms import (
+    ALONG,
+    VALUE,
+    Form,
+    Undecided,
+    box,
+    centre,
+    chained,
+    sign,
+)
+from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
+from woodpecker.proofs.taylor import ZERO, Taylor, constant, inverse
 
-ZERO = arb(0)
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
 
-def stumpff(kappa: Any, t: Any) -> list[Any]:
-    """s_0 .. s_4 of balls or forms.
+def stumpff(kappa: Any, t: Any, last: int = 4) -> list[Any]:
+    """s_0 .. s_last of balls or forms."""
+    if isinstance(kappa, Form):
+        return _moving(kappa, t, last)
+    if not isinstance(t, Form):
+        return stumpff_balls(kappa, t, last)
+    curve = stumpff_models(kappa, t.parts[VALUE], last)
+    near = stumpff_models(kappa, t.near[VALUE], last)
+    return [
+        chained(t, curve[k + 2], near[k + 1], lambda k=k: near[k])  # type: ignore[misc]
+        for k in range(last + 1)
+    ]
 
-    d s_k / d kappa = (t s_(k+1) - k s_(k+2)) / 2.
-    """
-    if not isinstance(kappa, Form) and not isinstance(t, Form):
-        return _balls(kappa, t, 4)
-    mids = _balls(centre(kappa), centre(t), 4)
-    k, time = box(kappa), box(t)
-    if not isinstance(kappa, Form):
-        over = _balls(k, time, 4)
-        return [
-            t.through(
-                (mids[n], mids[n - 1] if n > 0 else k * mids[1]),
-                over[n],
-                over[n - 1] if n > 0 else k * over[1],
-                over[n - 2] if n > 1 else k * over[n],
-            )
-            for n in range(5)
-        ]
-    over, mids = _balls(k, time, 8), _balls(centre(kappa), centre(t), 6)
-    still = kappa * ZERO + t if not isinstance(t, Form) else t
-    found = []
-    for n in range(5):
-        ahead = over[n - 1] if n > 0 else k * over[1]
-        before = over[n - 2] if n > 1 else k * over[n]
-        turn = [_turn(over, time, m) for m in (n, n + 1, n + 2)]
-        mixed = (over[n + 1] + time * over[n] - n * over[n + 1]) / 2
-        middle = mids[n - 1] if n > 0 else centre(kappa) * mids[1]
-        found.append(
-            of_two(
-                kappa,
-                still,
-                (mids[n], _turn(mids, centre(t), n), middle),
-                over[n],
-                (turn[0], ahead),
-                ((time * turn[1] - n * turn[2]) / 2, mixed, before),
-            )
-        )
+
+def _moving(kappa: Form, t: Any, last: int) -> list[Form]:
+    """The same where the parameter moves kappa: t^k c_k(kappa t^2)."""
+    found, power = [], kappa * ZERO + 1
+    for c in shapes(kappa * (t * t), last):
+        found.append(power * c)
+        power = power * t
     return found
 
 
-def _turn(s: list[Any], t: Any, n: int) -> Any:
-    """The derivative of s_n in kappa."""
-    return (t * s[n + 1] - n * s[n + 2]) / 2
-
-
-def shapes(kappa: Any, t: Any) -> list[Any]:
-    """c_0 .. c_7 at kappa t^2, for |kappa| t^2 < 1; forms where kappa is one."""
-    if not isinstance(kappa, Form):
-        return _series(kappa * t * t, 7)
-    x = kappa * (t * t)
-    mids, over = _series(centre(x), 9), _series(x.box, 11)
-    found = []
-    for k in range(8):
-        slope, bend = _shape_slope(over, k), (_shape_slope(over, k + 1) - k * _shape_slope(over, k + 2)) / 2
-        found.append(x.through((mids[k], _shape_slope(mids, k)), over[k], slope, bend))
-    return found
-
-
-def _shape_slope(c: list[Any], k: int) -> Any:
-    """d c_k / dx = (c_(k+1) - k c_(k+2)) / 2."""
-    return (c[k + 1] - k * c[k + 2]) / 2
-
-
-def _balls(kappa: Any, t: Any, last: int) -> list[Any]:
-    """s_0 .. s_last of balls."""
-    x = kappa * t * t
-    if abs(x) < 1:
-        shapes = _series(x, last)
-        power, found = arb(1), []
-        for n in range(last + 1):
-            found.append(power * shapes[n])
-            power = power * t
-        return found
-    found = _closed(kappa, t, last)
-    if t.is_exact():
-        return found
-    middle, step = _closed(kappa, t.mid(), last), t - t.mid()
-    for n in range(1, last + 1):
-        found[n] = found[n].intersection(middle[n] + found[n - 1] * step)
-    return found
-
-
-def _series(x: Any, last: int) -> list[Any]:
-    """c_0 .. c_last of a ball |x| < 1; the tail of each sum is a geometric series."""
-    found = [arb(0)] * (last + 1)
-    size = abs(x).upper()
-    for n in (last, last - 1):
-        total, term, k = arb(0), arb(1) / math.factorial(n), n
-        while not abs(term).upper() < arb(2) ** (-ctx.prec - 8):
-            total = total + term
-            term = term * x / ((k + 1) * (k + 2))
-            k += 2
-        tail = (abs(term).upper() / (1 - size / ((k + 1) * (k + 2)))).upper()
-        found[n] = total + arb(0, tail)
-    for n in range(last - 2, -1, -1):
-        found[n] = arb(1) / math.factorial(n) + x * found[n + 2]
-    return found
-
-
-def _closed(kappa: Any, t: Any, last: int) -> list[Any]:
-    if kappa < 0:
-        omega = (-kappa).sqrt()
-        s, c = (omega * t).sin_cos()
-    elif kappa > 0:
-        omega = kappa.sqrt()
-        s, c = (omega * t).sinh_cosh()
-    else:
-        raise Undecided("the sign of an oscillator's stiffness is open")
-    found = [c, s / omega]
-    power = arb(1)  # t^n / n!
-    for n in range(2, last + 1):
-        found.append((found[n - 2] - power) / kappa)
-        power = power * t / (n - 1)
-    return found
+def shapes(x: Any, last: int) -> list[Any]:
+    """c_0 .. c_last of a form."""
+    curve, near = shape_models(x.parts[VALUE], last), shape_models(x.near[VALUE], last)
+    return [
+        chained(x, curve[0][k], near[1][k], lambda k=k: near[2][k])  # type: ignore[misc]
+        for k in range(last + 1)
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,14 +89,13 @@ class Guard:
     def at(self, t: Any, derivative: int = 0) -> Any:
         """The guard, or a derivative of it, at a time; forms where anything is one."""
         f0, f1, f2, f3 = self.jet
-        s = stumpff(self.kappa, t)
-        return _value(f0, f1, f2, f3, self.kappa, s, t, derivative)
+        return _value(f0, f1, f2, f3, self.kappa, stumpff(self.kappa, t), t, derivative)
 
     def over(self, t: Any, derivative: int = 0) -> Any:
         """Range of the same over a ball of times and the whole box."""
         f0, f1, f2, f3 = (box(f) for f in self.jet)
         k = box(self.kappa)
-        return _value(f0, f1, f2, f3, k, _balls(k, t, 4), t, derivative)
+        return _value(f0, f1, f2, f3, k, stumpff_balls(k, t, 4), t, derivative)
 
     def lasts(self, end: Any) -> bool:
         """Whether it is proved positive on (0, end], for an exact end > 0."""
@@ -243,8 +166,8 @@ class Crossing(NamedTuple):
     time
         As a form.
     bracket
-        A ball of times in which the guard crosses once from every start of the box: its derivative
-        has one sign there, and its values at both ends differ in sign.
+        A ball of times in which the guard crosses once from every start of the box, and in which
+        its derivative has one sign.
     lands
         Whether it is the end of a flight that began at rest.
     """
@@ -262,52 +185,93 @@ def crossing(guard: Guard, guess: float, falls: int = -1) -> Crossing:
     Undecided
         If this could not be shown.
     """
-    mid = _refined(guard, guess)
-    slope = centre(guard.at(mid, 1))
-    if sign(slope) != falls:
-        raise Undecided("a guard turns where it fires")
-    value = guard.at(mid)
-    if not isinstance(value, Form):
-        return Crossing(mid, mid)
-    frame = value.frame
-    reach = abs((value.d[0] * frame.s + value.d[1] * frame.p) / slope).upper()
-    reach = (reach * arb(1.05) + arb(2) ** (20 - ctx.prec)).upper()
-    for _ in range(6):
-        low, high = (mid - reach).lower(), (mid + reach).upper()
-        time = low.union(high)
-        speed = guard.over(time, 1)
-        if sign(speed) != falls:
+    return Crossing(*zero(guard.at, guard.over, guess, falls))
+
+
+def zero(
+    at: Callable[..., Any], over: Callable[..., Any], guess: float, falls: int
+) -> tuple[Form, Any]:
+    """The zero of a function of time over a box, as a form, and a bracket.
+
+    Parameters
+    ----------
+    at
+        The function and its derivatives at a time, which may be a form.
+    over
+        Their ranges over a ball of times and the whole box.
+    guess
+        Where it is at the centre of the box, about.
+    falls
+        The sign that its derivative must have.
+    """
+    near = _approximate(at, guess)
+    value, speed = at(near), at(near, 1)
+    if sign(speed) != falls:
+        raise Undecided("a guard may turn where it fires")
+    residual, head = value.box, near.parts[VALUE].head
+    reach = (abs(residual / speed.box) * arb(1.5) + arb(2) ** (20 - ctx.prec)).upper()
+    for _ in range(8):
+        wide = (reach * 8 + arb(0.2) * (head - head.mid())).upper()
+        bracket = head + arb(0, wide)
+        slope = over(bracket, 1)
+        if sign(slope) != falls:
             raise Undecided("a guard may turn where it fires")
-        ends = sign(guard.at(low)), sign(guard.at(high))
-        if ends == (-falls, falls):
-            over, along = guard.at(time), guard.at(time, 1)
-            bend = guard.over(time, 2)
-            return Crossing(implicit(mid, time, value, slope, over, along, bend), time)
+        if abs(residual / slope) < reach:
+            return _form(at, near, slope, arb(0, reach)), bracket
         reach = (reach * 2).upper()
     raise Undecided("the time of an event has no enclosure")
 
 
-def _refined(guard: Guard, guess: float) -> Any:
-    """The zero near a guess at the centre of the box, as a ball that contains it."""
-    f0, f1, f2, f3 = (centre(f) for f in guard.jet)
-    k, t = centre(guard.kappa), arb(guess)
+def _approximate(at: Callable[..., Any], guess: float) -> Form:
+    """A polynomial near the zero on the curve: Newton's method on Taylor models, without rests."""
+    value = at(arb(guess))
+    frame = value.frame
+    t = Form(frame, [constant(frame.span, arb(guess)), *_nothing(frame)])
+    correct = 0  # coefficients that are right but for rounding
     for _ in range(60):
-        s = _balls(k, t, 3)
-        value = _value(f0, f1, f2, f3, k, s, t, 0)
-        slope = _value(f0, f1, f2, f3, k, s, t, 1)
-        step = value / slope
-        if not step.is_finite():
-            raise Undecided("the time of an event has no enclosure")
-        t = (t - step).mid()
-        if abs(step.mid()) < arb(2) ** (12 - ctx.prec):
+        value, speed = at(t).parts[VALUE], at(t, 1).parts[VALUE]
+        if speed.poly[0].contains(0):
+            raise Undecided("a guard turns where it fires")
+        step = _thin(value) * inverse(_thin(speed))
+        poly = t.parts[VALUE].poly - step.poly
+        poly = arb_poly([c.mid() for c in poly.coeffs()])
+        t = Form(frame, [Taylor(frame.span, poly, ZERO), *_nothing(frame)])
+        if abs(step.poly[0].mid()) < arb(2) ** (12 - ctx.prec):
+            correct = 1 if correct == 0 else 2 * correct
+            if correct >= frame.terms:
+                return t
+        elif not step.poly[0].is_finite():
             break
-    for widen in range(4, 64, 6):
-        ball = t + arb(0, arb(2) ** (widen - ctx.prec))
-        slope = _value(f0, f1, f2, f3, k, _balls(k, ball, 3), ball, 1)
-        value = _value(f0, f1, f2, f3, k, _balls(k, t, 3), t, 0)
-        if not sign(slope):
-            break
-        newton = t - value / slope
-        if ball.contains_interior(newton):
-            return newton.intersection(ball)
     raise Undecided("the time of an event has no enclosure")
+
+
+def _thin(f: Taylor) -> Taylor:
+    return Taylor(f.span, arb_poly([c.mid() for c in f.poly.coeffs()]), ZERO)
+
+
+def _nothing(frame: Any) -> Sequence[Taylor]:
+    return [constant(frame.span, ZERO)] * (frame.depth - 1)
+
+
+def _form(at: Callable[..., Any], near: Form, slope: Any, reach: Any) -> Form:
+    """The zero near a polynomial: its derivatives are those of an implicit function.
+
+    With f(t, s, p) = 0: t_i = -f_i / f_t and t_ij = -(f_ij + f_it t_j + f_jt t_i + f_tt t_i t_j) / f_t.
+    """
+    frame = near.frame
+    there = near.parts[VALUE].widened(reach)  # the time, for all s
+    fixed = Form(frame, [there, *_nothing(frame)])
+    value, speed = at(fixed), at(fixed, 1)
+    over = inverse(speed.near[VALUE])
+    on_curve = near.parts[VALUE].widened(at(near).parts[VALUE].box / -slope)
+    found = [on_curve]
+    bend: Taylor | None = None
+    for along in ALONG[1 : frame.depth]:
+        part = value.parts[ALONG.index(along)]
+        if len(along) == 2:
+            bend = at(fixed, 2).near[VALUE] if bend is None else bend
+            i, j = along[0] + 1, along[1] + 1
+            part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
+            part = part + bend * found[i] * found[j]
+        found.append(-part * over)
+    return Form(frame, found)
