@@ -1,0 +1,292 @@
+"""Boxes in which there is exactly one cycle for every value of the parameter.
+
+A cycle x_0 .. x_(n-1) of returns is looked for in tubes |x_i - curve_i(p)| <= radius_i. With
+s_i = x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is how far the
+return from the curve misses the next curve and slope_i holds all derivatives in the tube. If what
+follows from these for s lies inside the tubes, there is one cycle in them and no other one: the
+interval Newton operator on the equations of multiple shooting [Neumaier1990; Tucker2011]. It holds
+for Lipschitz maps as well, with all slopes of both ways where a word changes [Neumaier1990, sec. 5].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from flint import arb, arb_poly, fmpq
+
+from woodpecker.mechanics.toy import Toy
+from woodpecker.proofs.following import ForkKind, Way, follow
+from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S, Undecided
+from woodpecker.proofs.model import Model
+from woodpecker.proofs.taylor import ZERO, Taylor, inverse
+
+DIGITS = 30  # decimals of the numbers that describe a tube
+GROWTH = 3  # by how much a tube is wider than what was found in it, when it was too narrow
+TRIES = 4  # of such widenings
+STEPS = 12  # of Newton's method at most
+CLOSE = 1e-15  # rad: a step that changes nothing
+
+
+class Tube(NamedTuple):
+    """Starts near a curve over the parameter.
+
+    Attributes
+    ----------
+    curve
+        Coefficients of powers of p - centre.
+    radius
+        How far from the curve [rad].
+    """
+
+    curve: tuple[Fraction, ...]
+    radius: Fraction
+
+
+class Interval(NamedTuple):
+    """A closed interval with rational ends."""
+
+    low: Fraction
+    high: Fraction
+
+    @property
+    def centre(self) -> Fraction:
+        """Its middle."""
+        return (self.low + self.high) / 2
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Tubes in which there is exactly one cycle for every parameter in an interval: proved.
+
+    Attributes
+    ----------
+    p
+        The interval.
+    tubes
+        One for each point of the cycle.
+    ways
+        Of the return from each tube: one, or two where a word changes.
+    off
+        Balls: how far the points are from their curves.
+    slopes
+        Ranges of the derivative of each return in its tube.
+    turn
+        Range of the derivative of the multiplier along the cycle; None if it was not asked for.
+    """
+
+    p: Interval
+    tubes: tuple[Tube, ...]
+    ways: tuple[tuple[Way, ...], ...]
+    off: tuple[Any, ...]
+    slopes: tuple[Any, ...]
+    turn: Any = None
+
+    @property
+    def multiplier(self) -> Any:
+        """Range of the multiplier."""
+        return _product(self.slopes)
+
+    @property
+    def period(self) -> Any:
+        """Range of the period [s]."""
+        return sum((_hull([way.period.box for way in ways]) for ways in self.ways), ZERO)
+
+    @property
+    def drop(self) -> Any:
+        """Range of the way down [m]."""
+        return sum((_hull([way.drop.box for way in ways]) for ways in self.ways), ZERO)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Words of the cycle: one, or on both sides of a change."""
+        if all(len(ways) == 1 for ways in self.ways):
+            return (" | ".join(ways[0].word for ways in self.ways),)
+        return tuple(" | ".join(ways[min(k, len(ways) - 1)].word for ways in self.ways) for k in (0, 1))
+
+    def at(self, p: Fraction, point: int = 0) -> Any:
+        """A ball that holds a point of the cycle at a value of the parameter."""
+        away = number(p - self.p.centre)
+        return arb_poly([number(c) for c in self.tubes[point].curve])(away) + self.off[point]
+
+
+def number(x: Fraction) -> Any:
+    """The ball of a rational number."""
+    return arb(fmpq(x.numerator, x.denominator))
+
+
+def decimal(x: Any, digits: int = DIGITS) -> Fraction:
+    """A number rounded to so many decimals."""
+    mantissa, exponent = x.mid().man_exp()
+    exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    return Fraction(round(exact * 10**digits), 10**digits)
+
+
+def proved(
+    toy: Toy, parameter: str, p: Interval, tubes: Sequence[Tube], terms: int = 1, turns: bool = False
+) -> Piece:
+    """Prove that there is exactly one cycle in tubes, for every parameter in an interval.
+
+    Parameters
+    ----------
+    terms
+        Coefficients of the Taylor models along the curves.
+    turns
+        Whether the derivative of the multiplier is wanted.
+
+    Raises
+    ------
+    Undecided
+        If that could not be shown.
+    """
+    half = number((p.high - p.low) / 2)
+    ball, value = arb(0, half.upper()), number(p.centre)
+    ways, misses, slopes = [], [], []
+    for k, tube in enumerate(tubes):
+        frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
+        model = Model.of(toy, parameter, frame, value)
+        curve = [number(c) for c in tube.curve]
+        found = tuple(follow(model, frame, curve))
+        if any(fork.kind is not ForkKind.REST for way in found for fork, _ in way.forks):
+            raise Undecided("the map may jump")
+        if turns and len(found) > 1:
+            raise Undecided("the word may change")
+        following = _line(frame, tubes[(k + 1) % len(tubes)])
+        misses.append(_hull([(way.image.parts[VALUE] - following).box for way in found]))
+        slopes.append(_hull([way.image.parts[S].box for way in found]))
+        ways.append(found)
+    off = around(misses, slopes)
+    for tube, s in zip(tubes, off, strict=True):
+        if not abs(s) < number(tube.radius):
+            raise TooNarrow(off)
+    turn = _turn(tubes, [found[0] for found in ways], slopes) if turns else None
+    return Piece(p, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
+
+
+class TooNarrow(Undecided):
+    """What was found does not lie inside the tubes: balls for each point."""
+
+    def __init__(self, off: Sequence[Any]) -> None:
+        super().__init__("no cycle could be shown to lie in the tube")
+        self.off = off
+
+
+def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
+    """Solve s_(i+1) = e_i + slope_i s_i around a cycle; Undecided if the product may be 1."""
+    n, whole = len(e), 1 - _product(slopes)
+    if whole.contains(0):
+        raise Undecided("the multiplier may be 1")
+    found = []
+    for i in range(n):
+        total = ZERO
+        for k in range(i, i + n):  # once around, back to point i
+            total = e[k % n] + slopes[k % n] * total
+        found.append(total / whole)
+    return found
+
+
+def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> Any:
+    """Range of the derivative of the multiplier along the cycle.
+
+    The points move with s_i' = e_i' + slope_i s_i', and slope_i with f_sp + f_ss s_i'.
+    """
+    misses = []
+    for k, way in enumerate(ways):
+        following = _line(way.image.frame, tubes[(k + 1) % len(tubes)], rate=True)
+        misses.append((way.image.parts[P] - following).box)
+    moves = around(misses, slopes)
+    total = ZERO
+    for k, way in enumerate(ways):
+        image: Form = way.image
+        own = image.range(SP) + image.range(SS) * moves[k]
+        total = total + own * _product([*slopes[:k], *slopes[k + 1 :]])
+    return total
+
+
+def _line(frame: Frame, tube: Tube, rate: bool = False) -> Taylor:
+    """A tube's curve, or its derivative, as a Taylor model."""
+    poly = arb_poly([number(c) for c in tube.curve])
+    poly = poly.derivative() if rate else poly
+    n = frame.terms
+    rest = poly.right_shift(n)(frame.p) * frame.span.power if poly.degree() >= n else ZERO
+    return Taylor(frame.span, poly.truncate(n), rest)
+
+
+def _hull(balls: Sequence[Any]) -> Any:
+    whole = balls[0]
+    for ball in balls[1:]:
+        whole = whole.union(ball)
+    return whole
+
+
+def _product(factors: Sequence[Any]) -> Any:
+    total = arb(1)
+    for factor in factors:
+        total = total * factor
+    return total
+
+
+def curves_near(
+    toy: Toy, parameter: str, p: Interval, guesses: Sequence[Sequence[Any]], terms: int
+) -> list[tuple[Fraction, ...]]:
+    """Taylor polynomials of a cycle about the middle of an interval: no proof.
+
+    Newton's method on polynomials, each step doubles the number of coefficients that are right;
+    until a step changes nothing in the interval.
+
+    Parameters
+    ----------
+    guesses
+        For each point coefficients of a polynomial nearby, at least one.
+    """
+    frame, half = Frame(ZERO, ZERO, terms), number((p.high - p.low) / 2)
+    model = Model.of(toy, parameter, frame, number(p.centre))
+    curves = [arb_poly(list(guess)) for guess in guesses]
+    for _ in range(STEPS):
+        misses, slopes = [], []
+        for k, curve in enumerate(curves):
+            image = _nearest(follow(model, frame, curve.coeffs())).image.parts
+            misses.append(_thin(image[VALUE].poly - curves[(k + 1) % len(curves)], terms))
+            slopes.append(_thin(image[S].poly, terms))
+        steps = _series_around(frame, misses, slopes)
+        curves = [_thin(curve + step, terms) for curve, step in zip(curves, steps, strict=True)]
+        if all(_reach(step, half) < CLOSE for step in steps):
+            break
+    return [tuple(decimal(c) for c in curve.coeffs()) for curve in curves]
+
+
+def _reach(poly: Any, half: Any) -> Any:
+    """The most that a polynomial may be within half a length from zero."""
+    return sum((abs(c) * half**k for k, c in enumerate(poly.coeffs())), ZERO)
+
+
+def _nearest(ways: Sequence[Way]) -> Way:
+    """The way that the centre takes."""
+    return next(
+        (way for way in ways if all(side * fork.comparator.mid > 0 for fork, side in way.forks)),
+        ways[0],
+    )
+
+
+def _thin(poly: Any, terms: int) -> Any:
+    return arb_poly([c.mid() for c in poly.truncate(terms).coeffs()])
+
+
+def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
+    """The same as :func:`around` for series."""
+    n, terms = len(e), frame.terms
+    product = arb_poly([1])
+    for slope in slopes:
+        product = (product * slope).truncate(terms)
+    over = inverse(Taylor(frame.span, _thin(1 - product, terms), ZERO)).poly
+    found = []
+    for i in range(n):
+        total = arb_poly([])
+        for k in range(i, i + n):
+            total = (e[k % n] + slopes[k % n] * total).truncate(terms)
+        found.append(_thin(total * over, terms))
+    return found
+
+
