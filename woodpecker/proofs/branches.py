@@ -4,6 +4,11 @@ Each piece has exactly one cycle in its tubes for every parameter (:mod:`woodpec
 Where two pieces meet, what was found in one lies in the tubes of the other: so it is the same cycle
 there, and the branch has no gap. A flip is a piece along which the multiplier is monotone, between
 one where it is above -1 and one where it is below.
+
+Pieces are as long as Taylor polynomials reach. Where the sleeve all but grazes the pole, durations
+of phases, and with them everything else, bend within 1e-8 of the parameter; but over such a duration
+itself the branch is as smooth as elsewhere. So the parameter runs as the polynomial of the duration
+that bends most, the reversion of the duration's own series.
 """
 
 from __future__ import annotations
@@ -11,24 +16,33 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from itertools import count, pairwise
+from typing import Any, NamedTuple
 
-from flint import arb, arb_poly
+from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proofs.forms import Undecided, sign
+from woodpecker.proofs.following import follow
+from woodpecker.proofs.forms import VALUE, Frame, Undecided, sign
+from woodpecker.proofs.model import Model
 from woodpecker.proofs.pieces import (
     Interval,
+    Line,
     Piece,
     TooNarrow,
     Tube,
     curves_near,
     decimal,
+    nearest,
     number,
     proved,
+    value_of,
 )
+from woodpecker.proofs.taylor import ZERO
+from woodpecker.shooting import shoot
 
 Progress = Callable[[float], object]
+WIDEST = Fraction(1, 1000)  # rad: no tube is made wider than that
 
 
 @dataclass(frozen=True)
@@ -38,34 +52,45 @@ class March:
     Attributes
     ----------
     terms
-        Coefficients along the branch; 8 are twice as fast as 4 or 12 at eps_n1 = 1/2.
-    first, longest
-        Of the interval, the length of the first piece that is tried, and of the longest one.
-    shortest
-        Of the interval, the piece at which it is given up.
-    growth
-        From one piece to the next, if it was proved at once.
+        Coefficients along the branch.
+    part
+        Length of the first piece that is tried, in radii of convergence as the coefficients say.
+    longest
+        Of the interval, the longest piece.
+    shortest, leap
+        The piece at which it is given up, and the longest gap over which it is taken up again, in
+        units of the parameter.
+    smooth
+        A radius of convergence above which the parameter runs evenly.
     radius
         First radius of the tubes [rad]: near the rounding of what is computed.
     margin
-        Of what was found in a tube, how much wider the tube is made.
+        How much wider than what was found in it a tube is made, if it was too narrow.
     bits
         Precision.
     """
 
     terms: int = 8
-    first: float = 0.01
+    part: float = 0.5
     longest: float = 0.05
-    shortest: float = 1e-9
-    growth: float = 1.6
+    shortest: float = 1e-8
+    leap: float = 1e-6
+    smooth: float = 0.003
     radius: Fraction = Fraction(1, 10**14)
     margin: int = 2
     bits: int = 96
 
 
+class Gap(NamedTuple):
+    """An interval of the parameter in which nothing is proved, and why."""
+
+    p: Interval
+    reason: str
+
+
 @dataclass(frozen=True)
 class ProvedBranch:
-    """A branch without a gap over an interval of the parameter.
+    """A branch over an interval of the parameter.
 
     Attributes
     ----------
@@ -74,7 +99,9 @@ class ProvedBranch:
     parameter
         Name.
     pieces
-        In ascending order of the parameter; each begins where the one before ends.
+        In ascending order of the parameter; each begins where the one before ends, or after a gap.
+    gaps
+        Intervals between pieces in which nothing is proved, with the reason.
     flips
         Which of them hold a flip, exactly one each.
     """
@@ -82,6 +109,7 @@ class ProvedBranch:
     toy: Toy
     parameter: str
     pieces: tuple[Piece, ...]
+    gaps: tuple[Gap, ...]
     flips: tuple[int, ...]
 
     @property
@@ -108,146 +136,243 @@ def marched(
     Undecided
         Where it could not be followed; the sentence says at which value, and why.
     """
-    walk = _Walk(toy, parameter, span, march, [[arb(x)] for x in points])
+    walk = _Walk(toy, parameter, span, march, [arb(x) for x in points])
     while walk.at < span.high:
         walk.go_on()
-        progress(float((walk.at - span.low) / (span.high - span.low)))
+        progress(float((walk.at - span.low) / span.length))
     flips = tuple(k for k, piece in enumerate(walk.pieces) if piece.turn is not None)
-    return ProvedBranch(toy, parameter, tuple(walk.pieces), flips)
+    return ProvedBranch(toy, parameter, tuple(walk.pieces), tuple(walk.gaps), flips)
+
+
+class Planned(NamedTuple):
+    """A line that is to become a piece, and whether the multiplier passes -1 on it."""
+
+    line: Line
+    flips: bool = False
 
 
 class _Walk:
-    """The pieces so far, and how the next one is tried."""
+    """The pieces so far, and the lines that come next."""
 
     def __init__(
-        self, toy: Toy, parameter: str, span: Interval, march: March, guesses: list[list[Any]]
+        self, toy: Toy, parameter: str, span: Interval, march: March, points: Sequence[Any]
     ) -> None:
         self._toy, self._parameter, self._span, self._march = toy, parameter, span, march
-        self._guesses, self._centre = guesses, span.low
-        self._step = (span.high - span.low) * Fraction(march.first)
-        self._flip: Interval | None = None
-        self._reach = Fraction(0)  # how far the curves of the last piece may be used
+        self._points, self._ease = list(points), march.part
+        self._curves: list[Any] = []  # polynomials in p - base, good near base
+        self._base, self._reach = span.low, ZERO
+        self._plan: list[Planned] = []
         self.pieces: list[Piece] = []
+        self.gaps: list[Gap] = []
         self.at = span.low
 
     def go_on(self) -> None:
         """Prove one more piece."""
-        length = self._span.high - self._span.low
-        while True:
-            wanted = self._next()
-            try:
-                piece = self._tried(wanted)
-            except Undecided as reason:
-                self._step = (wanted.high - wanted.low) / 2
-                if self._step < length * Fraction(self._march.shortest):
-                    raise Undecided(
-                        f"the branch could be followed to {self._parameter} = "
-                        f"{float(self.at):.12g} only: {reason}"
-                    ) from None
-                continue
-            break
+        fresh = not self._plan
+        try:
+            if fresh:
+                self._plan = [Planned(self._next_line())]
+            piece = self._tried(self._plan[0])
+        except Undecided as reason:
+            if self._plan:
+                self._divide(self._plan[0], str(reason))
+            else:
+                self._leap(str(reason))
+            return
+        if fresh:
+            self._ease = min(1.5 * self._ease, 4.0)
+        self._plan.pop(0)
         self.pieces.append(piece)
-        self.at, self._centre = wanted.high, wanted.centre
-        self._reach = 2 * (wanted.high - wanted.low)
-        self._guesses = [[number(c) for c in tube.curve] for tube in piece.tubes]
-        longest = length * Fraction(self._march.longest)
-        self._step = min(longest, (wanted.high - wanted.low) * Fraction(self._march.growth))
-        if self._flip == wanted:
-            self._flip = None
+        self.at = piece.p.high
+        self._points = [piece.end(1, k).mid() for k in range(len(piece.tubes))]
 
-    def _next(self) -> Interval:
-        """The interval to be tried: up to a flip that is known, or its own."""
-        if self._flip is not None and self._flip.low == self.at:
-            return self._flip
-        end = self._flip.low if self._flip is not None else self._span.high
-        high = min(end, _rounded(self.at + self._step))
-        return Interval(self.at, end if end - high < self._step / 4 else high)
+    def _divide(self, planned: Planned, reason: str) -> None:
+        """Plan a line that could not be proved in two halves, or about the flip on it."""
+        line = planned.line
+        if line.interval.length < self._march.shortest:
+            self._leap(reason)
+            return
+        self._ease = max(self._ease / 1.5, 1e-3)
+        parts = self._about_flip(line) if reason == MAY_FLIP else None
+        if parts is None:
+            ends = (-line.half, Fraction(0), line.half)
+            parts = [Planned(part_of(line, a, b), planned.flips) for a, b in pairwise(ends)]
+        self._plan[:1] = parts
 
-    def _tried(self, p: Interval) -> Piece:
-        if p == self._flip:
-            return self._turning(p)
-        piece = self._enclosed(p)
-        if not sign(piece.multiplier + 1):
-            self._look_for_flip(p)
-            raise Undecided("the multiplier may be -1")
+    def _leap(self, reason: str) -> None:
+        """Take the branch up again beyond a gap."""
+        low, gap = self.at, 4 * Fraction(self._march.shortest)
+        if self.gaps and self.gaps[-1].p.high == low:  # nothing was proved since
+            last = self.gaps.pop()
+            low, gap = last.p.low, 2 * last.p.length
+        high = _rounded(low + gap)
+        if gap > self._march.leap or high >= self._span.high:
+            raise Undecided(
+                f"the branch could be followed to {self._parameter} = {float(low):.12g} only: "
+                f"{reason}"
+            )
+        there = self._toy.replace(**{self._parameter: float(high)})
+        found = shoot(there, float(self._points[0]), len(self._points))
+        if not found.success:
+            raise Undecided(f"no cycle was found at {self._parameter} = {float(high):.12g}")
+        self.gaps.append(Gap(Interval(low, high), reason))
+        self._points, self._curves, self._plan = [arb(x) for x in found.points], [], []
+        self.at = high
+
+    def _next_line(self) -> Line:
+        """From where the last piece ends, as far as series reach: even in p, or in a duration."""
+        left = self._span.high - self.at
+        curves, durations = self._expanded()
+        radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
+        length = self._span.length
+        if radius > self._march.smooth or bent < len(curves):
+            step = min(self._ease * radius, self._march.longest * float(length))
+            high = min(self._span.high, _rounded(self.at + Fraction(step)))
+            if self._span.high - high < Fraction(step) / 4:
+                high = self._span.high
+            return Line.over(Interval(self.at, high))
+        series = durations[bent - len(curves)]
+        own = arb_series([0, *series.coeffs()[1:]], self._march.terms).reversion()
+        back = [c.mid() for c in own.coeffs()]
+        if back[1] < 0:
+            back = [c * (-1) ** k for k, c in enumerate(back)]
+        reach = self._ease * _radius(arb_poly(back))
+        poly = (self.at, *(_short(c) for c in back[1:]))
+        end = Fraction(float(reach)).limit_denominator(10**12)
+        line = part_of(Line(poly, end), Fraction(0), end)
+        if line.interval.high > self._span.high or not line.interval.high > self.at:
+            step = min(left, Fraction(self._ease * radius))
+            high = self._span.high if left < 2 * step else _rounded(self.at + step)
+            return Line.over(Interval(self.at, high))
+        return line
+
+    def _expanded(self) -> tuple[list[Any], list[Any]]:
+        """Series in the parameter where the last piece ends: of the points, and of durations."""
+        terms = self._march.terms
+        near = Line((self.at, Fraction(1)), self._span.length / 10**4)
+        curves = self._near(near, terms)
+        frame = Frame(ZERO, ZERO, terms)
+        model = Model.of(self._toy, self._parameter, frame, [number(c) for c in near.poly])
+        polys, durations = [arb_poly([number(c) for c in curve]) for curve in curves], []
+        for poly in polys:
+            way = nearest(follow(model, frame, poly.coeffs()))
+            durations += [fired.duration.parts[VALUE].poly for fired in way.fired]
+        self._curves, self._base = polys, self.at
+        self._reach = min(_radius(poly) for poly in (*polys, *durations))
+        return polys, durations
+
+    def _near(self, line: Line, terms: int) -> list[tuple[Fraction, ...]]:
+        """Curves about the middle of a line."""
+        away = arb_poly([number(c) for c in (line.poly[0] - self._base, *line.poly[1:])])
+        guesses = [[point] for point in self._points]
+        if self._curves and abs(away[0]) < 2 * self._reach:
+            guesses = [poly(away).truncate(terms).coeffs() for poly in self._curves]
+        return curves_near(self._toy, self._parameter, line, guesses, terms)
+
+    def _tried(self, planned: Planned) -> Piece:
+        piece = self._enclosed(planned)
+        if planned.flips:
+            if not sign(piece.turn):
+                raise Undecided("the multiplier may not be monotone")
+        elif not sign(piece.multiplier + 1):
+            raise Undecided(MAY_FLIP)
         return piece
 
-    def _enclosed(self, p: Interval, turns: bool = False) -> Piece:
-        """A piece over an interval, in tubes that are widened as needed."""
-        march = self._march
-        curves = self._curves(p)
-        radii = [max(march.radius, 2 * need) for need in self._needs(p, curves)]
-        for _ in range(5):
+    def _enclosed(self, planned: Planned) -> Piece:
+        """A piece over a line, in tubes that are widened as needed."""
+        march, line = self._march, planned.line
+        curves = self._near(line, march.terms)
+        radii = [max(march.radius, 2 * need) for need in self._needs(line, curves)]
+        for tries in count():
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
-                return proved(self._toy, self._parameter, p, tubes, march.terms, turns)
+                return proved(self._toy, self._parameter, line, tubes, march.terms, planned.flips)
             except TooNarrow as found:
                 wider = [_above(abs(s).upper()) * march.margin for s in found.off]
-                if any(r > Fraction(1, 1000) for r in wider):
+                if tries > 3 or any(r > WIDEST for r in wider):
                     raise
                 radii = [max(a, b) for a, b in zip(radii, wider, strict=True)]
-        raise Undecided("no tube holds what is found in it")
+        raise AssertionError
 
-    def _curves(self, p: Interval, terms: int = 0) -> list[tuple[Fraction, ...]]:
-        """Curves about the middle of an interval, from those of the last piece."""
-        shift = arb_poly([number(p.centre - self._centre), 1])
-        guesses = [arb_poly(list(guess))(shift).coeffs() for guess in self._guesses]
-        if abs(p.centre - self._centre) > self._reach:  # too far for a polynomial
-            guesses = [guess[:1] for guess in self._guesses]
-        return curves_near(self._toy, self._parameter, p, guesses, terms or self._march.terms)
-
-    def _needs(self, p: Interval, curves: Sequence[tuple[Fraction, ...]]) -> list[Fraction]:
+    def _needs(self, line: Line, curves: Sequence[tuple[Fraction, ...]]) -> list[Fraction]:
         """How wide tubes must be to hold what was found where the last piece ends."""
-        if not self.pieces:
+        if not self.pieces or self.pieces[-1].p.high != line.interval.low:
             return [Fraction(0)] * len(curves)
-        last, away = self.pieces[-1], number(p.low - p.centre)
-        found = []
+        last, found = self.pieces[-1], []
         for k, curve in enumerate(curves):
-            here = arb_poly([number(c) for c in curve])(away)
-            found.append(_above(abs(last.at(p.low, k) - here).upper()))
+            here = number(value_of(curve, -line.half))
+            found.append(_above(abs(last.end(1, k) - here).upper()))
         return found
 
-    def _multiplier(self, p: Fraction) -> Any:
-        """Range of the multiplier at one value."""
-        here = Interval(p, p)
-        tubes = [Tube(curve, self._march.radius) for curve in self._curves(here, 1)]
-        return proved(self._toy, self._parameter, here, tubes).multiplier
+    def _side(self, line: Line, tau: Fraction) -> int | None:
+        """On which side of -1 the multiplier is at one place of a line."""
+        here = Line((_rounded(line.at(tau), 30),), Fraction(0))
+        tubes = [Tube(curve, self._march.radius) for curve in self._near(here, 1)]
+        return sign(proved(self._toy, self._parameter, here, tubes).multiplier + 1)
 
-    def _look_for_flip(self, p: Interval) -> None:
-        """Enclose a flip between the ends of an interval, if there is one, by bisection."""
-        low, high = p
-        sides = [sign(self._multiplier(end) + 1) for end in p]
-        if None in sides or sides[0] == sides[1]:
-            return
-        while high - low > (p.high - p.low) / 2**20:
-            middle = _rounded((low + high) / 2)
-            if sign(self._multiplier(middle) + 1) == sides[0]:
-                low = middle
-            else:
-                high = middle
-        width = (p.high - p.low) / 4
-        while width > 4 * (high - low):
-            around = Interval(_rounded(low - width), _rounded(high + width))
-            if around.low > p.low and around.high < p.high:
-                try:
-                    self._turning(around)
-                except Undecided:
-                    pass
+    def _about_flip(self, line: Line) -> list[Planned] | None:
+        """Parts of a line, one of which holds its only flip; None if none was found."""
+        low, high = -line.half, line.half
+        try:
+            sides = self._side(line, low), self._side(line, high)
+            if None in sides or sides[0] == sides[1]:
+                return None
+            for _ in range(24):
+                middle = (low + high) / 2
+                if self._side(line, middle) == sides[0]:
+                    low = middle
                 else:
-                    self._flip = around
-                    return
-            width = width / 4
+                    high = middle
+        except Undecided:
+            return None
+        width = line.half / 2
+        while width > 4 * (high - low):
+            a, b = max(low - width, -line.half), min(high + width, line.half)
+            try:
+                self._tried(Planned(part_of(line, a, b), True))
+            except Undecided:
+                width = width / 4
+                continue
+            before = [Planned(part_of(line, -line.half, a))] if a > -line.half else []
+            after = [Planned(part_of(line, b, line.half))] if b < line.half else []
+            return [*before, Planned(part_of(line, a, b), True), *after]
+        return None
 
-    def _turning(self, p: Interval) -> Piece:
-        """A piece along which the multiplier is monotone."""
-        piece = self._enclosed(p, turns=True)
-        if not sign(piece.turn):
-            raise Undecided("the multiplier may not be monotone")
-        return piece
+
+MAY_FLIP = "the multiplier may be -1"
 
 
-def _rounded(x: Fraction) -> Fraction:
-    return Fraction(round(x * 10**15), 10**15)
+def part_of(line: Line, low: Fraction, high: Fraction) -> Line:
+    """A line from one place of another one to a second: the same values at the same places."""
+    middle, poly = (low + high) / 2, list(line.poly)
+    for k in range(len(poly) - 1):  # Horner's shift of a polynomial
+        for j in range(len(poly) - 2, k - 1, -1):
+            poly[j] += middle * poly[j + 1]
+    return Line(tuple(poly), (high - low) / 2)
+
+
+def _radius(poly: Any) -> float:
+    """About how far a series reaches, by the quotients of its coefficients."""
+    c = [abs(float(x)) for x in poly.coeffs()]
+    if len(c) < 3 or c[1] == 0.0:
+        return float("inf")
+    return min((c[1] / x) ** (1.0 / (k - 1)) for k, x in enumerate(c) if k > 1 and x > 0.0)
+
+
+def _short(x: Any) -> Fraction:
+    """A decimal near a number, to twenty digits of it."""
+    mantissa, exponent = x.man_exp()
+    exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    digits = 20
+    while exact and abs(exact) * 10**digits < 10**20:
+        digits += 1
+    while digits > 0 and abs(exact) * 10**digits > 10**21:
+        digits -= 1
+    return Fraction(round(exact * 10**digits), 10**digits)
+
+
+def _rounded(x: Fraction, digits: int = 15) -> Fraction:
+    return Fraction(round(x * 10**digits), 10**digits)
 
 
 def _above(x: Any) -> Fraction:

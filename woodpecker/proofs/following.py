@@ -80,10 +80,14 @@ class Fork(NamedTuple):
 
 
 class Fired(NamedTuple):
-    """The guard that ended a phase, and the range of the phase's duration."""
+    """The guard that ended a phase, the duration of the phase, and a bracket of it.
+
+    In the bracket the guard falls, from every start in the box, and passes zero.
+    """
 
     guard: int
-    duration: Any
+    duration: Form
+    bracket: Any
 
     @property
     def name(self) -> str:
@@ -169,7 +173,7 @@ class Motion:
 
 
 def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
-    """The ways of a return from phi_S on a curve over the parameter, plus s, on the section.
+    """The ways of a return from phi_S on a curve over p, plus s, on the section.
 
     Parameters
     ----------
@@ -178,7 +182,7 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
     frame
         The box.
     curve
-        Coefficients of powers of p - centre.
+        Coefficients of powers of p.
 
     Raises
     ------
@@ -393,7 +397,7 @@ def _moved(model: Model, motion: Motion, fired: int, fires: Crossing) -> Motion:
         if states[i] == STICK or (states[i] != OPEN and fired == SLIP + i):
             _hold(model, after, i)
     after.time = motion.time + t
-    after.log.append(Fired(fired, fires.bracket))
+    after.log.append(Fired(fired, fires.time, fires.bracket))
     after.fired, after.before = fired, states
     after.lands = fired if fires.lands else NO_GUARD
     after.leaves = after.stays = NO_GUARD

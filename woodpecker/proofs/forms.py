@@ -1,8 +1,9 @@
 """Quantities over a box of starts and parameters, in ball arithmetic.
 
-The box is |s| <= radius, |p - centre| <= half width: s is how far the start is from a curve over
-the parameter. A *form* is a smooth function f(s, p) over it: Taylor models of f on the curve s = 0,
-and of its derivatives for all s. So the range over the box is that on the curve and f_s s, and
+The box is |s| <= radius, |p| <= half width: s is how far the start is from a curve over p, and the
+toy's parameter is a polynomial in p, most often its distance from a centre. A *form* is a smooth
+function f(s, p) over the box: Taylor models of f on the curve s = 0, and of its derivatives for all
+s. So the range over the box is that on the curve and f_s s, and
 however long a computation is, ranges are too wide by s^2 and a power of p only. Numbers that do
 not vary are plain balls of Arb [Johansson2017].
 """
@@ -35,7 +36,7 @@ class Frame:
     Attributes
     ----------
     s, p
-        Balls about zero: how far the start is from the curve, and the parameter from its centre.
+        Balls about zero: how far the start is from the curve, and p from the centre.
     terms
         Coefficients of polynomials in p.
     depth
@@ -152,16 +153,18 @@ def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -
 
 
 def start(frame: Frame, curve: Sequence[Any]) -> Form:
-    """The start on a curve over the parameter, given by coefficients, plus s."""
+    """The start on a curve over p, given by coefficients, plus s."""
     line = arb_poly(list(curve))
     none, rate = arb_poly([]), line.derivative()
     parts = [line, arb_poly([1]), rate, none, none, rate.derivative()]
     return Form(frame, [cut(frame.span, part, ZERO) for part in parts[: frame.depth]])
 
 
-def parameter(frame: Frame, value: Any) -> Form:
-    """The parameter."""
-    parts = [arb_poly([value, 1]), arb_poly([]), arb_poly([1]), *[arb_poly([])] * 3]
+def varying(frame: Frame, line: Sequence[Any]) -> Form:
+    """The toy's parameter: coefficients of powers of p."""
+    poly, none = arb_poly(list(line)), arb_poly([])
+    rate = poly.derivative()
+    parts = [poly, none, rate, none, none, rate.derivative()]
     return Form(frame, [cut(frame.span, part, ZERO) for part in parts[: frame.depth]])
 
 

@@ -28,7 +28,7 @@ from woodpecker.mechanics.equations import (
 )
 from woodpecker.mechanics.modes import ANGLE, OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
-from woodpecker.proofs.forms import Form, Frame, Undecided, box, centre, parameter, sign
+from woodpecker.proofs.forms import Form, Frame, Undecided, box, centre, sign, varying
 
 Numbers = Sequence[Any]
 State = tuple[int, int, int]
@@ -76,13 +76,15 @@ class Model:
     summed: bool
 
     @classmethod
-    def of(cls, toy: Toy, moving: str = "", frame: Frame | None = None, value: Any = None) -> Model:
-        """The model of a toy; one of its parameters may move in a box about a value."""
+    def of(
+        cls, toy: Toy, moving: str = "", frame: Frame | None = None, line: Sequence[Any] = ()
+    ) -> Model:
+        """The model of a toy; one of its parameters may move, as a polynomial in p."""
         values: dict[str, Any] = {
             name: fmpq(x.numerator, x.denominator) for name, x in data(toy).items()
         }
         if frame is not None:
-            values[moving] = parameter(frame, value)
+            values[moving] = varying(frame, line)
         return cls(values, toy.expansion_friction == ExpansionFriction.SUMMED)
 
     @cached_property

@@ -31,12 +31,12 @@ CLOSE = 1e-15  # rad: a step that changes nothing
 
 
 class Tube(NamedTuple):
-    """Starts near a curve over the parameter.
+    """Starts near a curve.
 
     Attributes
     ----------
     curve
-        Coefficients of powers of p - centre.
+        Coefficients of powers of tau, see :class:`Line`.
     radius
         How far from the curve [rad].
     """
@@ -52,9 +52,49 @@ class Interval(NamedTuple):
     high: Fraction
 
     @property
-    def centre(self) -> Fraction:
-        """Its middle."""
-        return (self.low + self.high) / 2
+    def length(self) -> Fraction:
+        """From end to end."""
+        return self.high - self.low
+
+
+class Line(NamedTuple):
+    """How the parameter runs along a piece: p = poly(tau) for |tau| <= half.
+
+    Most often tau is the distance from a centre. Where a branch bends sharply over the parameter it
+    is the duration of a phase, over which everything is smooth.
+
+    Attributes
+    ----------
+    poly
+        Coefficients; it grows with tau.
+    half
+        Half the length.
+    """
+
+    poly: tuple[Fraction, ...]
+    half: Fraction
+
+    @classmethod
+    def over(cls, p: Interval) -> Line:
+        """The plain one over an interval."""
+        return cls(((p.low + p.high) / 2, Fraction(1)), p.length / 2)
+
+    def at(self, tau: Fraction) -> Fraction:
+        """The parameter."""
+        return value_of(self.poly, tau)
+
+    @property
+    def interval(self) -> Interval:
+        """What it runs over."""
+        return Interval(self.at(-self.half), self.at(self.half))
+
+
+def value_of(poly: Sequence[Fraction], x: Fraction) -> Fraction:
+    """The value of a polynomial."""
+    total = Fraction(0)
+    for c in reversed(poly):
+        total = total * x + c
+    return total
 
 
 @dataclass(frozen=True)
@@ -63,8 +103,8 @@ class Piece:
 
     Attributes
     ----------
-    p
-        The interval.
+    line
+        How the parameter runs over the interval.
     tubes
         One for each point of the cycle.
     ways
@@ -74,10 +114,10 @@ class Piece:
     slopes
         Ranges of the derivative of each return in its tube.
     turn
-        Range of the derivative of the multiplier along the cycle; None if it was not asked for.
+        Range of the derivative of the multiplier in tau along the cycle; None if it was not asked for.
     """
 
-    p: Interval
+    line: Line
     tubes: tuple[Tube, ...]
     ways: tuple[tuple[Way, ...], ...]
     off: tuple[Any, ...]
@@ -106,10 +146,15 @@ class Piece:
             return (" | ".join(ways[0].word for ways in self.ways),)
         return tuple(" | ".join(ways[min(k, len(ways) - 1)].word for ways in self.ways) for k in (0, 1))
 
-    def at(self, p: Fraction, point: int = 0) -> Any:
-        """A ball that holds a point of the cycle at a value of the parameter."""
-        away = number(p - self.p.centre)
-        return arb_poly([number(c) for c in self.tubes[point].curve])(away) + self.off[point]
+    @property
+    def p(self) -> Interval:
+        """The interval of the parameter."""
+        return self.line.interval
+
+    def end(self, side: int, point: int = 0) -> Any:
+        """A ball that holds a point of the cycle at the low (-1) or high (1) end."""
+        there = value_of(self.tubes[point].curve, side * self.line.half)
+        return number(there) + self.off[point]
 
 
 def number(x: Fraction) -> Any:
@@ -125,7 +170,7 @@ def decimal(x: Any, digits: int = DIGITS) -> Fraction:
 
 
 def proved(
-    toy: Toy, parameter: str, p: Interval, tubes: Sequence[Tube], terms: int = 1, turns: bool = False
+    toy: Toy, parameter: str, line: Line, tubes: Sequence[Tube], terms: int = 1, turns: bool = False
 ) -> Piece:
     """Prove that there is exactly one cycle in tubes, for every parameter in an interval.
 
@@ -141,12 +186,13 @@ def proved(
     Undecided
         If that could not be shown.
     """
-    half = number((p.high - p.low) / 2)
-    ball, value = arb(0, half.upper()), number(p.centre)
+    ball, poly = arb(0, number(line.half).upper()), [number(c) for c in line.poly]
+    if len(poly) > 1 and not arb_poly(poly).derivative()(ball) > 0:
+        raise Undecided("the parameter may turn round")
     ways, misses, slopes = [], [], []
     for k, tube in enumerate(tubes):
         frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
-        model = Model.of(toy, parameter, frame, value)
+        model = Model.of(toy, parameter, frame, poly)
         curve = [number(c) for c in tube.curve]
         found = tuple(follow(model, frame, curve))
         if any(fork.kind is not ForkKind.REST for way in found for fork, _ in way.forks):
@@ -162,7 +208,7 @@ def proved(
         if not abs(s) < number(tube.radius):
             raise TooNarrow(off)
     turn = _turn(tubes, [found[0] for found in ways], slopes) if turns else None
-    return Piece(p, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
+    return Piece(line, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
 
 
 class TooNarrow(Undecided):
@@ -229,9 +275,9 @@ def _product(factors: Sequence[Any]) -> Any:
 
 
 def curves_near(
-    toy: Toy, parameter: str, p: Interval, guesses: Sequence[Sequence[Any]], terms: int
+    toy: Toy, parameter: str, line: Line, guesses: Sequence[Sequence[Any]], terms: int
 ) -> list[tuple[Fraction, ...]]:
-    """Taylor polynomials of a cycle about the middle of an interval: no proof.
+    """Taylor polynomials of a cycle about the middle of a line: no proof.
 
     Newton's method on polynomials, each step doubles the number of coefficients that are right;
     until a step changes nothing in the interval.
@@ -241,13 +287,13 @@ def curves_near(
     guesses
         For each point coefficients of a polynomial nearby, at least one.
     """
-    frame, half = Frame(ZERO, ZERO, terms), number((p.high - p.low) / 2)
-    model = Model.of(toy, parameter, frame, number(p.centre))
+    frame, half = Frame(ZERO, ZERO, terms), number(line.half)
+    model = Model.of(toy, parameter, frame, [number(c) for c in line.poly])
     curves = [arb_poly(list(guess)) for guess in guesses]
     for _ in range(STEPS):
         misses, slopes = [], []
         for k, curve in enumerate(curves):
-            image = _nearest(follow(model, frame, curve.coeffs())).image.parts
+            image = nearest(follow(model, frame, curve.coeffs())).image.parts
             misses.append(_thin(image[VALUE].poly - curves[(k + 1) % len(curves)], terms))
             slopes.append(_thin(image[S].poly, terms))
         steps = _series_around(frame, misses, slopes)
@@ -262,7 +308,7 @@ def _reach(poly: Any, half: Any) -> Any:
     return sum((abs(c) * half**k for k, c in enumerate(poly.coeffs())), ZERO)
 
 
-def _nearest(ways: Sequence[Way]) -> Way:
+def nearest(ways: Sequence[Way]) -> Way:
     """The way that the centre takes."""
     return next(
         (way for way in ways if all(side * fork.comparator.mid > 0 for fork, side in way.forks)),
