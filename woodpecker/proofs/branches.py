@@ -237,9 +237,7 @@ class _Walk:
         if back[1] < 0:
             back = [c * (-1) ** k for k, c in enumerate(back)]
         reach = self._ease * _radius(arb_poly(back))
-        poly = (self.at, *(_short(c) for c in back[1:]))
-        end = Fraction(float(reach)).limit_denominator(10**12)
-        line = part_of(Line(poly, end), Fraction(0), end)
+        line = _begun(self.at, [_short(c, 20) for c in back[1:]], _short(arb(reach), 2) / 2)
         if line.interval.high > self._span.high or not line.interval.high > self.at:
             step = min(left, Fraction(self._ease * radius))
             high = self._span.high if left < 2 * step else _rounded(self.at + step)
@@ -282,25 +280,33 @@ class _Walk:
         """A piece over a line, in tubes that are widened as needed."""
         march, line = self._march, planned.line
         curves = self._near(line, march.terms)
-        radii = [max(march.radius, 2 * need) for need in self._needs(line, curves)]
+        radii = [march.radius] * len(curves)
         for tries in count():
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
-                return proved(self._toy, self._parameter, line, tubes, march.terms, planned.flips)
+                piece = proved(
+                    self._toy, self._parameter, line, tubes, march.terms, planned.flips
+                )
             except TooNarrow as found:
                 wider = [_above(abs(s).upper()) * march.margin for s in found.off]
                 if tries > 3 or any(r > WIDEST for r in wider):
                     raise
                 radii = [max(a, b) for a, b in zip(radii, wider, strict=True)]
+                continue
+            if self._new(line) or joined(self.pieces[-1], piece):
+                return piece
+            radii = [max(r, 2 * need) for r, need in zip(radii, self._needs(piece), strict=True)]
         raise AssertionError
 
-    def _needs(self, line: Line, curves: Sequence[tuple[Fraction, ...]]) -> list[Fraction]:
+    def _new(self, line: Line) -> bool:
+        """Whether nothing is proved where a line begins."""
+        return not self.pieces or self.pieces[-1].p.high != line.interval.low
+
+    def _needs(self, piece: Piece) -> list[Fraction]:
         """How wide tubes must be to hold what was found where the last piece ends."""
-        if not self.pieces or self.pieces[-1].p.high != line.interval.low:
-            return [Fraction(0)] * len(curves)
         last, found = self.pieces[-1], []
-        for k, curve in enumerate(curves):
-            here = number(value_of(curve, -line.half))
+        for k, tube in enumerate(piece.tubes):
+            here = number(value_of(tube.curve, -piece.line.half))
             found.append(_above(abs(last.end(1, k) - here).upper()))
         return found
 
@@ -339,6 +345,19 @@ class _Walk:
         return None
 
 
+def joined(first: Piece, second: Piece) -> bool:
+    """Whether what was found in one piece where they meet lies in the tubes of the other."""
+    return _holds(first, 1, second, -1) or _holds(second, -1, first, 1)
+
+
+def _holds(outer: Piece, side: int, inner: Piece, end: int) -> bool:
+    return all(
+        abs(inner.end(end, k) - number(value_of(tube.curve, side * outer.line.half)))
+        < number(tube.radius)
+        for k, tube in enumerate(outer.tubes)
+    )
+
+
 MAY_FLIP = "the multiplier may be -1"
 
 
@@ -359,16 +378,25 @@ def _radius(poly: Any) -> float:
     return min((c[1] / x) ** (1.0 / (k - 1)) for k, x in enumerate(c) if k > 1 and x > 0.0)
 
 
-def _short(x: Any) -> Fraction:
-    """A decimal near a number, to twenty digits of it."""
-    mantissa, exponent = x.man_exp()
+def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Line:
+    """A line that begins at a value, with about these coefficients there."""
+    shifted = part_of(Line((low, *rates), half), Fraction(0), 2 * half)
+    poly = [Fraction(0), *(_short(number(c), 20) for c in shifted.poly[1:])]
+    poly[0] = low - value_of(poly, -half)
+    return Line(tuple(poly), half)
+
+
+def _short(x: Any, digits: int) -> Fraction:
+    """A decimal near a number, to so many digits of it."""
+    mantissa, exponent = x.mid().man_exp()
     exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-    digits = 20
-    while exact and abs(exact) * 10**digits < 10**20:
-        digits += 1
-    while digits > 0 and abs(exact) * 10**digits > 10**21:
-        digits -= 1
-    return Fraction(round(exact * 10**digits), 10**digits)
+    if not exact:
+        return exact
+    places = digits - len(str(int(abs(exact)))) if abs(exact) >= 1 else digits
+    while abs(exact) * 10**places < 10 ** (digits - 1):
+        places += 1
+    unit = Fraction(10) ** places
+    return round(exact * unit) / unit
 
 
 def _rounded(x: Fraction, digits: int = 15) -> Fraction:
