@@ -104,6 +104,8 @@ class ProvedBranch:
         Intervals between pieces in which nothing is proved, with the reason.
     flips
         Which of them hold a flip, exactly one each.
+    terms
+        Coefficients of the Taylor models that are enough.
     """
 
     toy: Toy
@@ -111,6 +113,7 @@ class ProvedBranch:
     pieces: tuple[Piece, ...]
     gaps: tuple[Gap, ...]
     flips: tuple[int, ...]
+    terms: int
 
     @property
     def span(self) -> Interval:
@@ -141,7 +144,7 @@ def marched(
         walk.go_on()
         progress(float((walk.at - span.low) / span.length))
     flips = tuple(k for k, piece in enumerate(walk.pieces) if piece.turn is not None)
-    return ProvedBranch(toy, parameter, tuple(walk.pieces), tuple(walk.gaps), flips)
+    return ProvedBranch(toy, parameter, tuple(walk.pieces), tuple(walk.gaps), flips, march.terms)
 
 
 class Planned(NamedTuple):

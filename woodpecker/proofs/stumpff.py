@@ -13,6 +13,8 @@ from flint import arb, ctx
 
 from woodpecker.proofs.taylor import ZERO, Taylor, composed
 
+LARGEST = 64  # of |x|, where the terms of a series soon fall
+
 
 def stumpff_models(kappa: Any, t: Taylor, last: int) -> list[Taylor]:
     """s_(-2) .. s_last of a time, for a ball kappa; s_(-1) = kappa s_1, s_(-2) = kappa s_0."""
@@ -83,19 +85,19 @@ def _powers(t: Any, c: list[Any]) -> list[Any]:
 
 def shape_balls(x: Any, last: int) -> list[Any]:
     """c_0 .. c_last of a ball."""
-    if abs(x) < 1:
+    if abs(x) < LARGEST:
         return _shape_series(x, last)
     return _closed(x, arb(1), last)
 
 
 def _shape_series(x: Any, last: int) -> list[Any]:
-    """The same for |x| < 1; the tail of each sum is smaller than a geometric series."""
+    """The same by series; the tail of each is smaller than a geometric one."""
     found = [ZERO] * (last + 1)
     size = abs(x).upper()
     for n in range(max(last - 1, 0), last + 1):
         total, term, k = ZERO, arb(1) / factorial(n), n
         small = abs(term).upper() * arb(2) ** (-ctx.prec - 8)
-        while not abs(term).upper() <= small:
+        while not (abs(term).upper() <= small and size < (k + 1) * (k + 2) / 2):
             total = total + term
             term = term * x / ((k + 1) * (k + 2))
             k += 2

@@ -1,0 +1,504 @@
+"""Certificates of the toy, verified from scratch: :func:`check_certificate`."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from woodpecker.checking.forms import Box, F, T, constant
+from woodpecker.checking.intervals import ONE, ZERO, Context, I, Span, Undecided
+from woodpecker.checking.motion import Follower, Fork, Guard
+from woodpecker.checking.toy import NAMES, Toy
+
+FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
+NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,400})?(/\d{1,400})?")
+GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip) ([123])|section")
+LONGEST = 50_000_000  # characters of a file
+MOST = 400  # events of a return
+RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+Interval = tuple[Fraction, Fraction]
+
+
+class Refused(ValueError):  # noqa: N818  (what a checker says)
+    """A certificate that does not hold; the sentence says why."""
+
+
+def check_certificate(path: str | os.PathLike[str]) -> str:
+    """Verify a certificate of the toy, and say what is proved.
+
+    Parameters
+    ----------
+    path
+        A file as :meth:`woodpecker.proofs.certificates.Certificate.save` writes it.
+
+    Returns
+    -------
+    str
+        The statement, composed from what was verified.
+
+    Raises
+    ------
+    Refused
+        If the certificate does not hold, or is none.
+    OSError
+        If the file cannot be read.
+    """
+    raw = Path(path).read_bytes()
+    if len(raw) > LONGEST:
+        raise Refused(f"a certificate has at most {LONGEST} characters, got {len(raw)}")
+    try:
+        content = json.loads(raw.decode("ascii"), object_pairs_hook=_object)
+    except (ValueError, RecursionError) as error:
+        raise Refused(f"this is no certificate: {error}") from None
+    return check(content)
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len({key for key, _ in pairs}) != len(pairs):
+        raise ValueError("a key is there twice")
+    return dict(pairs)
+
+
+def check(content: Any) -> str:
+    """The same for the content of a file."""
+    try:
+        return _checked(content)
+    except Undecided as error:
+        raise Refused(f"the certificate does not hold: {error}") from None
+    except (KeyError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
+        raise Refused(f"the certificate is not complete: {error!r}") from None
+
+
+def _checked(content: Any) -> str:
+    if not isinstance(content, dict):
+        raise Refused("a certificate is an object with named entries")
+    if content.get("format") != FORMAT or content.get("version") != VERSION:
+        raise Refused(f"the format must be {FORMAT!r}, version {VERSION}")
+    rest = {key: value for key, value in content.items() if key != "seal"}
+    text = json.dumps(rest, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    if content.get("seal") != hashlib.sha256(text.encode("ascii")).hexdigest():
+        raise Refused("the seal is broken: something was changed after the proof was written")
+    kinds = {"orbit": _orbit, "branch": _branch, "point": _point}
+    if content["kind"] not in kinds:
+        raise Refused(f"kind must be one of {', '.join(kinds)}, got {content['kind']!r}")
+    digits = content["digits"]
+    if not isinstance(digits, int) or not 20 <= digits <= 200:
+        raise Refused(f"digits must be a whole number from 20 to 200, got {digits!r}")
+    Context.bits = int(digits * 3.33) + 4
+    expected = {"format", "version", "kind", "statement", "digits", "toy", "law", "parameter"}
+    statement, keys = kinds[content["kind"]](content, _Data(content))
+    if set(content) != expected | {"order", "seal"} | keys:
+        raise Refused("the certificate has other entries than its kind needs")
+    if statement != content["statement"]:
+        raise Refused("the statement is another one than what is proved")
+    return statement
+
+
+def number(text: Any) -> Fraction:
+    """A rational number from text."""
+    if not isinstance(text, str) or not NUMBER.fullmatch(text):
+        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!r:.60}")
+    top, _, bottom = text.partition("/")
+    return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
+
+
+def interval(pair: Any) -> Interval:
+    """An interval from two texts."""
+    if not isinstance(pair, list) or len(pair) != 2:
+        raise Refused(f"an interval must have two ends, got {pair!r:.60}")
+    low, high = number(pair[0]), number(pair[1])
+    if low > high:
+        raise Refused(f"an interval must not end before it begins, got {pair}")
+    return low, high
+
+
+def claimed(name: str, found: I, pair: Any) -> None:
+    """Refuse a claim that does not hold what was found."""
+    if not found.inside(I.of(*interval(pair))):
+        raise Refused(f"{name} could not be shown to lie in {pair}")
+
+
+class _Data:
+    """The toy of a certificate, and what moves."""
+
+    def __init__(self, content: Mapping[str, Any]) -> None:
+        toy, self.parameter, law = content["toy"], content["parameter"], content["law"]
+        if set(toy) != set(NAMES) or law not in ("summed", "separate"):
+            raise Refused("the toy must have all its numbers and a law, summed or separate")
+        self.moves = content["kind"] != "orbit"
+        if self.moves and (self.parameter not in RESTITUTIONS or toy[self.parameter] is not None):
+            raise Refused("only a restitution coefficient may move, and has no value then")
+        if self.parameter not in toy:
+            raise Refused(f"the toy has no parameter {self.parameter!r}")
+        values = {name: number(x) for name, x in toy.items() if x is not None}
+        if len(values) != len(toy) - self.moves:
+            raise Refused("a number of the toy is missing")
+        if not all(0 <= values[name] <= 1 for name in RESTITUTIONS if name in values):
+            raise Refused("restitution must lie in [0, 1]")
+        if any(x <= 0 for name, x in values.items() if name[:3] not in ("eps", "mu_")):
+            raise Refused("masses, lengths and stiffness must be positive")
+        if any(x < 0 for x in values.values()) or values["r_m"] <= values["r_0"]:
+            raise Refused("the toy cannot have these numbers")
+        self.values, self.order, self.law = values, content["order"], law
+        self.toy = Toy(values, law == "summed")
+        if not isinstance(self.order, int) or not 1 <= self.order <= 100:
+            raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
+
+    def follower(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Follower:
+        """The toy on the section, at rest."""
+        eps: list[F | I] = [I.of(self.values.get(name, 0)) for name in RESTITUTIONS]
+        if self.moves:
+            eps[RESTITUTIONS.index(self.parameter)] = _polynomial(box, line, False)
+            ends = eps[RESTITUTIONS.index(self.parameter)]
+            assert isinstance(ends, F)
+            if not ends.value.inside(I.of(0, 1)):
+                raise Refused("restitution must lie in [0, 1]")
+        none = constant(box, ZERO)
+        x = _polynomial(box, curve, True)
+        if not x.value.less(I.of(self.toy.touch[0])):
+            raise Undecided("the beak may touch the pole at the start")
+        q = [none, constant(box, I.of(self.toy.touch[1])), x]
+        return Follower(self.toy, box, eps, q, [none, none, none])
+
+
+def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
+    """A polynomial in tau, plus s where it is the start."""
+    rate = [k * c[k] for k in range(1, len(c))] or [Fraction(0)]
+    bend = [k * rate[k] for k in range(1, len(rate))] or [Fraction(0)]
+    parts = [c, [Fraction(int(start))], rate, [Fraction(0)], [Fraction(0)], bend]
+    models = []
+    for part in parts[: box.depth]:
+        coefficients = [I.of(x) for x in part]
+        head, tail = coefficients[: box.span.terms], coefficients[box.span.terms :]
+        rest = ZERO
+        for k, x in enumerate(tail):
+            rest = rest + x * box.span.tau.power(box.span.terms + k)
+        models.append(T(box.span, head, rest))
+    return F(box, models)
+
+
+class _Return:
+    """A return along one way, verified."""
+
+    def __init__(self, data: _Data, box: Box, line: Any, curve: Any, way: Mapping[str, Any]) -> None:
+        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
+            raise Refused("a way has a word and events")
+        events: list[tuple[Guard, I]] = []
+        for name, low, high in way["events"]:
+            if not isinstance(name, str) or not GUARD.fullmatch(name):
+                raise Refused(f"there is no guard {name!r:.40}")
+            kind, _, contact = name.partition(" ")
+            guard = (kind, int(contact) - 1 if contact else 0)
+            events.append((guard, I.of(*interval([low, high]))))
+        motion = data.follower(box, line, curve)
+        motion.run(events)
+        if " ".join(motion.word) != way["word"]:
+            raise Refused(f"the word is {' '.join(motion.word)}, not {way['word']}")
+        self.image, self.drop = motion.q[2], -motion.q[0]
+        self.period, self.forks = motion.time, motion.forks
+
+
+def _both(returns: Sequence[_Return], kind: str) -> None:
+    """Refuse two ways that are not the two sides of one decision; or one way with a fork."""
+    if len(returns) == 1 and not returns[0].forks:
+        return
+    forks: list[Fork] = [fork for each in returns for fork in each.forks]
+    if len(returns) != 2 or len(forks) != 2 or any(fork.kind != kind for fork in forks):
+        raise Undecided("a decision is open, and its two ways are not there")
+    first, second = forks
+    same = first.contacts == (second.contacts if kind == "rest" else second.contacts[::-1])
+    if not same or first.at != second.at or (kind == "rest" and first.leaves == second.leaves):
+        raise Undecided("the two ways are not those of one decision")
+
+
+class _Piece:
+    """A piece, verified: exactly one cycle in the tubes for every parameter on the line."""
+
+    def __init__(self, data: _Data, piece: Mapping[str, Any], terms: int, turns: bool) -> None:
+        if set(piece) != {"line", "half", "points"} or len(piece["points"]) != data.order:
+            raise Refused("a piece has a line, half of its length, and a point for each return")
+        self.line = [number(c) for c in piece["line"]]
+        self.half, points = number(piece["half"]), piece["points"]
+        span = Span(I.of(self.half), terms)
+        if self.half < 0 or not self.line or len(self.line) > 40:
+            raise Refused("a line has one to forty coefficients and a length")
+        if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
+            raise Refused("the parameter is not that of the toy")
+        if self.half > 0 and _rising(self.line, span) is False:
+            raise Undecided("the parameter may turn round")
+        self.curves = [[number(c) for c in point["curve"]] for point in points]
+        self.radii = [number(point["radius"]) for point in points]
+        if any(set(point) != {"curve", "radius", "ways"} for point in points):
+            raise Refused("a point has a curve, a radius and ways")
+        if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
+            raise Refused("a tube has a curve and a positive radius")
+        misses, slopes, self.returns = [], [], []
+        for k, point in enumerate(points):
+            box = Box(I.of(self.radii[k]), span, 6 if turns else 2)
+            found = [
+                _Return(data, box, self.line, self.curves[k], way) for way in point["ways"]
+            ]
+            _both(found, "rest")
+            aim = _polynomial(box, self.curves[(k + 1) % len(points)], False)
+            misses.append(_hull([(r.image.parts[0] - aim.parts[0]).range for r in found]))
+            slopes.append(_hull([r.image.part((1, 0)) for r in found]))
+            self.returns.append(found)
+        self.off = _around(misses, slopes)
+        if not all(s.within(I.of(r).ball) for s, r in zip(self.off, self.radii, strict=True)):
+            raise Undecided("no cycle could be shown to lie in the tubes")
+        self.multiplier = _product(slopes)
+        self.turn = self._turn(slopes) if turns else None
+
+    def _turn(self, slopes: list[I]) -> I:
+        """Range of the derivative of the multiplier in tau along the cycle."""
+        n, misses = len(slopes), []
+        images = [found[0].image for found in self.returns]
+        if any(len(found) > 1 for found in self.returns):
+            raise Undecided("a word changes where a flip is claimed")
+        for k, image in enumerate(images):
+            aim = _polynomial(image.box, self.curves[(k + 1) % n], False)
+            misses.append((image.parts[2] - aim.parts[2]).range)
+        moves, total = _around(misses, slopes), ZERO
+        for k, image in enumerate(images):
+            own = image.part((1, 1)) + image.part((2, 0)) * moves[k]
+            total = total + own * _product(slopes[:k] + slopes[k + 1 :])
+        return total
+
+    def parameter(self, side: int) -> Fraction:
+        """The value of the parameter at an end."""
+        return _value(self.line, side * self.half)
+
+    def place(self, side: int, k: int) -> tuple[I, I, I]:
+        """At an end: the curve, the tube about it, and where the cycle is."""
+        at = I.of(_value(self.curves[k], side * self.half))
+        return at, at + I.of(self.radii[k]).ball, at + self.off[k]
+
+
+def _rising(line: Sequence[Fraction], span: Span) -> bool:
+    total = ZERO
+    for k in range(1, len(line)):
+        total = total + I.of(k * line[k]) * span.tau.power(k - 1)
+    return total.sign() == 1
+
+
+def _value(c: Sequence[Fraction], x: Fraction) -> Fraction:
+    total = Fraction(0)
+    for each in reversed(c):
+        total = total * x + each
+    return total
+
+
+def _hull(parts: Sequence[I]) -> I:
+    whole = parts[0]
+    for part in parts[1:]:
+        whole = whole.hull(part)
+    return whole
+
+
+def _product(parts: Sequence[I]) -> I:
+    total = ONE
+    for part in parts:
+        total = total * part
+    return total
+
+
+def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:
+    """Solve s_(k+1) = e_k + slope_k s_k around a cycle."""
+    n, whole = len(e), ONE - _product(slopes)
+    found = []
+    for i in range(n):
+        total = ZERO
+        for k in range(i, i + n):
+            total = e[k % n] + slopes[k % n] * total
+        found.append(total / whole)
+    return found
+
+
+def _stable(multiplier: I) -> bool | None:
+    if multiplier.size.less(ONE):
+        return True
+    beyond = (multiplier - ONE).sign() == 1 or (multiplier + ONE).sign() == -1
+    return False if beyond else None
+
+
+def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
+    outer = _Piece(data, content["outer"], 1, False)
+    inner = _Piece(data, content["inner"], 1, False)
+    for k in range(data.order):
+        if not inner.place(1, k)[1].inside(outer.place(1, k)[1]):
+            raise Refused("the inner box does not lie in the outer one")
+    found = [each[0] for each in inner.returns]
+    claimed("the multiplier", inner.multiplier, content["multiplier"])
+    period, drop = ZERO, ZERO
+    for each in found:
+        assert each.period is not None
+        period, drop = period + each.period.value, drop + each.drop.value
+    claimed("the period", period, content["period"])
+    claimed("the drop", drop, content["drop"])
+    if content["stable"] is not _stable(I.of(*interval(content["multiplier"]))):
+        raise Refused("stability is another one than the multiplier says")
+    stable = {True: "it is stable", False: "it is unstable", None: "its stability is open"}
+    what = "fixed point" if data.order == 1 else f"cycle of {data.order} points"
+    points = content["inner"]["points"]
+    where = ", ".join(f"{p['curve'][0]} within {p['radius']}" for p in points)
+    radius = ", ".join(p["radius"] for p in content["outer"]["points"])
+    words = " | ".join(p["ways"][0]["word"] for p in points)
+    name = data.parameter
+    return (
+        f"{_head(data)} {name} = {content['toy'][name]} has exactly one {what} of the return map "
+        f"with phi_S at most {radius} from these places: {where}. Its word is {words}, its "
+        f"multiplier lies in {_ends(content['multiplier'])}, so {stable[content['stable']]}; its "
+        f"period lies in {_ends(content['period'])} s, its drop in {_ends(content['drop'])} m."
+    ), {"outer", "inner", "multiplier", "period", "drop", "stable"}
+
+
+def _head(data: _Data) -> str:
+    return f"The Woodpecker Toy (expansion friction {data.law}) with"
+
+
+def _ends(pair: Sequence[str]) -> str:
+    return f"[{pair[0]}, {pair[1]}]"
+
+
+def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
+    terms, flips, texts = content["terms"], content["flips"], content["pieces"]
+    if not isinstance(terms, int) or not 1 <= terms <= 30:
+        raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
+    if not isinstance(flips, list) or any(not isinstance(k, int) for k in flips):
+        raise Refused("flips are numbers of pieces")
+    if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
+        raise Refused("each piece has a multiplier and a claim on stability")
+    gaps = [interval(gap) for gap in content["gaps"]]
+    open_, before, sides = list(gaps), None, []
+    for k, text in enumerate(texts):
+        piece = _Piece(data, text, terms, k in flips)
+        claimed(f"the multiplier of piece {k}", piece.multiplier, content["multiplier"][k])
+        if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
+            raise Refused("stability is another one than the multiplier says")
+        side = (piece.multiplier + ONE).sign()
+        if k in flips:
+            if piece.turn is None or not piece.turn.sign():
+                raise Undecided("the multiplier may not be monotone at a flip")
+        elif not side:
+            raise Undecided("the multiplier may pass -1 outside the flips")
+        sides.append(0 if k in flips else side)
+        if before is not None and before.parameter(1) != piece.parameter(-1):
+            if not open_ or open_.pop(0) != (before.parameter(1), piece.parameter(-1)):
+                raise Refused("pieces do not join, and no gap says so")
+        elif before is not None:
+            _joined(before, piece, data.order)
+        before = piece
+    _flips_pass(sides, [interval(gap) for gap in gaps])
+    if open_:
+        raise Refused("a gap lies between no pieces")
+    low, high = interval(content["span"])
+    line, half = texts[0]["line"], number(texts[0]["half"])
+    assert before is not None
+    if (low, high) != (_value([number(c) for c in line], -half), before.parameter(1)):
+        raise Refused("the pieces do not cover the span")
+    what = "one fixed point" if data.order == 1 else f"one cycle of {data.order} points"
+    without = "without a gap"
+    if gaps:
+        total = sum((b - a for a, b in gaps), Fraction(0))
+        without = (
+            f"but in {len(gaps)} interval{'s' if len(gaps) > 1 else ''} of a total length of "
+            f"{float(total):.2g}, in which nothing is said"
+        )
+    count = {0: "no flip", 1: "exactly one flip"}.get(len(flips), f"exactly {len(flips)} flips")
+    return (
+        f"{_head(data)} {data.parameter} in {_ends(content['span'])} has, in each of {len(texts)} "
+        f"tubes that join, exactly {what} of the return map for each value: one branch, {without}, "
+        f"with {count}."
+    ), {"terms", "pieces", "multiplier", "stable", "flips", "gaps", "span"}
+
+
+def _joined(before: _Piece, piece: _Piece, order: int) -> None:
+    """The cycle of one piece lies in the tubes of the other where they meet."""
+    for outer, a, inner, b in ((before, 1, piece, -1), (piece, -1, before, 1)):
+        if all(inner.place(b, k)[2].within(outer.place(a, k)[1]) for k in range(order)):
+            return
+    raise Undecided("two pieces may hold different cycles where they meet")
+
+
+def _flips_pass(sides: Sequence[int], gaps: Sequence[Interval]) -> None:
+    """Where a flip is claimed the multiplier is on different sides of -1 before and after."""
+    for k, side in enumerate(sides):
+        if side == 0:
+            if not 0 < k < len(sides) - 1 or sides[k - 1] * sides[k + 1] != -1:
+                raise Undecided("the multiplier does not pass -1 where a flip is claimed")
+        elif k > 0 and sides[k - 1] == -side and not gaps:
+            raise Undecided("the multiplier passes -1 between two pieces")
+
+
+def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
+    centre, ways, own = content["centre"], content["ways"], content["own"]
+    if set(centre) != {"x", "p", "radius"} or len(ways) != 2 or own not in (0, 1) or data.order != 1:
+        raise Refused("a point has a centre, two ways and says which one is its own")
+    x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
+    if radius <= 0:
+        raise Refused("a box has a positive radius")
+    box = Box(I.of(radius), Span(I.of(radius), 2), 3)
+    returns = [_Return(data, box, [p, Fraction(1)], [x], way) for way in ways]
+    _both(returns, "meeting")
+    image, border = returns[own].image, returns[0].forks[0].comparator
+    moved = _krawczyk(image, border, x, radius)
+    found_x, found_p = I.of(x) + moved[0], I.of(p) + moved[1]
+    claimed("phi_S", found_x, content["x"])
+    claimed("the parameter", found_p, content["p"])
+    limit = returns[1 - own].image.value
+    claimed("the other limit", limit, content["limit"])
+    for k in range(2):
+        claimed("a slope", returns[k].image.part((1, 0)), content["slopes"][k])
+    along = border.part((1, 0)).sign()
+    slope = image.part((1, 0))
+    moves = -(border.part((0, 1)) / border.part((1, 0)))
+    speed = slope * moves + image.part((0, 1)) - moves
+    gap, stays = (limit - found_x).sign(), (ONE - slope).sign()
+    steep = -1 if slope.size.less(ONE) else (1 if _stable(slope) is False else 0)
+    if not (along and gap and stays and steep and speed.sign()):
+        raise Undecided("the kind of the point is open")
+    side = along if own == 0 else -along
+    fold = side * stays == -gap
+    code, note = ("FF" if fold and steep == 1 else "BC"), ("fold" if fold else "persistence")
+    if (content["side"], content["code"], content["note"]) != (side, code, note):
+        raise Refused(f"the point is {code}, {note}, on side {side}")
+    name = {"FF": "fold-flip", "BC": "border collision"}[code]
+    mine, other = ways[own]["word"], ways[1 - own]["word"]
+    return (
+        f"{_head(data)} {data.parameter} in {_ends(content['p'])} has a {name} ({code}, {note}) at "
+        f"phi_S in {_ends(content['x'])}: the fixed point of the word {mine}, which is taken "
+        f"{'above' if side > 0 else 'below'} the border, meets the jump to the word {other}, whose "
+        f"limit lies in {_ends(content['limit'])}; the slopes there lie in "
+        f"{_ends(content['slopes'][own])} and {_ends(content['slopes'][1 - own])}."
+    ), {"centre", "ways", "own", "x", "p", "limit", "slopes", "side", "code", "note"}
+
+
+def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]:
+    """Where image = x and border = 0 hold, about the centre of a box: once, inside the box."""
+    first = [f.parts[0].c[0] + f.parts[0].rest for f in (image, border)]
+    first[0] = first[0] - I.of(x)
+    jacobian = [
+        [image.part((1, 0)) - ONE, image.part((0, 1))],
+        [border.part((1, 0)), border.part((0, 1))],
+    ]
+    (a, b), (c, d) = ([entry.mid for entry in row] for row in jacobian)
+    determinant = (a * d - b * c).mid
+    inverse = [[d / determinant, -(b / determinant)], [-(c / determinant), a / determinant]]
+    ball, found = I.of(radius).ball, []
+    for i in range(2):
+        total = -(inverse[i][0] * first[0] + inverse[i][1] * first[1])
+        for j in range(2):
+            rest = ONE if i == j else ZERO
+            for k in range(2):
+                rest = rest - inverse[i][k] * jacobian[k][j]
+            total = total + rest * ball
+        if not total.within(ball):
+            raise Undecided("the point could not be shown to lie in the box")
+        found.append(total)
+    return found[0], found[1]

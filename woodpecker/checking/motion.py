@@ -1,0 +1,745 @@
+"""A return along given guards, verified: every event, every contact problem, every guard between.
+
+A way names the guards that fire in turn, with intervals that hold the durations. Modes and impacts
+are derived here: each contact problem must have one solution by strict inequalities and none else.
+Where one decision has two outcomes over the box, the way says which it takes, and the fork is noted
+with its comparator, which is positive where this way is the one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+from woodpecker.checking.forms import Box, F, T, constant, shapes, waves
+from woodpecker.checking.intervals import ONE, ZERO, I, Undecided, inverse, number
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Motion, Toy
+
+Guard = tuple[str, int]
+HALVINGS = 36
+TWO = ONE + ONE
+
+
+@dataclass
+class Fork:
+    """An open decision: its kind, the contacts, and a comparator positive on this way.
+
+    ``at`` counts the events before, ``leaves`` says whether a contact that may rest leaves.
+    """
+
+    kind: str
+    contacts: tuple[int, ...]
+    comparator: F
+    at: int
+    leaves: bool = False
+
+
+@dataclass
+class Follower:
+    """The toy on its way: state, contact states, and what the last event has made exactly zero."""
+
+    toy: Toy
+    box: Box
+    eps: list[F | I]
+    q: list[F]
+    u: list[F]
+    states: tuple[int, int, int] = (OPEN, STICK, OPEN)
+    before: tuple[int, int, int] = (OPEN, STICK, OPEN)
+    zeros: list[int] = field(default_factory=lambda: [0, 2, 0])  # of each gap: f, f', f''
+    still: set[int] = field(default_factory=lambda: {1})  # closed contacts without slip
+    fired: Guard = ("", -1)
+    at_least_zero: set[Guard] = field(default_factory=set)
+    lands: int = -1  # the contact that strikes after a flight that began at rest
+    word: list[str] = field(default_factory=list)
+    forks: list[Fork] = field(default_factory=list)
+    time: F | None = None
+    events: int = 0
+
+    def run(self, events: Sequence[tuple[Guard, I]]) -> None:
+        """Follow all events; the last one is the return."""
+        self.time = constant(self.box, ZERO)
+        self.settle({1}, False, events[0][0])
+        for k, (guard, bracket) in enumerate(events):
+            last = k == len(events) - 1
+            if (guard[0] == "section") != last:
+                raise Undecided("a return ends with the section, and only there")
+            self.phase(guard, bracket)
+            self.events += 1
+            if not last:
+                self.event(events[k + 1][0])
+
+    def watched(self) -> Iterator[Guard]:
+        """Guards of the mode."""
+        for i, state in enumerate(self.states):
+            if state == OPEN:
+                if i == 0 or self.states[1] == self.states[2] == OPEN:
+                    yield ("gap", i)
+            elif state == STICK:
+                yield ("cone+", i)
+                yield ("cone-", i)
+            else:
+                yield ("normal", i)
+                yield ("slip", i)
+        if self.states == (OPEN, STICK, OPEN):
+            yield ("section", 0)
+
+    def jet(self, guard: Guard, states: tuple[int, int, int]) -> tuple[list[F | I], int]:
+        """Value and three derivatives of a guard where a phase begins, and how many are zero."""
+        kind, i = guard
+        m = self.toy.mode(states)
+        d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
+        kappa = I.of(m.kappa)
+        d2 = (d0 * kappa).plus(I.of(m.alpha))
+        zeros = 0
+        jet: list[F | I]
+        if kind == "section":
+            zeros = int(self.fired == ("", -1) and not self.word)
+            jet = [d1, d2, d1 * kappa, d2 * kappa]
+        elif kind == "gap":
+            j, side = ANGLE[i], I.of(SIDE[i])
+            zeros = self.zeros[i]
+            others = all(states[k] == self.before[k] for k in range(3) if k != i)
+            if zeros == 2 and self.fired == ("normal", i) and others:
+                zeros = 3
+            gap = self.q[j].plus(-I.of(self.toy.touch[i])) * side
+            bend = (d0 * I.of(m.b[j])).plus(I.of(m.a[j])) * side
+            jet = [gap, self.u[j] * side, bend, d1 * (I.of(m.b[j]) * side)]
+        elif kind == "slip":
+            side = ONE if states[i] == UP else -ONE
+            w = self.toy.tangent[i]
+            along = sum((w[k] * m.b[k] for k in range(3)), Fraction(0))
+            steady = sum((w[k] * m.a[k] for k in range(3)), Fraction(0))
+            c = I.of(along) * side
+            jet = [
+                self.slip(i) * side,
+                (d0 * I.of(along)).plus(I.of(steady)) * side,
+                d1 * c,
+                d2 * c,
+            ]
+            if i in self.still:
+                edge = "cone+" if states[i] == DOWN else "cone-"
+                zeros = 2 if self.fired == (edge, i) else 1
+        else:
+            p, r = force(self.toy, m, kind, i)
+            jet = [(d0 * r).plus(p), d1 * r, d2 * r, d1 * (r * kappa)]
+            zeros = int(self.fired == guard and states == self.before)
+        return [ZERO] * zeros + jet[zeros:], zeros
+
+    def slip(self, i: int) -> F:
+        """Tangential velocity of a contact."""
+        w = self.toy.tangent[i]
+        return self.u[0] * I.of(w[0]) + self.u[1] * I.of(w[1]) + self.u[2] * I.of(w[2])
+
+    def phase(self, guard: Guard, bracket: I) -> None:
+        """Verify that a guard ends the phase within a bracket, and go there."""
+        m = self.toy.mode(self.states)
+        kappa = I.of(m.kappa)
+        curves = {g: Curve(self, g, kappa) for g in self.watched()}
+        if guard not in curves:
+            raise Undecided(f"{guard} is no guard of the mode")
+        own = curves[guard]
+        if bracket.high.sign() != 1:
+            raise Undecided("a phase has no duration")
+        flies = guard[0] == "gap" and own.zeros == 2
+        found = own.landing(bracket) if flies else None
+        self.lands = guard[1] if found is not None else -1
+        t = found if found is not None else own.crossing(bracket, 1 if guard[0] == "section" else -1)
+        end = t.value.high
+        for other, curve in curves.items():
+            if other == guard:
+                if found is None and not curve.lasts(bracket.low, bracket):
+                    raise Undecided(f"{guard} may fire earlier")
+            elif not curve.lasts(end, None):
+                self.meeting(curve, other, own, guard, bracket, t)
+        self.move(m, kappa, t)
+        self.before, self.fired = self.states, guard
+        self.at_least_zero = {("gap", i) for i in range(3) if self.states[i] == OPEN}
+
+    def meeting(
+        self, rival: Curve, other: Guard, own: Curve, guard: Guard, bracket: I, t: F
+    ) -> None:
+        """Another gap closes at nearly the same time: this way is taken where it closes later."""
+        if other[0] != "gap" or guard[0] != "gap":
+            raise Undecided(f"{other} may fire before {guard}")
+        later = rival.crossing(bracket + (bracket - bracket.mid) * I.of(4), -1)
+        both = bracket.hull(later.value)
+        for curve in (rival, own):
+            if curve.over(both, 1).sign() != -1 or not curve.lasts(both.low, both):
+                raise Undecided(f"{other} may fire before {guard}")
+        comparator = rival.at(t)
+        assert isinstance(comparator, F)
+        self.forks.append(Fork("meeting", (guard[1], other[1]), comparator, self.events))
+
+    def move(self, m: Motion, kappa: I, t: F) -> None:
+        """The state at the end of a phase."""
+        s = [x for x in waves(kappa, t, self.box) if isinstance(x, F)]
+        d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
+        alpha, half = I.of(m.alpha), ONE / TWO
+        once = d0 * s[1] + d1 * s[2] + s[3] * alpha
+        twice = d0 * s[2] + d1 * s[3] + s[4] * alpha
+        square = t * t * half
+        for j in range(3):
+            a, b = I.of(m.a[j]), I.of(m.b[j])
+            self.q[j] = self.q[j] + self.u[j] * t + square * a + twice * b
+            self.u[j] = self.u[j] + t * a + once * b
+        for i in range(3):
+            if self.states[i] != OPEN:
+                self.close(i)
+        for i in range(3):
+            if self.states[i] == STICK:
+                self.hold(i)
+        assert self.time is not None
+        self.time = self.time + t
+
+    def close(self, i: int) -> None:
+        """A contact touches and stays."""
+        self.q[ANGLE[i]] = constant(self.box, I.of(self.toy.touch[i]))
+        self.u[ANGLE[i]] = constant(self.box, ZERO)
+
+    def hold(self, i: int) -> None:
+        """The slip of a contact is exactly zero."""
+        w = self.toy.tangent[i]
+        self.u[0] = -(self.u[1] * I.of(w[1]) + self.u[2] * I.of(w[2]))
+
+    def event(self, following: Guard) -> None:
+        """What happens where a guard fires."""
+        kind, i = self.fired
+        closed = {k for k in range(3) if self.states[k] != OPEN}
+        if kind == "gap":
+            self.strike(sorted(closed | {i}), i, following)
+            return
+        self.still = {k for k in closed if self.states[k] == STICK or kind == "slip"}
+        if kind == "slip":
+            self.hold(i)
+        self.zeros = [2 if k in closed else 0 for k in range(3)]
+        self.settle(closed, False, following)
+
+    def strike(self, contacts: list[int], striking: int, following: Guard) -> None:
+        """An impact: compression, expansion, and what stays in contact."""
+        toy, free = self.toy, []
+        for i in contacts:
+            rate = self.u[ANGLE[i]] * I.of(SIDE[i] * toy.lever[i])
+            free.append(rate if i == striking else constant(self.box, ZERO))
+            free.append(constant(self.box, ZERO) if self.states[i] == STICK else self.slip(i))
+        approach = free[2 * contacts.index(striking)].value.sign()
+        known = approach != -1
+        if known and (self.lands != striking or len(contacts) > 1):
+            raise Undecided("a contact may graze")
+        none = [constant(self.box, ZERO)] * len(contacts)
+        first = self.solve_impact(contacts, free, none, False, known)
+        floors = [self.floor(i, first.impulses[2 * k]) for k, i in enumerate(contacts)]
+        signs = [floor.value.sign() for floor in floors]
+        second = None
+        if any(s != 0 for s in signs):
+            if any(s not in (0, 1) for s in signs):
+                raise Undecided("an impact may store no impulse")
+            second = self.solve_impact(contacts, first.velocities, floors, True, False)
+        last = second or first
+        for k, i in enumerate(contacts):
+            for n in range(2):
+                impulse = first.impulses[2 * k + n]
+                if second is not None:
+                    impulse = impulse + second.impulses[2 * k + n]
+                for j in range(3):
+                    self.u[j] = self.u[j] + impulse * I.of(toy.kick[2 * i + n][j])
+        closed = {i for k, i in enumerate(contacts) if last.rests[k]}
+        self.zeros = [0, 0, 0]
+        for k, i in enumerate(contacts):
+            self.q[ANGLE[i]] = constant(self.box, I.of(toy.touch[i]))
+            self.zeros[i] = 2 if last.rests[k] else 1
+            if last.rests[k]:
+                self.close(i)
+        for k, i in enumerate(contacts):
+            if last.slips[k] == 0:
+                self.hold(i)
+        self.still = {i for k, i in enumerate(contacts) if last.slips[k] == 0 and i in closed}
+        marks = [marked(first, second, k, signs[k]) for k in range(len(contacts))]
+        self.word.append("I" + "+".join(f"{i + 1}{m}" for i, m in zip(contacts, marks, strict=True)))
+        states = [UP if s == OPEN and i in closed else s for i, s in enumerate(self.states)]
+        self.before = (states[0], states[1], states[2])
+        self.fired = ("impact", -1)
+        plastic = len(contacts) == 1 and signs[0] == 0
+        if not (known and plastic):
+            self.lands = -1
+        self.settle(closed, plastic, following)
+
+    def floor(self, i: int, impulse: F) -> F:
+        """The least impulse of the expansion."""
+        eps = self.eps[i]
+        if impulse.value.sign() == 0 or (eps if isinstance(eps, I) else eps.value).sign() == 0:
+            return constant(self.box, ZERO)
+        return impulse * eps
+
+    def solve_impact(
+        self, contacts: list[int], free: list[F], floors: list[F], expands: bool, known: bool
+    ) -> Solution:
+        """The only solution of one phase of an impact."""
+        coupled = expands and self.toy.summed and len(contacts) > 1
+        kept: Solution | None = None
+        for rests in product((True, False), repeat=len(contacts)):
+            for slips in product((0, 1, -1), repeat=len(contacts)):
+                table = self.toy.case(tuple(contacts), rests, slips, coupled)
+                if table is None:
+                    if not (all(rests) and not any(slips) and len(contacts) == 2):
+                        raise Undecided("an impact is degenerate")
+                    if self.rest_is_possible(contacts[1], self.momentum(contacts, free), floors,
+                                             coupled) is not False:  # fmt: skip
+                        raise Undecided("the impulses of an impact may not be unique")
+                    continue
+                holds, solution = self.combination(
+                    contacts, free, floors, (rests, slips), table, coupled, known
+                )
+                if holds is False:
+                    continue
+                if holds is None or kept is not None:
+                    raise Undecided("an impact is not decided")
+                kept = solution
+        if kept is None:
+            raise Undecided("an impact has no solution")
+        return kept
+
+    def combination(
+        self, contacts: list[int], free: list[F], floors: list[F],
+        case: tuple[tuple[bool, ...], tuple[int, ...]], table: list[list[Fraction]],
+        coupled: bool, known: bool,
+    ) -> tuple[bool | None, Solution | None]:  # fmt: skip
+        """Whether an index combination holds: by ranges, then by forms."""
+        rests, slips = case
+        given = [*free, *floors]
+        for ranges in (True, False):
+            p = [total(row, given, ranges) for row in table]
+            conditions: list[Any] = []
+            v: list[Any] = []
+            at = [2 * i + k for i in contacts for k in (0, 1)]
+            for k, i in enumerate(contacts):
+                for n, zero in ((0, rests[k]), (1, slips[k] == 0)):
+                    row = [self.toy.g[at[2 * k + n]][j] for j in at]
+                    start = free[2 * k + n].value if ranges else free[2 * k + n]
+                    none = ZERO if ranges else constant(self.box, ZERO)
+                    v.append(none if zero else start + total(row, p, False))
+            for k, i in enumerate(contacts):
+                normal = p[2 * k] - (floors[k].value if ranges else floors[k])
+                if known:
+                    # v_N before is negative or zero: a slipping contact at rest has an impulse of
+                    # the sign of its stiffness, a free one would still approach
+                    stiffness = self.toy.g[2 * i][2 * i] - slips[k] * self.toy.mu[i] * self.toy.g[
+                        2 * i
+                    ][2 * i + 1]
+                    if not rests[k]:
+                        return False, None
+                    conditions.append(ONE if slips[k] and stiffness > 0 else normal)
+                else:
+                    conditions.append(normal if rests[k] else v[2 * k])
+                most = p[2 * k] + p[2 - 2 * k] if coupled else p[2 * k]
+                bound = most * I.of(self.toy.mu[i])
+                if slips[k] == 0:
+                    conditions += [bound - p[2 * k + 1], bound + p[2 * k + 1]]
+                else:
+                    conditions.append(v[2 * k + 1] if slips[k] == 1 else -v[2 * k + 1])
+            holds = verdict(conditions)
+            if ranges and holds is False:
+                return False, None
+        return holds, Solution(rests, slips, p, v)
+
+    def momentum(self, contacts: list[int], free: list[F]) -> list[F]:
+        """-M u, from the velocities of the beak and a contact of the sleeve."""
+        k = contacts[1]
+        u_s = free[0] * I.of(-1 / self.toy.lever[0])
+        u_m = free[2] * I.of(SIDE[k] / self.toy.lever[k])
+        u_y = free[3] - u_m * I.of(self.toy.tangent[k][1])
+        return [-total(row, [u_y, u_m, u_s], False) for row in self.toy.mass]
+
+    def rest_is_possible(
+        self, k: int, load: list[F], floors: list[F], coupled: bool
+    ) -> bool | None:
+        """Whether W lambda = load has a solution in both cones: linear in s = lambda_T1."""
+        toy = self.toy
+        (_, l_m, arm), r_m = toy.tangent[0], toy.tangent[k][1]
+        hs, hk = toy.lever[0], SIDE[k] * toy.lever[k]
+        beak = (-load[2] * I.of(1 / hs), arm / hs)
+        sleeve = ((load[1] - load[0] * I.of(r_m)) * I.of(1 / hk), (r_m - l_m) / hk)
+        along = [(constant(self.box, ZERO), Fraction(1)), (load[0], Fraction(-1))]
+        lines = [(beak[0] - floors[0], beak[1]), (sleeve[0] - floors[1], sleeve[1])]
+        for i, own, (c, rate) in ((0, beak, along[0]), (k, sleeve, along[1])):
+            most = (beak[0] + sleeve[0], beak[1] + sleeve[1]) if coupled else own
+            mu = toy.mu[i]
+            lines.append((most[0] * I.of(mu) + c, most[1] * mu + rate))
+            lines.append((most[0] * I.of(mu) - c, most[1] * mu - rate))
+        for c, rate in lines:
+            if rate == 0 and c.value.sign() == -1:
+                return False
+            for c2, rate2 in lines:
+                if rate > 0 > rate2 and (c2 * I.of(rate) - c * I.of(rate2)).value.sign() == -1:
+                    return False
+        return None
+
+    def settle(self, closed: set[int], plastic: bool, following: Guard) -> None:
+        """The contact problem on acceleration level, and the symbols of what changes."""
+        slips = {}
+        for i in closed:
+            slips[i] = 0 if i in self.still else self.slip(i).value.sign()
+            if slips[i] is None:
+                raise Undecided("the direction of slip is open")
+        choices = []
+        for i in range(3):
+            if i not in closed:
+                choices.append([OPEN])
+            elif slips[i] == 0:
+                choices.append([OPEN, STICK, UP, DOWN])
+            else:
+                choices.append([OPEN, UP if slips[i] == 1 else DOWN])
+        verdicts = {}
+        for trial in product(*choices):
+            if len({s for s in trial if s != OPEN}) <= 1:
+                verdicts[(trial[0], trial[1], trial[2])] = self.admissible(closed, trial)
+        self.at_least_zero |= {("normal", self.lands)} if self.lands >= 0 else set()
+        held = [trial for trial, holds in verdicts.items() if holds]
+        open_ = [trial for trial, holds in verdicts.items() if holds is None]
+        if len(held) == 1 and not open_:
+            chosen = held[0]
+        elif plastic and len(closed) == 1 and len(open_) == 2 and len(verdicts) == 2:
+            chosen = self.stays_or_leaves(*closed, open_, following)
+        else:
+            raise Undecided("a contact problem is not decided")
+        self.note(chosen)
+        self.lands = -1
+
+    def stays_or_leaves(
+        self, i: int, trials: list[tuple[int, int, int]], following: Guard
+    ) -> tuple[int, int, int]:
+        """A contact that an impact has stopped, with a force near zero: as the way says."""
+        stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
+        side = 1 if stay[i] == UP else -1
+        g = self.toy.g
+        if g[2 * i][2 * i] - side * self.toy.mu[i] * g[2 * i][2 * i + 1] <= 0:
+            raise Undecided("a contact may neither stay nor leave")
+        force_ = self.jet(("normal", i), stay)[0][0]
+        assert isinstance(force_, F)
+        leaves = following == ("gap", i)
+        self.forks.append(Fork("rest", (i,), -force_ if leaves else force_, self.events, leaves))
+        self.at_least_zero |= {("gap", i) if leaves else ("normal", i)}
+        return leave if leaves else stay
+
+    def admissible(self, closed: set[int], trial: tuple[int, ...]) -> bool | None:
+        """Whether all guards of the closed contacts are positive right after now."""
+        states = (trial[0], trial[1], trial[2])
+        if sum(s == STICK for s in states) == 2:
+            d = self.q[2] - self.q[1]
+            load = [
+                -((d * I.of(y)).plus(I.of(x)))
+                for x, y in zip(self.toy.at_rest, self.toy.per_stretch, strict=True)
+            ]
+            none = [constant(self.box, ZERO)] * 2
+            return False if self.rest_is_possible(max(closed), load, none, False) is False else None
+        conditions: list[Any] = []
+        for i in closed:
+            state = states[i]
+            guards: list[Guard] = [("gap", i)]
+            if state == STICK:
+                guards = [("cone+", i), ("cone-", i)]
+            elif state != OPEN:
+                guards = [("normal", i)] + ([("slip", i)] if i in self.still else [])
+            if i == self.lands:  # its acceleration towards the pole is known
+                conditions.append(-ONE if state == OPEN else ONE)
+                guards = guards[1:]
+            for guard in guards:
+                jet, zeros = self.jet(guard, states)
+                conditions.append(jet[zeros])
+        return verdict(conditions)
+
+    def note(self, after: tuple[int, int, int]) -> None:
+        """Symbols of contacts that open, stick, begin to slip or reverse."""
+        for i in range(3):
+            was, now = self.before[i], after[i]
+            symbol = ""
+            if now == OPEN:
+                symbol = "D" if was != OPEN else ""
+            elif now == STICK:
+                symbol = "J" if was != STICK else ""
+            elif was == STICK:
+                symbol = "S"
+            elif self.fired[0] == "slip" and was != now:
+                symbol = "R"
+            if symbol:
+                self.word.append(f"{symbol}{i + 1}")
+        self.states = after
+
+
+@dataclass
+class Solution:
+    """One phase of an impact: its index combination, impulses and velocities."""
+
+    rests: tuple[bool, ...]
+    slips: tuple[int, ...]
+    impulses: list[F]
+    velocities: list[F]
+
+
+def marked(first: Solution, second: Solution | None, k: int, stores: int | None) -> str:
+    """Letters of a contact in an impact: s sticks, f separates; after - the expansion, r unusual."""
+    letters = "f" if not first.rests[k] else ("s" if first.slips[k] == 0 else "")
+    if second is None:
+        return letters
+    unusual = second.rests[k] == (stores == 1)
+    tail = ("r" if unusual else "") + ("s" if second.slips[k] == 0 else "")
+    return letters + (f"-{tail}" if tail else "")
+
+
+def verdict(conditions: Sequence[Any]) -> bool | None:
+    """Whether all are positive; False if one is negative."""
+    signs = [(c.value if isinstance(c, F) else c).sign() for c in conditions]
+    if -1 in signs:
+        return False
+    return True if all(s == 1 for s in signs) else None
+
+
+def total(row: Sequence[Fraction], x: Sequence[Any], ranges: bool) -> Any:
+    """A linear combination of forms, of intervals, or of the ranges of forms."""
+    found = None
+    for c, y in zip(row, x, strict=True):
+        if c == 0:
+            continue
+        term = (y.value if ranges else y) * I.of(c)
+        found = term if found is None else found + term
+    if found is None:
+        return ZERO if ranges or isinstance(x[0], I) else constant(x[0].box, ZERO)
+    return found
+
+
+def force(toy: Toy, m: Motion, kind: str, i: int) -> tuple[I, I]:
+    """A guard p + r d on contact forces."""
+    n0, n1, t0, t1 = m.forces[i]
+    if kind == "normal":
+        return I.of(n0), I.of(n1)
+    side = 1 if kind == "cone+" else -1
+    return I.of(toy.mu[i] * n0 - side * t0), I.of(toy.mu[i] * n1 - side * t1)
+
+
+class Curve:
+    """A guard over a phase: f0 + f1 t + f2 s_2(t) + f3 s_3(t)."""
+
+    def __init__(self, motion: Follower, guard: Guard, kappa: I) -> None:
+        self.box, self.guard, self.kappa = motion.box, guard, kappa
+        self.jet, self.zeros = motion.jet(guard, motion.states)
+        self.ranges = [f.value if isinstance(f, F) else f for f in self.jet]
+        self.known = guard in motion.at_least_zero
+
+    def at(self, t: F | I, order: int = 0) -> F | I:
+        """The guard or a derivative at a time."""
+        return combined(self.jet, waves(self.kappa, t, self.box), t, self.kappa, order)
+
+    def over(self, t: I, order: int = 0) -> I:
+        """Range over an interval of times and the box."""
+        found = combined(self.ranges, waves(self.kappa, t, self.box), t, self.kappa, order)
+        assert isinstance(found, I)
+        return found
+
+    def value(self, t: I) -> I:
+        """Range at one time over the box."""
+        found = self.at(t)
+        return found.value if isinstance(found, F) else found
+
+    def lasts(self, end: I, falling: I | None) -> bool:
+        """Whether the guard does not fire in (0, end], or until it falls on an interval."""
+        if self.guard[0] == "section":
+            return end.sign() != 1 or self.turns_not(end)
+        if end.sign() != 1:
+            return falling is not None and self.over(ZERO.hull(falling), 1).sign() == -1
+        first = self.begin(end)
+        if first is None:
+            return False
+        todo = [(first, end, 0)]
+        while todo:
+            a, b, depth = todo.pop()
+            if not a.less(b):
+                continue
+            t = a.hull(b)
+            if self.over(t).sign() == 1:
+                continue
+            slope = self.over(t, 1).sign()
+            if slope and self.value(a if slope == 1 else b).sign() == 1:
+                continue
+            middle = t.mid
+            if depth == HALVINGS or self.value(middle).sign() == -1:
+                return False
+            todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        return True
+
+    def begin(self, end: I) -> I | None:
+        """A time until which the guard grows from its zero."""
+        sign = self.ranges[self.zeros].sign()
+        if self.zeros == 0 and sign == 1:
+            return ZERO
+        order = self.zeros
+        if sign != 1:
+            if not self.known:
+                return None
+            order += 1
+        for k in range(HALVINGS):
+            t = end * I.of(Fraction(1, 2**k))
+            if self.over(ZERO.hull(t), order).sign() == 1:
+                return t.low
+        return None
+
+    def turns_not(self, end: I) -> bool:
+        """Whether the bird's velocity does not rise through zero in (0, end]."""
+        todo = [(ZERO, end, 0)]
+        while todo:
+            a, b, depth = todo.pop()
+            t = a.hull(b)
+            slope = self.over(t, 1).sign()
+            if self.over(t).sign() or slope == -1:
+                continue
+            starts = a.sign() == 0 and self.zeros == 1
+            if slope == 1 and (starts or self.value(b).sign() == -1):
+                continue
+            if depth == HALVINGS:
+                return False
+            middle = t.mid
+            todo += [(a, middle, depth + 1), (middle, b, depth + 1)]
+        return True
+
+    def crossing(self, bracket: I, direction: int) -> F:
+        """When the guard crosses zero: once, inside the bracket."""
+        if self.over(bracket, 1).sign() != direction:
+            raise Undecided(f"{self.guard} may turn where it fires")
+        return root(self.at, self.over, bracket, self.box)
+
+    def landing(self, bracket: I) -> F | None:
+        """When a flight that began at rest ends: f = t^2 h, h falls through zero; None if not so.
+
+        Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
+        """
+        jet, ranges = self.jet, self.ranges
+        if ranges[3].sign() != -1:
+            return None
+        kappa = self.kappa
+
+        def at(t: F | I, order: int = 0) -> F | I:
+            return height(jet, kappa, t, order)
+
+        def over_(t: I, order: int = 0) -> I:
+            found = height(ranges, kappa, t, order)
+            assert isinstance(found, I)
+            return found
+
+        try:
+            end = bracket.size
+            steps = [ZERO, *[end * I.of(Fraction(k, 16)) for k in range(1, 17)]]
+            parts = [a.hull(b) for a, b in zip(steps, steps[1:], strict=False)]
+            if any(over_(part, 1).sign() != -1 for part in (bracket, *parts)):
+                return None
+            four = I.of(4)
+            if (over_(bracket, 1) * four + bracket * over_(bracket, 2)).sign() != -1:
+                return None
+            return root(at, over_, bracket, self.box)
+        except Undecided:
+            return None
+
+
+def combined(
+    f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int
+) -> F | I:
+    """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
+    terms: list[tuple[Any, Any]]
+    match order:
+        case 0:
+            terms = [(f[0], None), (f[1], t), (f[2], s[2]), (f[3], s[3])]
+        case 1:
+            terms = [(f[1], None), (f[2], s[1]), (f[3], s[2])]
+        case 2:
+            terms = [(f[2], s[0]), (f[3], s[1])]
+        case 3:
+            terms = [(f[3], s[0]), (f[2], s[1] * kappa)]
+        case _:
+            terms = [(f[2], s[0] * kappa), (f[3], s[1] * kappa)]
+    found: Any = None
+    for x, y in terms:
+        term = x if y is None else times(x, y)
+        found = term if found is None else plus(found, term)
+    return found  # type: ignore[no-any-return]
+
+
+def times(x: Any, y: Any) -> Any:
+    """A product of forms or numbers."""
+    if isinstance(x, I) and isinstance(y, F):
+        return y * x
+    return x * y
+
+
+def plus(x: Any, y: Any) -> Any:
+    """A sum of forms or numbers."""
+    if isinstance(x, F) and isinstance(y, I):
+        return x.plus(y)
+    if isinstance(x, I) and isinstance(y, F):
+        return y.plus(x)
+    return x + y
+
+
+def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
+    """h = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
+    square = t * t
+    x = square * kappa
+    c = shapes(x, 7)
+
+    def less(k: int, n: int) -> Any:
+        return c[k] - c[k + 1] * I.of(n)
+
+    second, third = less(3, 2), less(4, 3)
+    if order == 0:
+        return plus(times(f[2], c[2]), times(f[3], c[3] * t))  # type: ignore[no-any-return]
+    if order == 1:
+        a, b = second * t * kappa, third * x + c[3]
+    else:
+        bend_2 = third - less(5, 4) * TWO
+        bend_3 = less(5, 4) - less(6, 5) * I.of(3)
+        a = (bend_2 * x + second) * kappa
+        b = (bend_3 * x + third * I.of(3)) * t * kappa
+    return plus(times(f[2], a), times(f[3], b))  # type: ignore[no-any-return]
+
+
+def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box) -> F:
+    """The zero of a function that is monotone on a bracket, as a form inside it.
+
+    From a polynomial t near the zero it is at most |f(t) / f'| away, with f' over the bracket; if
+    all places so near are in the bracket, f changes its sign between them.
+    """
+    span = box.span
+    t = constant(box, bracket.mid)
+    for k in range(40):
+        value, speed = at(t), at(t, 1)
+        step = thin(value.parts[0]) * inverse(thin(speed.parts[0]))
+        moved = thin(t.parts[0] - thin(step))
+        t = F(box, [moved, *t.parts[1:]])
+        if k > 3 and abs(float(step.c[0])) < 1e-25 and 2 ** (k - 3) >= span.terms:
+            break
+    slope = range_(bracket, 1)
+    value = at(t)
+    reach = (value.value / slope).size
+    reach = (reach + reach * I.of(Fraction(1, 2)) + number(1e-28)).ball
+    whole = t.parts[0].wider(reach)
+    if not whole.range.within(bracket):
+        raise Undecided("an event lies outside its bracket")
+    fixed = F(box, [whole, *t.parts[1:]])
+    value, speed = at(fixed), at(fixed, 1)
+    down = inverse(speed.all[0])
+    curve = t.parts[0].wider(-(at(t).parts[0].range / slope))
+    found = [curve]
+    for n in range(1, box.depth):
+        part = value.parts[n]
+        if n > 2:
+            i, j = {3: (1, 1), 4: (1, 2), 5: (2, 2)}[n]
+            bend = at(fixed, 2).all[0]
+            part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
+            part = part + bend * found[i] * found[j]
+        found.append(-(part * down))
+    return F(box, found)
+
+
+def thin(f: T) -> T:
+    """A polynomial near a Taylor model."""
+    return T(f.span, [x.mid for x in f.c])
+

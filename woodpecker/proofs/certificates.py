@@ -1,0 +1,248 @@
+"""Certificates: what is proved, as JSON that :mod:`woodpecker.checking` verifies from scratch.
+
+Nothing of how a proof was found is in a certificate, only boxes, the guards that fire in turn with
+brackets of the durations, and claims. All numbers are text: exact decimals or quotients.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from pwmap.diagrams.files import write_whole
+from woodpecker.mechanics.toy import LAW, Toy
+from woodpecker.proofs.branches import ProvedBranch
+from woodpecker.proofs.following import Way
+from woodpecker.proofs.model import data
+from woodpecker.proofs.pieces import Piece
+from woodpecker.proofs.points import ProvedPoint
+
+FORMAT = "certificate of the Woodpecker Toy"
+VERSION = 1
+SLACK = Fraction(1, 10)  # claimed intervals are wider by that part: other arithmetic rounds otherwise
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A statement that is proved, with what is needed to check it.
+
+    Attributes
+    ----------
+    content
+        As it is written to JSON, sealed.
+    """
+
+    content: Mapping[str, Any]
+
+    @property
+    def statement(self) -> str:
+        """What is proved, in a sentence."""
+        return str(self.content["statement"])
+
+    def __str__(self) -> str:
+        return self.statement
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the certificate as JSON; nothing is left half written."""
+        text = json.dumps(self.content, indent=1, ensure_ascii=True) + "\n"
+        write_whole(Path(path), text.encode("ascii"))
+
+
+def sealed(content: Mapping[str, Any]) -> Certificate:
+    """A certificate with its seal: the digest of all else, which shows accidents."""
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    return Certificate({**content, "seal": hashlib.sha256(text.encode("ascii")).hexdigest()})
+
+
+def text(x: Fraction) -> str:
+    """A rational number as a decimal if it is one, else as a quotient."""
+    twos, fives, rest = 0, 0, x.denominator
+    while rest % 2 == 0:
+        rest, twos = rest // 2, twos + 1
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
+    if rest != 1:
+        return f"{x.numerator}/{x.denominator}"
+    places = max(twos, fives)
+    digits = str(abs(x.numerator) * 10**places // x.denominator).rjust(places + 1, "0")
+    sign = "-" if x < 0 else ""
+    return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
+
+
+def exact(ball: Any) -> Fraction:
+    """The rational number that an exact ball is."""
+    mantissa, exponent = ball.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def interval(ball: Any, slack: Fraction = SLACK) -> list[str]:
+    """Decimal ends of an interval that holds a ball, and a little more."""
+    low, high = exact(ball.lower()), exact(ball.upper())
+    more = (high - low) * slack + Fraction(1, 10**30)
+    low, high = low - more, high + more
+    unit = Fraction(1)
+    while unit > (high - low) / 50:
+        unit /= 10
+    return [text(low // unit * unit), text(-(-high // unit) * unit)]
+
+
+def head(toy: Toy, kind: str, parameter: str, order: int, digits: int) -> dict[str, Any]:
+    """What all certificates begin with; the entry of a parameter that moves is null."""
+    values: dict[str, str | None] = {name: text(x) for name, x in data(toy).items()}
+    if kind != "orbit":
+        values[parameter] = None
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "kind": kind,
+        "digits": digits,
+        "toy": values,
+        "law": str(getattr(toy, LAW).value),
+        "parameter": parameter,
+        "order": order,
+    }
+
+
+def way_of(way: Way) -> dict[str, Any]:
+    """The word of a way, and the guards that fire with brackets of durations."""
+    events = [[fired.name, *interval(fired.bracket, Fraction(0))] for fired in way.fired]
+    return {"word": way.word, "events": events}
+
+
+def piece_of(piece: Piece) -> dict[str, Any]:
+    """A piece: how the parameter runs, and the tubes."""
+    points = [
+        {
+            "curve": [text(c) for c in tube.curve],
+            "radius": text(tube.radius),
+            "ways": [way_of(way) for way in ways],
+        }
+        for tube, ways in zip(piece.tubes, piece.ways, strict=True)
+    ]
+    return {
+        "line": [text(c) for c in piece.line.poly],
+        "half": text(piece.line.half),
+        "points": points,
+    }
+
+
+def of_orbit(
+    toy: Toy, parameter: str, outer: Piece, inner: Piece, digits: int
+) -> Certificate:
+    """Exactly one cycle in the outer tubes, which lies in the inner ones."""
+    order = len(inner.tubes)
+    content = head(toy, "orbit", parameter, order, digits) | {
+        "outer": piece_of(outer),
+        "inner": piece_of(inner),
+        "multiplier": interval(inner.multiplier),
+        "period": interval(inner.period),
+        "drop": interval(inner.drop),
+        "stable": _stable(inner.multiplier),
+    }
+    return sealed({"statement": orbit_sentence(content), **content})
+
+
+def _stable(multiplier: Any) -> bool | None:
+    if abs(multiplier) < 1:
+        return True
+    return False if abs(multiplier) > 1 else None
+
+
+def orbit_sentence(content: Mapping[str, Any]) -> str:
+    """The sentence of an orbit."""
+    order, inner, outer = content["order"], content["inner"], content["outer"]
+    where = ", ".join(
+        f"{p['curve'][0]} within {p['radius']}" for p in inner["points"]
+    )
+    what = "fixed point" if order == 1 else f"cycle of {order} points"
+    radius = ", ".join(p["radius"] for p in outer["points"])
+    words = " | ".join(p["ways"][0]["word"] for p in inner["points"])
+    stable = {True: "it is stable", False: "it is unstable", None: "its stability is open"}
+    parameter = content["parameter"]
+    return (
+        f"{_toy(content)} {parameter} = {content['toy'][parameter]} has exactly one {what} of the "
+        f"return map with phi_S at most {radius} from these places: {where}. Its word is {words}, "
+        f"its multiplier lies in {_span(content['multiplier'])}, so {stable[content['stable']]}; "
+        f"its period lies in {_span(content['period'])} s, its drop in {_span(content['drop'])} m."
+    )
+
+
+def _toy(content: Mapping[str, Any]) -> str:
+    return f"The Woodpecker Toy (expansion friction {content['law']}) with"
+
+
+def _span(ends: Sequence[str]) -> str:
+    return f"[{ends[0]}, {ends[1]}]"
+
+
+def of_branch(branch: ProvedBranch, digits: int) -> Certificate:
+    """One cycle for each value of a parameter, and how often its multiplier passes -1."""
+    pieces = branch.pieces
+    content = head(branch.toy, "branch", branch.parameter, len(pieces[0].tubes), digits) | {
+        "terms": branch.terms,
+        "pieces": [piece_of(piece) for piece in pieces],
+        "multiplier": [interval(piece.multiplier) for piece in pieces],
+        "stable": [_stable(piece.multiplier) for piece in pieces],
+        "flips": list(branch.flips),
+        "gaps": [[text(end) for end in gap.p] for gap in branch.gaps],
+    }
+    content["span"] = [text(end) for end in branch.span]
+    return sealed({"statement": branch_sentence(content), **content})
+
+
+def branch_sentence(content: Mapping[str, Any]) -> str:
+    """The sentence of a branch."""
+    order, parameter, gaps = content["order"], content["parameter"], content["gaps"]
+    what = "one fixed point" if order == 1 else f"one cycle of {order} points"
+    without = "without a gap"
+    if gaps:
+        total = sum((Fraction(high) - Fraction(low) for low, high in gaps), Fraction(0))
+        without = (
+            f"but in {len(gaps)} interval{'s' if len(gaps) > 1 else ''} of a total length of "
+            f"{float(total):.2g}, in which nothing is said"
+        )
+    flips = len(content["flips"])
+    count = {0: "no flip", 1: "exactly one flip"}.get(flips, f"exactly {flips} flips")
+    return (
+        f"{_toy(content)} {parameter} in {_span(content['span'])} has, in each of "
+        f"{len(content['pieces'])} tubes that join, exactly {what} of the return map for each "
+        f"value: one branch, {without}, with {count}."
+    )
+
+
+def of_point(point: ProvedPoint, digits: int) -> Certificate:
+    """A border collision at a jump."""
+    content = head(point.toy, "point", point.parameter, 1, digits) | {
+        "centre": {"x": text(point.x), "p": text(point.p), "radius": text(point.radius)},
+        "ways": [way_of(way) for way in point.ways],
+        "own": point.own,
+        "x": interval(point.found_x),
+        "p": interval(point.found_p),
+        "limit": interval(point.limit),
+        "slopes": [interval(slope) for slope in point.slopes],
+        "side": point.side,
+        "code": point.code,
+        "note": point.note,
+    }
+    return sealed({"statement": point_sentence(content), **content})
+
+
+def point_sentence(content: Mapping[str, Any]) -> str:
+    """The sentence of a point."""
+    own, other = content["ways"][content["own"]], content["ways"][1 - content["own"]]
+    side = "above" if content["side"] > 0 else "below"
+    name = {"FF": "fold-flip", "BC": "border collision"}[content["code"]]
+    return (
+        f"{_toy(content)} {content['parameter']} in {_span(content['p'])} has a {name} "
+        f"({content['code']}, {content['note']}) at phi_S in {_span(content['x'])}: the fixed "
+        f"point of the word {own['word']}, which is taken {side} the border, meets the jump to the "
+        f"word {other['word']}, whose limit lies in {_span(content['limit'])}; the slopes there "
+        f"lie in {_span(content['slopes'][content['own']])} and "
+        f"{_span(content['slopes'][1 - content['own']])}."
+    )
