@@ -186,7 +186,9 @@ def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
 class _Return:
     """A return along one way, verified."""
 
-    def __init__(self, data: _Data, box: Box, line: Any, curve: Any, way: Mapping[str, Any]) -> None:
+    def __init__(
+        self, data: _Data, box: Box, line: Any, curve: Any, way: Mapping[str, Any]
+    ) -> None:
         if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
             raise Refused("a way has a word and events")
         events: list[tuple[Guard, I]] = []
@@ -241,9 +243,7 @@ class _Piece:
         misses, slopes, self.returns = [], [], []
         for k, point in enumerate(points):
             box = Box(I.of(self.radii[k]), span, 6 if turns else 2)
-            found = [
-                _Return(data, box, self.line, self.curves[k], way) for way in point["ways"]
-            ]
+            found = [_Return(data, box, self.line, self.curves[k], way) for way in point["ways"]]
             _both(found, "rest")
             aim = _polynomial(box, self.curves[(k + 1) % len(points)], False)
             misses.append(_hull([(r.image.parts[0] - aim.parts[0]).range for r in found]))
@@ -438,7 +438,12 @@ def _flips_pass(sides: Sequence[int], gaps: Sequence[Interval]) -> None:
 
 def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     centre, ways, own = content["centre"], content["ways"], content["own"]
-    if set(centre) != {"x", "p", "radius"} or len(ways) != 2 or own not in (0, 1) or data.order != 1:
+    if (
+        set(centre) != {"x", "p", "radius"}
+        or len(ways) != 2
+        or own not in (0, 1)
+        or data.order != 1
+    ):
         raise Refused("a point has a centre, two ways and says which one is its own")
     x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
     if radius <= 0:

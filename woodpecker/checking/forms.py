@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
-from woodpecker.checking.intervals import ONE, ZERO, I, Span, T, inverse, shape, through, wave
+from woodpecker.checking import intervals
+from woodpecker.checking.intervals import ONE, ZERO, I, Span, T, inverse, through, wave
 
 ORDERS: list[tuple[int, int]] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
 """Derivatives (in s, in tau), in the order in which a form lists them."""
@@ -138,7 +139,7 @@ def _wave_models(kappa: I, t: T) -> dict[int, T]:
 def shapes(x: F | I, last: int) -> list[F | I]:
     """c_0 .. c_last of x, c_k' = (c_(k+1) - k c_(k+2)) / 2."""
     if isinstance(x, I):
-        return [shape(x, k) for k in range(last + 1)]
+        return list(intervals.shapes(x, last))
     n = x.box.span.terms
     found: list[F | I] = []
     curve, whole = x.parts[0], x.all[0]
@@ -154,7 +155,7 @@ def shapes(x: F | I, last: int) -> list[F | I]:
 def _slopes(x: I, orders: int, last: int) -> list[list[I]]:
     """c_k of an interval and so many derivatives."""
     half = ONE / (ONE + ONE)
-    rows = [[shape(x, k) for k in range(last + 1 + 2 * orders)]]
+    rows = [intervals.shapes(x, last + 2 * orders)]
     for _ in range(orders):
         c = rows[-1]
         rows.append([(c[k + 1] - I.of(k) * c[k + 2]) * half for k in range(len(c) - 2)])

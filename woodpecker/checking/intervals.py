@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import lru_cache
 from math import factorial
 from typing import Any
 
 from mpmath import libmp
-
 
 LARGEST = 64  # of |x| for a series whose 20th quotient is below a half
 
@@ -27,7 +27,12 @@ class Context:
     bits = 100
 
 
-class I:  # noqa: E742, N801  (the name of intervals in the field)
+@lru_cache(maxsize=20_000)
+def _rounded(numerator: int, denominator: int, bits: int, direction: str) -> Any:
+    return libmp.from_rational(numerator, denominator, bits, direction)
+
+
+class I:  # noqa: E742  (the name of intervals in the field)
     """A closed interval."""
 
     __slots__ = ("v",)
@@ -38,9 +43,9 @@ class I:  # noqa: E742, N801  (the name of intervals in the field)
     @classmethod
     def of(cls, x: Fraction | int, y: Fraction | int | None = None) -> I:
         """The narrowest interval known that holds one or two rational numbers."""
-        low = libmp.from_rational(x.numerator, x.denominator, Context.bits, "f")
         top = x if y is None else y
-        return cls((low, libmp.from_rational(top.numerator, top.denominator, Context.bits, "c")))
+        low = _rounded(x.numerator, x.denominator, Context.bits, "f")
+        return cls((low, _rounded(top.numerator, top.denominator, Context.bits, "c")))
 
     def __add__(self, other: I) -> I:
         return I(libmp.mpi_add(self.v, other.v, Context.bits))
@@ -245,7 +250,7 @@ def wave(kappa: I, t: I) -> list[I]:
     """
     x = kappa * t * t
     if x.size.less(ONE):
-        return [t.power(k) * shape(x, k) for k in range(6)]
+        return [t.power(k) * c for k, c in enumerate(shapes(x, 5))]
     found = _direct(kappa, t)
     middle, move = _direct(kappa, t.mid), t - t.mid
     for k in range(1, 6):
@@ -268,13 +273,33 @@ def _direct(kappa: I, t: I) -> list[I]:
     return found
 
 
-def shape(x: I, k: int) -> I:
-    """c_k(x) = 1/k! + x/(k+2)! + ..., from the end of the series inwards."""
+def shapes(x: I, last: int) -> list[I]:
+    """c_0 .. c_last, c_k(x) = 1/k! + x/(k+2)! + ...: the last two by their series, then downwards."""
     if not x.size.less(I.of(LARGEST)):
         raise Undecided("a flight is too long")
-    terms = 20 + Context.bits // 6
-    tail = I.of(Fraction(1, factorial(k + 2 * terms)))  # what follows is less than half each time
-    total = (tail + tail).ball
-    for n in range(terms - 1, -1, -1):
-        total = I.of(Fraction(1, factorial(k + 2 * n))) + x * total
-    return total
+    found = [ZERO] * (last + 1)
+    for k in range(max(last - 1, 0), last + 1):
+        terms = _terms(x, k)
+        after = _reciprocal(k + 2 * terms, Context.bits)  # what follows is less than half each time
+        total = (after + after).ball
+        for n in range(terms - 1, -1, -1):
+            total = _reciprocal(k + 2 * n, Context.bits) + x * total
+        found[k] = total
+    for k in range(last - 2, -1, -1):
+        found[k] = _reciprocal(k, Context.bits) + x * found[k + 2]
+    return found
+
+
+def _terms(x: I, k: int) -> int:
+    """How many terms of the series of c_k are needed, at least so many that the rest soon falls."""
+    size, n, term = float(x.size), 0, 1.0
+    while term > 2.0**-Context.bits or (k + 2 * n + 1) * (k + 2 * n + 2) < 2.0 * size + 1.0:
+        n += 1
+        term *= (size + 1e-300) / ((k + 2 * n - 1) * (k + 2 * n))
+    return n + 1
+
+
+@lru_cache(maxsize=1000)
+def _reciprocal(n: int, bits: int) -> I:
+    """1 / n!."""
+    return I.of(Fraction(1, factorial(n)))

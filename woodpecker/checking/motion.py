@@ -146,7 +146,11 @@ class Follower:
         flies = guard[0] == "gap" and own.zeros == 2
         found = own.landing(bracket) if flies else None
         self.lands = guard[1] if found is not None else -1
-        t = found if found is not None else own.crossing(bracket, 1 if guard[0] == "section" else -1)
+        t = (
+            found
+            if found is not None
+            else own.crossing(bracket, 1 if guard[0] == "section" else -1)
+        )
         end = t.value.high
         for other, curve in curves.items():
             if other == guard:
@@ -257,7 +261,9 @@ class Follower:
                 self.hold(i)
         self.still = {i for k, i in enumerate(contacts) if last.slips[k] == 0 and i in closed}
         marks = [marked(first, second, k, signs[k]) for k in range(len(contacts))]
-        self.word.append("I" + "+".join(f"{i + 1}{m}" for i, m in zip(contacts, marks, strict=True)))
+        self.word.append(
+            "I" + "+".join(f"{i + 1}{m}" for i, m in zip(contacts, marks, strict=True))
+        )
         states = [UP if s == OPEN and i in closed else s for i, s in enumerate(self.states)]
         self.before = (states[0], states[1], states[2])
         self.fired = ("impact", -1)
@@ -325,9 +331,10 @@ class Follower:
                 if known:
                     # v_N before is negative or zero: a slipping contact at rest has an impulse of
                     # the sign of its stiffness, a free one would still approach
-                    stiffness = self.toy.g[2 * i][2 * i] - slips[k] * self.toy.mu[i] * self.toy.g[
-                        2 * i
-                    ][2 * i + 1]
+                    stiffness = (
+                        self.toy.g[2 * i][2 * i]
+                        - slips[k] * self.toy.mu[i] * self.toy.g[2 * i][2 * i + 1]
+                    )
                     if not rests[k]:
                         return False, None
                     conditions.append(ONE if slips[k] and stiffness > 0 else normal)
@@ -640,9 +647,7 @@ class Curve:
             return None
 
 
-def combined(
-    f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int
-) -> F | I:
+def combined(f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int) -> F | I:
     """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
     terms: list[tuple[Any, Any]]
     match order:
@@ -680,7 +685,7 @@ def plus(x: Any, y: Any) -> Any:
 
 
 def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
-    """h = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
+    """H = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
     square = t * t
     x = square * kappa
     c = shapes(x, 7)
@@ -742,4 +747,3 @@ def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box)
 def thin(f: T) -> T:
     """A polynomial near a Taylor model."""
     return T(f.span, [x.mid for x in f.c])
-

@@ -10,9 +10,27 @@ from functools import lru_cache
 from typing import NamedTuple
 
 OPEN, STICK, UP, DOWN = range(4)
-NAMES = (
-    "m_m j_m m_s j_s g r_0 r_m h_m l_m l_g h_s l_s c_phi mu_1 mu_2 mu_3 eps_n1 eps_n2 eps_n3"
-).split()
+NAMES = [
+    "m_m",
+    "j_m",
+    "m_s",
+    "j_s",
+    "g",
+    "r_0",
+    "r_m",
+    "h_m",
+    "l_m",
+    "l_g",
+    "h_s",
+    "l_s",
+    "c_phi",
+    "mu_1",
+    "mu_2",
+    "mu_3",
+    "eps_n1",
+    "eps_n2",
+    "eps_n3",
+]
 ANGLE, SIDE = (2, 1, 1), (-1, 1, -1)  # the coordinate that closes a gap, and in which direction
 
 

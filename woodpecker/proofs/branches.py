@@ -23,7 +23,7 @@ from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import VALUE, Frame, Undecided, sign
+from woodpecker.proofs.forms import VALUE, Frame, sign
 from woodpecker.proofs.model import Model
 from woodpecker.proofs.pieces import (
     Interval,
@@ -40,8 +40,10 @@ from woodpecker.proofs.pieces import (
 )
 from woodpecker.proofs.taylor import ZERO
 from woodpecker.shooting import shoot
+from woodpecker.undecided import Undecided
 
 Progress = Callable[[float], object]
+CURVE = 24  # decimals of points of curves [rad]
 WIDEST = Fraction(1, 1000)  # rad: no tube is made wider than that
 
 
@@ -66,8 +68,6 @@ class March:
         First radius of the tubes [rad]: near the rounding of what is computed.
     margin
         How much wider than what was found in it a tube is made, if it was too narrow.
-    bits
-        Precision.
     """
 
     terms: int = 8
@@ -76,9 +76,8 @@ class March:
     shortest: float = 1e-8
     leap: float = 1e-6
     smooth: float = 0.003
-    radius: Fraction = Fraction(1, 10**14)
+    radius: Fraction = Fraction(1, 10**18)
     margin: int = 2
-    bits: int = 96
 
 
 class Gap(NamedTuple):
@@ -282,14 +281,12 @@ class _Walk:
     def _enclosed(self, planned: Planned) -> Piece:
         """A piece over a line, in tubes that are widened as needed."""
         march, line = self._march, planned.line
-        curves = self._near(line, march.terms)
+        curves = [_trimmed(curve, line.half) for curve in self._near(line, march.terms)]
         radii = [march.radius] * len(curves)
         for tries in count():
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
-                piece = proved(
-                    self._toy, self._parameter, line, tubes, march.terms, planned.flips
-                )
+                piece = proved(self._toy, self._parameter, line, tubes, march.terms, planned.flips)
             except TooNarrow as found:
                 wider = [_above(abs(s).upper()) * march.margin for s in found.off]
                 if tries > 3 or any(r > WIDEST for r in wider):
@@ -400,6 +397,18 @@ def _short(x: Any, digits: int) -> Fraction:
         places += 1
     unit = Fraction(10) ** places
     return round(exact * unit) / unit
+
+
+def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
+    """Coefficients with no more decimals than show within half a length."""
+    found, reach = [], Fraction(1)
+    for c in curve:
+        places = 0
+        while reach > Fraction(10) ** (places - CURVE):
+            places += 1
+        found.append(Fraction(round(c * 10**places), 10**places))
+        reach *= half
+    return tuple(found)
 
 
 def _rounded(x: Fraction, digits: int = 15) -> Fraction:

@@ -25,7 +25,9 @@ from woodpecker.proofs.points import ProvedPoint
 
 FORMAT = "certificate of the Woodpecker Toy"
 VERSION = 1
-SLACK = Fraction(1, 10)  # claimed intervals are wider by that part: other arithmetic rounds otherwise
+SLACK = Fraction(
+    1, 10
+)  # claimed intervals are wider by that part: other arithmetic rounds otherwise
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Certificate:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the certificate as JSON; nothing is left half written."""
-        text = json.dumps(self.content, indent=1, ensure_ascii=True) + "\n"
+        text = json.dumps(self.content, separators=(",", ":"), ensure_ascii=True) + "\n"
         write_whole(Path(path), text.encode("ascii"))
 
 
@@ -132,9 +134,7 @@ def piece_of(piece: Piece) -> dict[str, Any]:
     }
 
 
-def of_orbit(
-    toy: Toy, parameter: str, outer: Piece, inner: Piece, digits: int
-) -> Certificate:
+def of_orbit(toy: Toy, parameter: str, outer: Piece, inner: Piece, digits: int) -> Certificate:
     """Exactly one cycle in the outer tubes, which lies in the inner ones."""
     order = len(inner.tubes)
     content = head(toy, "orbit", parameter, order, digits) | {
@@ -157,9 +157,7 @@ def _stable(multiplier: Any) -> bool | None:
 def orbit_sentence(content: Mapping[str, Any]) -> str:
     """The sentence of an orbit."""
     order, inner, outer = content["order"], content["inner"], content["outer"]
-    where = ", ".join(
-        f"{p['curve'][0]} within {p['radius']}" for p in inner["points"]
-    )
+    where = ", ".join(f"{p['curve'][0]} within {p['radius']}" for p in inner["points"])
     what = "fixed point" if order == 1 else f"cycle of {order} points"
     radius = ", ".join(p["radius"] for p in outer["points"])
     words = " | ".join(p["ways"][0]["word"] for p in inner["points"])
@@ -193,6 +191,19 @@ def of_branch(branch: ProvedBranch, digits: int) -> Certificate:
         "gaps": [[text(end) for end in gap.p] for gap in branch.gaps],
     }
     content["span"] = [text(end) for end in branch.span]
+    return sealed({"statement": branch_sentence(content), **content})
+
+
+def merged(parts: Sequence[Certificate]) -> Certificate:
+    """One certificate of a branch from those of its parts, which join."""
+    first = dict(parts[0].content)
+    for part in parts[1:]:
+        shift = len(first["pieces"])
+        for key in ("pieces", "multiplier", "stable", "gaps"):
+            first[key] = [*first[key], *part.content[key]]
+        first["flips"] = [*first["flips"], *(k + shift for k in part.content["flips"])]
+        first["span"] = [first["span"][0], part.content["span"][1]]
+    content = {key: value for key, value in first.items() if key not in ("seal", "statement")}
     return sealed({"statement": branch_sentence(content), **content})
 
 

@@ -14,8 +14,9 @@ from flint import arb
 
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST
 from woodpecker.mechanics.modes import SIGN
-from woodpecker.proofs.forms import Undecided, box, reciprocal, sign
+from woodpecker.proofs.forms import box, reciprocal, sign
 from woodpecker.proofs.model import Model, ball, sum_of
+from woodpecker.undecided import Undecided
 
 Numbers = Sequence[Any]
 ZERO = arb(0)

@@ -14,9 +14,10 @@ from typing import Any
 
 from flint import arb
 
-from woodpecker.proofs.forms import Form, Undecided, box, sign
+from woodpecker.proofs.forms import Form, box, sign
 from woodpecker.proofs.oscillator import Crossing, Guard, shapes, zero
 from woodpecker.proofs.stumpff import shape_balls
+from woodpecker.undecided import Undecided
 
 LONGEST = 10.0  # of |kappa| t^2: half a swing; h need not fall beyond
 PARTS = 16  # of a flight, over each of which the slope of h is enclosed
@@ -28,12 +29,12 @@ def landing(guard: Guard, guess: float) -> Crossing | None:
     Around the result h falls from h(0) >= 0 through zero once, so the gap is positive before, and
     it closes with a speed and an acceleration that do not vanish but with the time.
     """
-    f3, kappa = guard.jet[3], box(guard.kappa)
+    f3, kappa = guard.jet[3], guard.kappa
     if not abs(kappa) * arb(guess) ** 2 < LONGEST or sign(f3) != -1:
         return None
 
     def at(t: Any, derivative: int = 0) -> Any:
-        return _height(guard.jet, guard.kappa, t, derivative)
+        return _height(guard.jet, kappa, t, derivative)
 
     def over(t: Any, derivative: int = 0) -> Any:
         return _height([box(f) for f in guard.jet], kappa, t, derivative)
@@ -66,4 +67,6 @@ def _height(jet: Any, kappa: Any, t: Any, derivative: int) -> Any:
         case _:
             bend_2 = turn_3 - (c[5] - c[6] * 4) * 2
             bend_3 = (c[5] - c[6] * 4) - (c[6] - c[7] * 5) * 3
-            return f2 * ((turn_2 + bend_2 * x) * kappa) + f3 * ((turn_3 * 3 + bend_3 * x) * t * kappa)
+            return f2 * ((turn_2 + bend_2 * x) * kappa) + f3 * (
+                (turn_3 * 3 + bend_3 * x) * t * kappa
+            )

@@ -41,12 +41,13 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
 from woodpecker.proofs.flights import landing
-from woodpecker.proofs.forms import Form, Frame, Undecided, box, centre, sign, start
+from woodpecker.proofs.forms import Form, Frame, box, centre, sign, start
 from woodpecker.proofs.model import Model, State, ball, sum_of
 from woodpecker.proofs.oscillator import Crossing, Guard, crossing, stumpff
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.simulation.guards import first_root
 from woodpecker.simulation.words import word
+from woodpecker.undecided import Undecided
 
 ZERO = arb(0)
 NO_GUARD = -1
@@ -192,7 +193,9 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
         raise Undecided("the beak may touch the pole at the start")
-    motion = Motion([ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0])
+    motion = Motion(
+        [ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0]
+    )
     motion.held, motion.before = frozenset({1}), motion.states
     todo, found = _settled(model, motion, {1}), []
     while todo:
@@ -209,9 +212,7 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
 
 def _way(motion: Motion) -> Way:
     image, drop = motion.q[2], -motion.q[0]
-    return Way(
-        word(motion.codes), tuple(motion.log), image, motion.time, drop, tuple(motion.forks)
-    )
+    return Way(word(motion.codes), tuple(motion.log), image, motion.time, drop, tuple(motion.forks))
 
 
 def _guard(model: Model, motion: Motion, states: State, guard: int) -> Guard:
@@ -437,7 +438,9 @@ def _strike(model: Model, motion: Motion, contacts: list[int]) -> list[Motion]:
         rate = model.levers[i] * int(SIGN[i])
         free.append(u[j] * rate if i == striking else ZERO)
         still = motion.states[i] == STICK
-        free.append(ZERO if still else sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True)))
+        free.append(
+            ZERO if still else sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
+        )
     visible = sign(free[2 * contacts.index(striking)]) == -1
     approaches = not visible and motion.lands == striking and len(contacts) == 1
     if not visible and not approaches:
@@ -514,9 +517,7 @@ def _settled(model: Model, motion: Motion, closed: set[int], plastic: bool = Fal
     return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
 
 
-def _stays_or_leaves(
-    model: Model, motion: Motion, i: int, trials: list[State]
-) -> list[Motion]:
+def _stays_or_leaves(model: Model, motion: Motion, i: int, trials: list[State]) -> list[Motion]:
     """A contact without approach and with a force near zero: both ways.
 
     The acceleration of its gap if it opens is minus the force if it stays, times the response

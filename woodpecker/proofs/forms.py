@@ -19,14 +19,11 @@ from typing import Any
 from flint import arb, arb_poly, ctx, fmpq
 
 from woodpecker.proofs.taylor import ZERO, Span, Taylor, constant, cut, inverse
+from woodpecker.undecided import Undecided
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
 """Derivatives that a form may carry: 0 is along s, 1 along p."""
 VALUE, S, P, SS, SP, PP = range(6)
-
-
-class Undecided(Exception):  # noqa: N818  (no error: an answer)
-    """What ball arithmetic could not decide over a box; the text says what."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,8 @@ from woodpecker.mechanics.equations import (
 )
 from woodpecker.mechanics.modes import ANGLE, OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
-from woodpecker.proofs.forms import Form, Frame, Undecided, box, centre, sign, varying
+from woodpecker.proofs.forms import Form, Frame, box, centre, sign, varying
+from woodpecker.undecided import Undecided
 
 Numbers = Sequence[Any]
 State = tuple[int, int, int]
@@ -280,4 +281,4 @@ def _inverse(x: Any) -> Any:
 
 
 def _vanishes(x: Any) -> bool:
-    return isinstance(x, fmpq) and x == 0 or not isinstance(x, fmpq | Form) and box(x).is_zero()
+    return (isinstance(x, fmpq) and x == 0) or (not isinstance(x, fmpq | Form) and box(x).is_zero())

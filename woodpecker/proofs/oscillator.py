@@ -17,22 +17,19 @@ from woodpecker.proofs.forms import (
     ALONG,
     VALUE,
     Form,
-    Undecided,
     box,
-    centre,
     chained,
     sign,
 )
 from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
 from woodpecker.proofs.taylor import ZERO, Taylor, constant, inverse
+from woodpecker.undecided import Undecided
 
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
 
 def stumpff(kappa: Any, t: Any, last: int = 4) -> list[Any]:
     """s_0 .. s_last of balls or forms."""
-    if isinstance(kappa, Form):
-        return _moving(kappa, t, last)
     if not isinstance(t, Form):
         return stumpff_balls(kappa, t, last)
     curve = stumpff_models(kappa, t.parts[VALUE], last)
@@ -41,15 +38,6 @@ def stumpff(kappa: Any, t: Any, last: int = 4) -> list[Any]:
         chained(t, curve[k + 2], near[k + 1], lambda k=k: near[k])  # type: ignore[misc]
         for k in range(last + 1)
     ]
-
-
-def _moving(kappa: Form, t: Any, last: int) -> list[Form]:
-    """The same where the parameter moves kappa: t^k c_k(kappa t^2)."""
-    found, power = [], kappa * ZERO + 1
-    for c in shapes(kappa * (t * t), last):
-        found.append(power * c)
-        power = power * t
-    return found
 
 
 def shapes(x: Any, last: int) -> list[Any]:
@@ -94,8 +82,8 @@ class Guard:
     def over(self, t: Any, derivative: int = 0) -> Any:
         """Range of the same over a ball of times and the whole box."""
         f0, f1, f2, f3 = (box(f) for f in self.jet)
-        k = box(self.kappa)
-        return _value(f0, f1, f2, f3, k, stumpff_balls(k, t, 4), t, derivative)
+        s = stumpff_balls(self.kappa, t, 4)
+        return _value(f0, f1, f2, f3, self.kappa, s, t, derivative)
 
     def lasts(self, end: Any) -> bool:
         """Whether it is proved positive on (0, end], for an exact end > 0."""

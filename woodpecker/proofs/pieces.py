@@ -19,9 +19,10 @@ from flint import arb, arb_poly, fmpq
 
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs.following import ForkKind, Way, follow
-from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S, Undecided
+from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S
 from woodpecker.proofs.model import Model
 from woodpecker.proofs.taylor import ZERO, Taylor, inverse
+from woodpecker.undecided import Undecided
 
 DIGITS = 30  # decimals of the numbers that describe a tube
 GROWTH = 3  # by how much a tube is wider than what was found in it, when it was too narrow
@@ -144,7 +145,9 @@ class Piece:
         """Words of the cycle: one, or on both sides of a change."""
         if all(len(ways) == 1 for ways in self.ways):
             return (" | ".join(ways[0].word for ways in self.ways),)
-        return tuple(" | ".join(ways[min(k, len(ways) - 1)].word for ways in self.ways) for k in (0, 1))
+        return tuple(
+            " | ".join(ways[min(k, len(ways) - 1)].word for ways in self.ways) for k in (0, 1)
+        )
 
     @property
     def p(self) -> Interval:
@@ -334,5 +337,3 @@ def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> lis
             total = (e[k % n] + slopes[k % n] * total).truncate(terms)
         found.append(_thin(total * over, terms))
     return found
-
-

@@ -22,9 +22,10 @@ from flint import arb
 
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs.following import Fork, ForkKind, Way, follow
-from woodpecker.proofs.forms import Form, Frame, P, S, Undecided, sign
+from woodpecker.proofs.forms import Form, Frame, P, S, sign
 from woodpecker.proofs.model import Model
 from woodpecker.proofs.pieces import decimal, number
+from woodpecker.undecided import Undecided
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
 DECIMALS = 40
@@ -160,5 +161,3 @@ def _classified(
         (slopes[0], slopes[1]), side, "FF" if fold and steep == 1 else "BC",
         "fold" if fold else "persistence",
     )  # fmt: skip
-
-

@@ -1,0 +1,130 @@
+"""Proofs of what a user has found: orbits, branches and points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from fractions import Fraction
+from itertools import pairwise
+from multiprocessing import get_context
+
+import numpy as np
+from flint import arb
+
+from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
+from woodpecker.mechanics.toy import Toy
+from woodpecker.proofs import certificates
+from woodpecker.proofs.branches import March, ProvedBranch, marched
+from woodpecker.proofs.certificates import Certificate
+from woodpecker.proofs.forms import precision
+from woodpecker.proofs.model import rational
+from woodpecker.proofs.pieces import Interval, Line, Tube, curves_near, proved
+from woodpecker.proofs.points import proved_point
+from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.undecided import Undecided
+
+RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+BITS = {"orbit": 140, "branch": 128, "point": 160}  # of ball arithmetic
+DIGITS = {"orbit": 40, "branch": 35, "point": 48}  # of the checker's
+INNER = Fraction(1, 10**22)  # rad: the box in which an orbit is found
+OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # rad: boxes in which it is
+# tried to show that it is the only one, the largest first
+AT = "eps_n1"  # the parameter that a certificate of an orbit names
+
+Progress = Callable[[float], object]
+
+
+def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
+    """Exactly one cycle near an orbit."""
+    if not orbit.success:
+        raise ValueError(f"only a periodic orbit can be proved, got one with: {orbit.message}")
+    toy, points = orbit.toy, orbit.points[: orbit.minimal_period]
+    line = Line((rational(getattr(toy, AT)),), Fraction(0))
+    with precision(BITS["orbit"]):
+        curves = curves_near(toy, AT, line, [[arb(x)] for x in points], 1)
+        inner = proved(toy, AT, line, [Tube(curve, INNER) for curve in curves])
+        outer = inner
+        for radius in OUTER:
+            try:
+                outer = proved(toy, AT, line, [Tube(curve, radius) for curve in curves])
+                break
+            except Undecided:
+                continue
+        return certificates.of_orbit(toy, AT, outer, inner, DIGITS["orbit"])
+
+
+def prove_branch(
+    branch: Branch, span: tuple[float, float] | None, toy: Toy, parameter: str,
+    progress: Progress, workers: int,
+) -> Certificate:  # fmt: skip
+    """A branch of fixed points over an interval, in as many parts as there are workers."""
+    if branch.kind is not BranchKind.FIXED_POINT:
+        raise ValueError(f"only branches of fixed points can be proved, got {branch.kind.value}")
+    if not isinstance(workers, int) or workers < 1:
+        raise ValueError(f"workers must be a whole number from 1 on, got {workers!r}")
+    low, high = span or (float(branch.parameter.min()), float(branch.parameter.max()))
+    if not low < high or not branch.parameter.min() <= low <= branch.parameter.max():
+        raise ValueError(f"span must begin on the branch and ascend, got {(low, high)}")
+    ends = [rational(x) for x in np.linspace(low, high, workers + 1).round(6)[1:-1]]
+    cuts = [rational(low), *ends, rational(high)]
+    starts = _starts(toy, parameter, branch, cuts[:-1])
+    tasks = [
+        (toy, parameter, Interval(a, b), points)
+        for (a, b), points in zip(pairwise(cuts), starts, strict=True)
+    ]
+    if workers == 1:
+        parts = [_march(task, progress) for task in tasks]
+    else:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            texts = list(pool.map(_march_away, tasks))
+        return certificates.merged(texts)
+    return certificates.of_branch(parts[0], DIGITS["branch"])
+
+
+def _starts(
+    toy: Toy, parameter: str, branch: Branch, values: Sequence[Fraction]
+) -> list[tuple[float, ...]]:
+    """The cycle at some values, each from the one before."""
+    found, x, at = [], 0.0, 0.0
+    for value in values:
+        p = float(value)
+        on = (branch.parameter.min(), branch.parameter.max())
+        if on[0] <= p <= on[1]:
+            k = int(np.abs(branch.parameter - p).argmin())
+            x, at = float(branch.x[k]), float(branch.parameter[k])
+        for step in np.linspace(at, p, 40)[1:] if at != p else [p]:
+            orbit = shoot(toy.replace(**{parameter: float(step)}), x, branch.order)
+            if orbit.success:
+                x = orbit.phi_s
+        if not orbit.success:
+            raise Undecided(f"no cycle was found at {parameter} = {p}: {orbit.message}")
+        found.append(orbit.points[: orbit.minimal_period])
+        at = p
+    return found
+
+
+Task = tuple[Toy, str, Interval, tuple[float, ...]]
+
+
+def _march(task: Task, progress: Progress) -> ProvedBranch:
+    toy, parameter, span, points = task
+    with precision(BITS["branch"]):
+        return marched(toy, parameter, span, points, March(), progress)
+
+
+def _march_away(task: Task) -> Certificate:
+    """The same in another process: balls do not travel, certificates do."""
+    with precision(BITS["branch"]):
+        return certificates.of_branch(_march(task, lambda done: None), DIGITS["branch"])
+
+
+def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Certificate:
+    """A border collision at a jump."""
+    if point.kind not in (PointKind.BC, PointKind.FF) or point.order != 1:
+        raise ValueError(
+            f"only border collisions of P_1 can be proved, got {point.kind.value} of order "
+            f"{point.order}"
+        )
+    with precision(BITS["point"]):
+        found = proved_point(toy, parameter, point.parameter, point.x)
+        return certificates.of_point(found, DIGITS["point"])

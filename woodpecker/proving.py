@@ -1,0 +1,116 @@
+"""``prove`` and ``check_certificate``: what a user calls; ball arithmetic is loaded when it is."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from pwmap.diagrams.diagram import Branch, SpecialPoint
+from woodpecker.mechanics.toy import Toy
+from woodpecker.shooting import PeriodicOrbit
+
+if TYPE_CHECKING:
+    from woodpecker.proofs.certificates import Certificate
+
+PAPER = Toy()
+MISSING = "prove needs ball arithmetic: pip install woodpecker-toy[proof]"
+
+
+def _nothing(done: float) -> None:
+    """No progress is shown."""
+
+
+def prove(
+    what: PeriodicOrbit | Branch | SpecialPoint,
+    span: tuple[float, float] | None = None,
+    *,
+    toy: Toy = PAPER,
+    parameter: str = "eps_n1",
+    progress: Callable[[float], object] = _nothing,
+    workers: int = 1,
+) -> Certificate:
+    """Prove what a computation has found, in ball arithmetic.
+
+    The data of the toy are the exact decimals that a person writes: 3/10000 for 0.0003.
+
+    Parameters
+    ----------
+    what
+        A periodic orbit: that there is exactly one so near, its word, its multiplier, period and
+        drop between bounds. A branch of fixed points: that it goes on over the span, and how often
+        it flips. A border collision at a jump, of P_1: both words and limits, and its kind.
+    span
+        Of a branch, the interval of the parameter; by default from end to end.
+    toy
+        The toy whose branch or point it is; an orbit knows its own.
+    parameter
+        Along a branch or to a point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
+    progress
+        Called with the part of a branch that is done.
+    workers
+        Processes for a branch.
+
+    Returns
+    -------
+    Certificate
+        ``statement`` says what is proved; ``save(path)`` writes it for
+        :func:`check_certificate`.
+
+    Raises
+    ------
+    Undecided
+        If it could not be proved; the sentence says what was open.
+    ValueError
+        If it is nothing that can be proved here.
+    ImportError
+        Without the extra ``proof``.
+
+    Examples
+    --------
+    >>> toy = Toy(eps_n1=0.5)
+    >>> certificate = prove(shoot(toy, -0.53))
+    >>> certificate.content["multiplier"]
+    ['-0.839155653047586127', '-0.839155653047585639']
+    """
+    try:
+        from woodpecker.proofs import statements
+    except ImportError as error:
+        raise ImportError(MISSING) from error
+    if isinstance(what, PeriodicOrbit):
+        return statements.prove_orbit(what)
+    if parameter not in statements.RESTITUTIONS:
+        raise ValueError(
+            f"proofs move one of {', '.join(statements.RESTITUTIONS)}, got {parameter!r}"
+        )
+    if isinstance(what, Branch):
+        return statements.prove_branch(what, span, toy, parameter, progress, workers)
+    if isinstance(what, SpecialPoint):
+        return statements.prove_point(what, toy, parameter)
+    raise TypeError(
+        f"prove needs a periodic orbit, a branch or a special point, got {type(what).__name__}"
+    )
+
+
+def check_certificate(path: str | os.PathLike[str]) -> str:
+    """Verify a certificate with other arithmetic and other code, and say what it proves.
+
+    Parameters
+    ----------
+    path
+        A file as ``prove(...).save(path)`` writes it.
+
+    Returns
+    -------
+    str
+        What is proved, in a sentence.
+
+    Raises
+    ------
+    ValueError
+        If the certificate does not hold (``woodpecker.checking.certificate.Refused``); the sentence
+        says why.
+    """
+    from woodpecker.checking.certificate import check_certificate as checked
+
+    return checked(path)
