@@ -11,8 +11,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, T, constant
-from woodpecker.checking.intervals import ONE, ZERO, Context, I, Span, Undecided
+from woodpecker.checking.forms import Box, F, constant
+from woodpecker.checking.intervals import Context, I, Span, T, Undecided
 from woodpecker.checking.motion import Follower, Fork, Guard
 from woodpecker.checking.toy import NAMES, Toy
 
@@ -90,7 +90,7 @@ def _checked(content: Any) -> str:
     digits = content["digits"]
     if not isinstance(digits, int) or not 20 <= digits <= 200:
         raise Refused(f"digits must be a whole number from 20 to 200, got {digits!r}")
-    Context.bits = int(digits * 3.33) + 4
+    Context.bits = int(digits * 3.33) + 30
     expected = {"format", "version", "kind", "statement", "digits", "toy", "law", "parameter"}
     statement, keys = kinds[content["kind"]](content, _Data(content))
     if set(content) != expected | {"order", "seal"} | keys:
@@ -159,7 +159,7 @@ class _Data:
             assert isinstance(ends, F)
             if not ends.value.inside(I.of(0, 1)):
                 raise Refused("restitution must lie in [0, 1]")
-        none = constant(box, ZERO)
+        none = constant(box, I.of(0))
         x = _polynomial(box, curve, True)
         if not x.value.less(I.of(self.toy.touch[0])):
             raise Undecided("the beak may touch the pole at the start")
@@ -172,15 +172,7 @@ def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
     rate = [k * c[k] for k in range(1, len(c))] or [Fraction(0)]
     bend = [k * rate[k] for k in range(1, len(rate))] or [Fraction(0)]
     parts = [c, [Fraction(int(start))], rate, [Fraction(0)], [Fraction(0)], bend]
-    models = []
-    for part in parts[: box.depth]:
-        coefficients = [I.of(x) for x in part]
-        head, tail = coefficients[: box.span.terms], coefficients[box.span.terms :]
-        rest = ZERO
-        for k, x in enumerate(tail):
-            rest = rest + x * box.span.tau.power(box.span.terms + k)
-        models.append(T(box.span, head, rest))
-    return F(box, models)
+    return F(box, [T.of(box.span, part) for part in parts[: box.depth]])
 
 
 class _Return:
@@ -227,7 +219,7 @@ class _Piece:
             raise Refused("a piece has a line, half of its length, and a point for each return")
         self.line = [number(c) for c in piece["line"]]
         self.half, points = number(piece["half"]), piece["points"]
-        span = Span(I.of(self.half), terms)
+        span = Span(self.half, terms)
         if self.half < 0 or not self.line or len(self.line) > 40:
             raise Refused("a line has one to forty coefficients and a length")
         if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
@@ -264,7 +256,7 @@ class _Piece:
         for k, image in enumerate(images):
             aim = _polynomial(image.box, self.curves[(k + 1) % n], False)
             misses.append((image.parts[2] - aim.parts[2]).range)
-        moves, total = _around(misses, slopes), ZERO
+        moves, total = _around(misses, slopes), I.of(0)
         for k, image in enumerate(images):
             own = image.part((1, 1)) + image.part((2, 0)) * moves[k]
             total = total + own * _product(slopes[:k] + slopes[k + 1 :])
@@ -281,10 +273,7 @@ class _Piece:
 
 
 def _rising(line: Sequence[Fraction], span: Span) -> bool:
-    total = ZERO
-    for k in range(1, len(line)):
-        total = total + I.of(k * line[k]) * span.tau.power(k - 1)
-    return total.sign() == 1
+    return T.of(span, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
 
 
 def _value(c: Sequence[Fraction], x: Fraction) -> Fraction:
@@ -302,7 +291,7 @@ def _hull(parts: Sequence[I]) -> I:
 
 
 def _product(parts: Sequence[I]) -> I:
-    total = ONE
+    total = I.of(1)
     for part in parts:
         total = total * part
     return total
@@ -310,10 +299,10 @@ def _product(parts: Sequence[I]) -> I:
 
 def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:
     """Solve s_(k+1) = e_k + slope_k s_k around a cycle."""
-    n, whole = len(e), ONE - _product(slopes)
+    n, whole = len(e), I.of(1) - _product(slopes)
     found = []
     for i in range(n):
-        total = ZERO
+        total = I.of(0)
         for k in range(i, i + n):
             total = e[k % n] + slopes[k % n] * total
         found.append(total / whole)
@@ -321,9 +310,9 @@ def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:
 
 
 def _stable(multiplier: I) -> bool | None:
-    if multiplier.size.less(ONE):
+    if multiplier.size.less(I.of(1)):
         return True
-    beyond = (multiplier - ONE).sign() == 1 or (multiplier + ONE).sign() == -1
+    beyond = (multiplier - I.of(1)).sign() == 1 or (multiplier + I.of(1)).sign() == -1
     return False if beyond else None
 
 
@@ -335,7 +324,7 @@ def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
             raise Refused("the inner box does not lie in the outer one")
     found = [each[0] for each in inner.returns]
     claimed("the multiplier", inner.multiplier, content["multiplier"])
-    period, drop = ZERO, ZERO
+    period, drop = I.of(0), I.of(0)
     for each in found:
         assert each.period is not None
         period, drop = period + each.period.value, drop + each.drop.value
@@ -381,7 +370,7 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
         claimed(f"the multiplier of piece {k}", piece.multiplier, content["multiplier"][k])
         if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
             raise Refused("stability is another one than the multiplier says")
-        side = (piece.multiplier + ONE).sign()
+        side = (piece.multiplier + I.of(1)).sign()
         if k in flips:
             if piece.turn is None or not piece.turn.sign():
                 raise Undecided("the multiplier may not be monotone at a flip")
@@ -448,7 +437,7 @@ def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
     if radius <= 0:
         raise Refused("a box has a positive radius")
-    box = Box(I.of(radius), Span(I.of(radius), 2), 3)
+    box = Box(I.of(radius), Span(radius, 2), 3)
     returns = [_Return(data, box, [p, Fraction(1)], [x], way) for way in ways]
     _both(returns, "meeting")
     image, border = returns[own].image, returns[0].forks[0].comparator
@@ -464,8 +453,8 @@ def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     slope = image.part((1, 0))
     moves = -(border.part((0, 1)) / border.part((1, 0)))
     speed = slope * moves + image.part((0, 1)) - moves
-    gap, stays = (limit - found_x).sign(), (ONE - slope).sign()
-    steep = -1 if slope.size.less(ONE) else (1 if _stable(slope) is False else 0)
+    gap, stays = (limit - found_x).sign(), (I.of(1) - slope).sign()
+    steep = -1 if slope.size.less(I.of(1)) else (1 if _stable(slope) is False else 0)
     if not (along and gap and stays and steep and speed.sign()):
         raise Undecided("the kind of the point is open")
     side = along if own == 0 else -along
@@ -486,10 +475,10 @@ def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
 
 def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]:
     """Where image = x and border = 0 hold, about the centre of a box: once, inside the box."""
-    first = [f.parts[0].c[0] + f.parts[0].rest for f in (image, border)]
+    first = [f.parts[0].first + I(-f.parts[0].rest, f.parts[0].rest) for f in (image, border)]
     first[0] = first[0] - I.of(x)
     jacobian = [
-        [image.part((1, 0)) - ONE, image.part((0, 1))],
+        [image.part((1, 0)) - I.of(1), image.part((0, 1))],
         [border.part((1, 0)), border.part((0, 1))],
     ]
     (a, b), (c, d) = ([entry.mid for entry in row] for row in jacobian)
@@ -499,7 +488,7 @@ def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]
     for i in range(2):
         total = -(inverse[i][0] * first[0] + inverse[i][1] * first[1])
         for j in range(2):
-            rest = ONE if i == j else ZERO
+            rest = I.of(1) if i == j else I.of(0)
             for k in range(2):
                 rest = rest - inverse[i][k] * jacobian[k][j]
             total = total + rest * ball

@@ -7,10 +7,11 @@ models of its derivatives for all s: along s, and where wanted along tau and of 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from functools import cached_property
 
 from woodpecker.checking import intervals
-from woodpecker.checking.intervals import ONE, ZERO, I, Span, T, inverse, through, wave
+from woodpecker.checking.intervals import I, Span, T, inverse, through, wave
 
 ORDERS: list[tuple[int, int]] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
 """Derivatives (in s, in tau), in the order in which a form lists them."""
@@ -67,8 +68,7 @@ class F:
 
     def plus(self, x: I) -> F:
         """The function plus a number."""
-        first = self.parts[0] + T(self.box.span, [x])
-        return F(self.box, [first, *self.parts[1:]])
+        return F(self.box, [self.parts[0].plus(x), *self.parts[1:]])
 
 
 def halves(n: int) -> tuple[int, int]:
@@ -78,7 +78,8 @@ def halves(n: int) -> tuple[int, int]:
 
 def constant(box: Box, x: I) -> F:
     """A number as a function."""
-    return F(box, [T(box.span, [x]), *[T(box.span, [ZERO])] * (box.depth - 1)])
+    zero = T(box.span, [0])
+    return F(box, [zero.plus(x), *[zero] * (box.depth - 1)])
 
 
 def chain(f: F, on_curve: T, slope: T, bend: Callable[[], T]) -> F:
@@ -97,7 +98,7 @@ def over(f: F) -> F:
     """1 / f."""
     whole = inverse(f.all[0])
     square = whole * whole
-    return chain(f, inverse(f.parts[0]), -square, lambda: (square * whole).scaled(ONE + ONE))
+    return chain(f, inverse(f.parts[0]), -square, lambda: (square * whole).scaled(I.of(2)))
 
 
 def waves(kappa: I, t: F | I, box: Box) -> list[F | I]:
@@ -115,13 +116,14 @@ def _wave_models(kappa: I, t: T) -> dict[int, T]:
     """s_(-2) .. s_4, with s_(k-2) = kappa s_k for k < 2."""
     n = t.span.terms
     tables = []
-    for at in (t.c[0], t.range, t.poly):
+    for at in (t.first, t.range, t.poly):
         s = dict(enumerate(wave(kappa, at)))
         for k in range(-1, -4 - n, -1):
             s[k] = kappa * s[k + 2]
         tables.append(s)
     thin, whole, head = tables
-    factor, inverse_factorials = ONE, [ONE]
+    factor = I.of(1)
+    inverse_factorials = [factor]
     for j in range(1, n + 1):
         factor = factor / I.of(j)
         inverse_factorials.append(factor)
@@ -143,8 +145,8 @@ def shapes(x: F | I, last: int) -> list[F | I]:
     n = x.box.span.terms
     found: list[F | I] = []
     curve, whole = x.parts[0], x.all[0]
-    on_curve = [_slopes(at, n + 1, last) for at in (curve.c[0], curve.range, curve.poly)]
-    over_box = [_slopes(at, n + 3, last) for at in (whole.c[0], whole.range, whole.poly)]
+    on_curve = [_slopes(at, n + 1, last) for at in (curve.first, curve.range, curve.poly)]
+    over_box = [_slopes(at, n + 3, last) for at in (whole.first, whole.range, whole.poly)]
     for k in range(last + 1):
         models = [_shape_model(whole, over_box, k, d) for d in (1, 2)]
         first = _shape_model(curve, on_curve, k, 0)
@@ -154,7 +156,7 @@ def shapes(x: F | I, last: int) -> list[F | I]:
 
 def _slopes(x: I, orders: int, last: int) -> list[list[I]]:
     """c_k of an interval and so many derivatives."""
-    half = ONE / (ONE + ONE)
+    half = I.of(Fraction(1, 2))
     rows = [intervals.shapes(x, last + 2 * orders)]
     for _ in range(orders):
         c = rows[-1]
@@ -166,7 +168,7 @@ def _shape_model(x: T, tables: list[list[list[I]]], k: int, d: int) -> T:
     """The d-th derivative of c_k of a Taylor model."""
     n = x.span.terms
     thin, whole, head = tables
-    taylor, factor = [], ONE
+    taylor, factor = [], I.of(1)
     for j in range(n):
         taylor.append(thin[d + j][k] * factor)
         factor = factor / I.of(j + 1)

@@ -1,7 +1,9 @@
-"""Intervals with outward rounding, and Taylor models over them.
+"""Intervals and Taylor models in whole numbers: multiples of 2^-bits, rounded outwards.
 
-Arithmetic is that of mpmath's library of intervals. A Taylor model is a polynomial in tau on
-|tau| <= half, with narrow intervals as coefficients, and an interval for the rest.
+Python's integers are exact, so sums need no care and products one shift. Only cosines, sines and
+exponentials come from elsewhere: mpmath's library of intervals. A Taylor model is a polynomial in
+tau / half, |tau| <= half, with multiples of 2^-bits as coefficients, and a radius for the rest; all
+that is rounded goes to the rest.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
-from math import factorial
+from math import factorial, isqrt
 from typing import Any
 
 from mpmath import libmp
@@ -22,176 +24,201 @@ class Undecided(Exception):  # noqa: N818  (no error: an answer)
 
 
 class Context:
-    """The working precision [bits]; one for the whole process."""
+    """The unit is 2^-bits; one for the whole process."""
 
-    bits = 100
-
-
-@lru_cache(maxsize=20_000)
-def _rounded(numerator: int, denominator: int, bits: int, direction: str) -> Any:
-    return libmp.from_rational(numerator, denominator, bits, direction)
+    bits = 160
 
 
-class I:  # noqa: E742  (the name of intervals in the field)
-    """A closed interval."""
+class I:  # noqa: E742, N801  (the name of intervals in the field)
+    """A closed interval from a to b units."""
 
-    __slots__ = ("v",)
+    __slots__ = ("a", "b")
 
-    def __init__(self, v: Any) -> None:
-        self.v = v
+    def __init__(self, a: int, b: int) -> None:
+        self.a, self.b = a, b
 
     @classmethod
     def of(cls, x: Fraction | int, y: Fraction | int | None = None) -> I:
-        """The narrowest interval known that holds one or two rational numbers."""
-        top = x if y is None else y
-        low = _rounded(x.numerator, x.denominator, Context.bits, "f")
-        return cls((low, _rounded(top.numerator, top.denominator, Context.bits, "c")))
+        """The narrowest interval that holds one or two rational numbers."""
+        top, bits = x if y is None else y, Context.bits
+        return cls(
+            (x.numerator << bits) // x.denominator, -((-top.numerator << bits) // top.denominator)
+        )
 
     def __add__(self, other: I) -> I:
-        return I(libmp.mpi_add(self.v, other.v, Context.bits))
+        return I(self.a + other.a, self.b + other.b)
 
     def __sub__(self, other: I) -> I:
-        return I(libmp.mpi_sub(self.v, other.v, Context.bits))
-
-    def __mul__(self, other: I) -> I:
-        return I(libmp.mpi_mul(self.v, other.v, Context.bits))
+        return I(self.a - other.b, self.b - other.a)
 
     def __neg__(self) -> I:
-        return I(libmp.mpi_neg(self.v))
+        return I(-self.b, -self.a)
+
+    def __mul__(self, other: I) -> I:
+        a, b, c, d, bits = self.a, self.b, other.a, other.b, Context.bits
+        if a >= 0 and c >= 0:
+            return I(a * c >> bits, -(-b * d >> bits))
+        p, q, r, s = a * c, a * d, b * c, b * d
+        return I(min(p, q, r, s) >> bits, -(-max(p, q, r, s) >> bits))
 
     def __truediv__(self, other: I) -> I:
-        if other.sign() is None or other.sign() == 0:
+        if other.a <= 0 <= other.b:
             raise Undecided("a divisor may vanish")
-        return I(libmp.mpi_div(self.v, other.v, Context.bits))
+        bits = Context.bits
+        ends = [((x << bits), y) for x in (self.a, self.b) for y in (other.a, other.b)]
+        return I(min(x // y for x, y in ends), max(-(-x // y) for x, y in ends))
 
     def power(self, n: int) -> I:
-        """An integer power >= 0."""
-        return I(libmp.mpi_pow_int(self.v, n, Context.bits))
+        """An integer power >= 0, sharp for even ones."""
+        if n == 0:
+            return I.of(1)
+        found = self
+        for _ in range(n - 1):
+            found = found * self
+        if n % 2 == 0 and self.a < 0 < self.b:
+            return I(0, max(-found.a, found.b))
+        return found
 
     def sqrt(self) -> I:
         """Square root of a positive interval."""
-        return I(libmp.mpi_sqrt(self.v, Context.bits))
+        bits = Context.bits
+        return I(isqrt(self.a << bits), isqrt(self.b << bits) + 1)
 
     def cos_sin(self) -> tuple[I, I]:
         """Cosine and sine."""
-        c, s = libmp.mpi_cos_sin(self.v, Context.bits)
-        return I(c), I(s)
+        c, s = libmp.mpi_cos_sin(self._foreign(), Context.bits + 20)
+        return _own(c), _own(s)
 
     def exp(self) -> I:
         """Exponential."""
-        return I(libmp.mpi_exp(self.v, Context.bits))
+        return _own(libmp.mpi_exp(self._foreign(), Context.bits + 20))
+
+    def _foreign(self) -> Any:
+        bits = Context.bits
+        return libmp.from_man_exp(self.a, -bits), libmp.from_man_exp(self.b, -bits)
 
     def sign(self) -> int | None:
         """1, -1, 0 if it is exactly zero, None if it holds zero and more."""
-        low, high = libmp.mpf_sign(self.v[0]), libmp.mpf_sign(self.v[1])
-        if low == high:
-            return int(low)
-        return None
+        if self.a > 0:
+            return 1
+        if self.b < 0:
+            return -1
+        return 0 if self.a == self.b else None
 
     def inside(self, other: I) -> bool:
         """Whether it lies in another one."""
-        above = libmp.mpf_ge(self.v[0], other.v[0])
-        return bool(above and libmp.mpf_le(self.v[1], other.v[1]))
+        return other.a <= self.a and self.b <= other.b
 
     def within(self, other: I) -> bool:
         """Whether it lies in the interior of another one."""
-        above = libmp.mpf_gt(self.v[0], other.v[0])
-        return bool(above and libmp.mpf_lt(self.v[1], other.v[1]))
+        return other.a < self.a and self.b < other.b
 
     def meet(self, other: I) -> I:
         """What both share; both hold the same number, so there is something."""
-        low = self.v[0] if libmp.mpf_ge(self.v[0], other.v[0]) else other.v[0]
-        high = self.v[1] if libmp.mpf_le(self.v[1], other.v[1]) else other.v[1]
-        return I((low, high)) if libmp.mpf_le(low, high) else self
+        return I(max(self.a, other.a), min(self.b, other.b))
 
     def hull(self, other: I) -> I:
         """The smallest interval that holds both."""
-        low = self.v[0] if libmp.mpf_le(self.v[0], other.v[0]) else other.v[0]
-        high = self.v[1] if libmp.mpf_ge(self.v[1], other.v[1]) else other.v[1]
-        return I((low, high))
+        return I(min(self.a, other.a), max(self.b, other.b))
 
     @property
     def low(self) -> I:
         """The lower end."""
-        return I((self.v[0], self.v[0]))
+        return I(self.a, self.a)
 
     @property
     def high(self) -> I:
         """The upper end."""
-        return I((self.v[1], self.v[1]))
+        return I(self.b, self.b)
 
     @property
     def mid(self) -> I:
         """A number inside, near the middle."""
-        m = libmp.mpi_mid(self.v, Context.bits)
-        return I((m, m))
+        middle = (self.a + self.b) >> 1
+        return I(middle, middle)
 
     @property
     def size(self) -> I:
         """The largest modulus, as a number."""
-        return I(libmp.mpi_abs(self.v, Context.bits)).high
+        largest = max(-self.a, self.b)
+        return I(largest, largest)
 
     @property
     def ball(self) -> I:
         """The symmetric interval of this size."""
-        return (-self.size).hull(self.size)
+        largest = max(-self.a, self.b)
+        return I(-largest, largest)
 
     def less(self, other: I) -> bool:
         """Whether all of it lies below all of another one."""
-        return (other - self).sign() == 1
+        return self.b < other.a
 
     def __float__(self) -> float:
-        return float(libmp.to_float(libmp.mpi_mid(self.v, Context.bits)))
+        return (self.a + self.b) / 2 ** (Context.bits + 1)
 
 
-ZERO, ONE = I((libmp.fzero, libmp.fzero)), I((libmp.fone, libmp.fone))
-
-
-def number(x: float) -> I:
-    """The interval of a double."""
-    v = libmp.from_float(x)
-    return I((v, v))
+def _own(pair: Any) -> I:
+    """An interval of mpmath's, rounded outwards."""
+    ends = [libmp.to_rational(x) for x in pair]
+    low, high = (Fraction(int(p), int(q)) for p, q in ends)
+    return I.of(low, high)
 
 
 class Span:
     """The domain of Taylor models: |tau| <= half, and how many coefficients they have."""
 
-    def __init__(self, half: I, terms: int) -> None:
+    def __init__(self, half: Fraction, terms: int) -> None:
         self.half, self.terms = half, terms
-        self.tau = half.ball
-        self.powers = [self.tau.power(k) for k in range(2 * terms + 1)]
+
+    def scaled(self, c: Sequence[Fraction]) -> list[Fraction]:
+        """Coefficients of powers of tau / half from those of powers of tau."""
+        return [x * self.half**k for k, x in enumerate(c)]
 
 
 class T:
-    """A Taylor model."""
+    """A Taylor model: coefficients and the radius of the rest, in units."""
 
-    __slots__ = ("_range", "c", "rest", "span")
+    __slots__ = ("_powers", "c", "reach", "rest", "span")
 
-    def __init__(self, span: Span, c: Sequence[I], rest: I = ZERO) -> None:
+    def __init__(self, span: Span, c: Sequence[int], rest: int = 0) -> None:
         self.span, self.rest = span, rest
-        for k in range(span.terms, len(c)):
-            self.rest = self.rest + c[k] * span.powers[k]
+        if len(c) > span.terms:
+            self.rest += sum(map(abs, c[span.terms :]))
         self.c = list(c[: span.terms])
-        self._range: I | None = None
+        self.reach = sum(map(abs, self.c[1:]))
+        self._powers: list[T] | None = None
+
+    @classmethod
+    def of(cls, span: Span, c: Sequence[Fraction]) -> T:
+        """From coefficients of powers of tau."""
+        exact = [I.of(x) for x in span.scaled(c)]
+        return cls(span, [x.a for x in exact], sum(x.b - x.a for x in exact))
 
     @property
     def poly(self) -> I:
         """Range of the polynomial."""
-        if self._range is None:
-            total = self.c[0]
-            for k in range(1, len(self.c)):
-                total = total + self.c[k] * self.span.powers[k]
-            self._range = total
-        return self._range
+        return I(self.c[0] - self.reach, self.c[0] + self.reach)
 
     @property
     def range(self) -> I:
         """Range of the function."""
-        return self.poly + self.rest
+        more = self.reach + self.rest
+        return I(self.c[0] - more, self.c[0] + more)
+
+    @property
+    def first(self) -> I:
+        """The value at the centre, as a number."""
+        return I(self.c[0], self.c[0])
 
     def wider(self, more: I) -> T:
-        """The function plus something in an interval."""
-        return T(self.span, self.c, self.rest + more)
+        """The function plus something in a symmetric interval, or in any one."""
+        return T(self.span, self.c, self.rest + max(-more.a, more.b))
+
+    def plus(self, x: I) -> T:
+        """The function plus a number."""
+        middle = (x.a + x.b) >> 1
+        c = [self.c[0] + middle, *self.c[1:]]
+        return T(self.span, c, self.rest + max(x.b - middle, middle - x.a))
 
     def __add__(self, other: T) -> T:
         longer, shorter = (self.c, other.c) if len(self.c) >= len(other.c) else (other.c, self.c)
@@ -199,57 +226,70 @@ class T:
         return T(self.span, c, self.rest + other.rest)
 
     def __neg__(self) -> T:
-        return T(self.span, [-x for x in self.c], -self.rest)
+        return T(self.span, [-x for x in self.c], self.rest)
 
     def __sub__(self, other: T) -> T:
         return self + (-other)
 
     def scaled(self, x: I) -> T:
         """The function times a number."""
-        return T(self.span, [x * c for c in self.c], x * self.rest)
+        bits, middle = Context.bits, (x.a + x.b) >> 1
+        wide = max(x.b - middle, middle - x.a)
+        most = abs(self.c[0]) + self.reach
+        rest = self.rest * (abs(middle) + wide) + most * wide
+        return T(self.span, [middle * c >> bits for c in self.c], (rest >> bits) + 1 + len(self.c))
 
     def __mul__(self, other: T) -> T:
-        c = convolved(self.c, other.c)
-        return T(self.span, c, self.rest * other.range + self.poly * other.rest)
+        a, b, n, bits = self.c, other.c, self.span.terms, Context.bits
+        size = len(a) + len(b) - 1
+        c = [0] * size
+        for i, x in enumerate(a):
+            if x:
+                for j, y in enumerate(b):
+                    c[i + j] += x * y
+        rest = self.rest * (abs(b[0]) + other.reach + other.rest)
+        rest += (abs(a[0]) + self.reach) * other.rest + sum(map(abs, c[n:]))
+        return T(self.span, [x >> bits for x in c[:n]], (rest >> bits) + 1 + min(n, size))
 
-
-def convolved(a: Sequence[I], b: Sequence[I]) -> list[I]:
-    """Coefficients of a product of polynomials."""
-    c = [ZERO] * (len(a) + len(b) - 1)
-    for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            c[i + j] = c[i + j] + x * y
-    return c
+    @property
+    def powers(self) -> list[T]:
+        """Powers of the polynomial without its constant term, from the first on."""
+        if self._powers is None:
+            move = T(self.span, [0, *self.c[1:]])
+            self._powers = [move]
+            for _ in range(self.span.terms - 2):
+                self._powers.append(self._powers[-1] * move)
+        return self._powers
 
 
 def through(f: T, taylor: Sequence[I], slope: I, last: I) -> T:
     """g(f), from Taylor coefficients at f's first one, and ranges of g' and g^(n)/n! over f."""
-    move = T(f.span, [ZERO, *f.c[1:]])
-    found, power = T(f.span, [taylor[0]]), T(f.span, [ONE])
-    for k in range(1, f.span.terms):
-        power = power * move
-        found = found + power.scaled(taylor[k])
-    tail = last * move.poly.power(f.span.terms)
-    return found.wider(tail + slope * f.rest)
+    n = f.span.terms
+    found = T(f.span, [0]).plus(taylor[0])
+    for k in range(1, n):
+        found = found + f.powers[k - 1].scaled(taylor[k])
+    reach = I(-f.reach, f.reach).power(n)
+    return found.wider(last * reach).wider(slope * I(-f.rest, f.rest))
 
 
 def inverse(f: T) -> T:
     """1 / f."""
-    over, whole = ONE / f.c[0], ONE / f.range
+    one = I.of(1)
+    over, whole = one / f.first, one / f.range
     taylor, n = [over], f.span.terms
     for _ in range(n):
         taylor.append(-(taylor[-1] * over))
-    last = (ONE / f.poly).power(n + 1)
+    last = (one / f.poly).power(n + 1)
     return through(f, taylor, -(whole * whole), last if n % 2 == 0 else -last)
 
 
 def wave(kappa: I, t: I) -> list[I]:
-    """s_0 .. s_5, s_k = t^k (1/k! + x/(k+2)! + x^2/(k+4)! + ...) with x = kappa t^2.
+    """s_0 .. s_5, s_k = t^k c_k(kappa t^2).
 
-    By the series where it converges fast, else by s_(k+2) = (s_k - t^k/k!) / kappa from the cosine.
+    By their series where it converges fast, else by s_(k+2) = (s_k - t^k/k!) / kappa from cosines.
     """
-    x = kappa * t * t
-    if x.size.less(ONE):
+    x = kappa * t.power(2)
+    if x.size.less(I.of(1)):
         return [t.power(k) * c for k, c in enumerate(shapes(x, 5))]
     found = _direct(kappa, t)
     middle, move = _direct(kappa, t.mid), t - t.mid
@@ -269,7 +309,7 @@ def _direct(kappa: I, t: I) -> list[I]:
         c, s = (up + down) * half, (up - down) * half
     found = [c, s / omega]
     for k in range(4):
-        found.append((found[k] - t.power(k) / I.of(factorial(k))) / kappa)
+        found.append((found[k] - t.power(k) * _reciprocal(k, Context.bits)) / kappa)
     return found
 
 
@@ -277,7 +317,7 @@ def shapes(x: I, last: int) -> list[I]:
     """c_0 .. c_last, c_k(x) = 1/k! + x/(k+2)! + ...: the last two by their series, then downwards."""
     if not x.size.less(I.of(LARGEST)):
         raise Undecided("a flight is too long")
-    found = [ZERO] * (last + 1)
+    found = [I.of(0)] * (last + 1)
     for k in range(max(last - 1, 0), last + 1):
         terms = _terms(x, k)
         after = _reciprocal(k + 2 * terms, Context.bits)  # what follows is less than half each time

@@ -15,12 +15,11 @@ from itertools import product
 from typing import Any
 
 from woodpecker.checking.forms import Box, F, T, constant, shapes, waves
-from woodpecker.checking.intervals import ONE, ZERO, I, Undecided, inverse, number
+from woodpecker.checking.intervals import I, T, Undecided, inverse
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Motion, Toy
 
 Guard = tuple[str, int]
 HALVINGS = 36
-TWO = ONE + ONE
 
 
 @dataclass
@@ -60,7 +59,7 @@ class Follower:
 
     def run(self, events: Sequence[tuple[Guard, I]]) -> None:
         """Follow all events; the last one is the return."""
-        self.time = constant(self.box, ZERO)
+        self.time = constant(self.box, I.of(0))
         self.settle({1}, False, events[0][0])
         for k, (guard, bracket) in enumerate(events):
             last = k == len(events) - 1
@@ -108,7 +107,7 @@ class Follower:
             bend = (d0 * I.of(m.b[j])).plus(I.of(m.a[j])) * side
             jet = [gap, self.u[j] * side, bend, d1 * (I.of(m.b[j]) * side)]
         elif kind == "slip":
-            side = ONE if states[i] == UP else -ONE
+            side = I.of(1) if states[i] == UP else -I.of(1)
             w = self.toy.tangent[i]
             along = sum((w[k] * m.b[k] for k in range(3)), Fraction(0))
             steady = sum((w[k] * m.a[k] for k in range(3)), Fraction(0))
@@ -126,7 +125,7 @@ class Follower:
             p, r = force(self.toy, m, kind, i)
             jet = [(d0 * r).plus(p), d1 * r, d2 * r, d1 * (r * kappa)]
             zeros = int(self.fired == guard and states == self.before)
-        return [ZERO] * zeros + jet[zeros:], zeros
+        return [I.of(0)] * zeros + jet[zeros:], zeros
 
     def slip(self, i: int) -> F:
         """Tangential velocity of a contact."""
@@ -181,7 +180,7 @@ class Follower:
         """The state at the end of a phase."""
         s = [x for x in waves(kappa, t, self.box) if isinstance(x, F)]
         d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
-        alpha, half = I.of(m.alpha), ONE / TWO
+        alpha, half = I.of(m.alpha), I.of(Fraction(1, 2))
         once = d0 * s[1] + d1 * s[2] + s[3] * alpha
         twice = d0 * s[2] + d1 * s[3] + s[4] * alpha
         square = t * t * half
@@ -201,7 +200,7 @@ class Follower:
     def close(self, i: int) -> None:
         """A contact touches and stays."""
         self.q[ANGLE[i]] = constant(self.box, I.of(self.toy.touch[i]))
-        self.u[ANGLE[i]] = constant(self.box, ZERO)
+        self.u[ANGLE[i]] = constant(self.box, I.of(0))
 
     def hold(self, i: int) -> None:
         """The slip of a contact is exactly zero."""
@@ -226,13 +225,13 @@ class Follower:
         toy, free = self.toy, []
         for i in contacts:
             rate = self.u[ANGLE[i]] * I.of(SIDE[i] * toy.lever[i])
-            free.append(rate if i == striking else constant(self.box, ZERO))
-            free.append(constant(self.box, ZERO) if self.states[i] == STICK else self.slip(i))
+            free.append(rate if i == striking else constant(self.box, I.of(0)))
+            free.append(constant(self.box, I.of(0)) if self.states[i] == STICK else self.slip(i))
         approach = free[2 * contacts.index(striking)].value.sign()
         known = approach != -1
         if known and (self.lands != striking or len(contacts) > 1):
             raise Undecided("a contact may graze")
-        none = [constant(self.box, ZERO)] * len(contacts)
+        none = [constant(self.box, I.of(0))] * len(contacts)
         first = self.solve_impact(contacts, free, none, False, known)
         floors = [self.floor(i, first.impulses[2 * k]) for k, i in enumerate(contacts)]
         signs = [floor.value.sign() for floor in floors]
@@ -276,7 +275,7 @@ class Follower:
         """The least impulse of the expansion."""
         eps = self.eps[i]
         if impulse.value.sign() == 0 or (eps if isinstance(eps, I) else eps.value).sign() == 0:
-            return constant(self.box, ZERO)
+            return constant(self.box, I.of(0))
         return impulse * eps
 
     def solve_impact(
@@ -324,7 +323,7 @@ class Follower:
                 for n, zero in ((0, rests[k]), (1, slips[k] == 0)):
                     row = [self.toy.g[at[2 * k + n]][j] for j in at]
                     start = free[2 * k + n].value if ranges else free[2 * k + n]
-                    none = ZERO if ranges else constant(self.box, ZERO)
+                    none = I.of(0) if ranges else constant(self.box, I.of(0))
                     v.append(none if zero else start + total(row, p, False))
             for k, i in enumerate(contacts):
                 normal = p[2 * k] - (floors[k].value if ranges else floors[k])
@@ -337,7 +336,7 @@ class Follower:
                     )
                     if not rests[k]:
                         return False, None
-                    conditions.append(ONE if slips[k] and stiffness > 0 else normal)
+                    conditions.append(I.of(1) if slips[k] and stiffness > 0 else normal)
                 else:
                     conditions.append(normal if rests[k] else v[2 * k])
                 most = p[2 * k] + p[2 - 2 * k] if coupled else p[2 * k]
@@ -368,7 +367,7 @@ class Follower:
         hs, hk = toy.lever[0], SIDE[k] * toy.lever[k]
         beak = (-load[2] * I.of(1 / hs), arm / hs)
         sleeve = ((load[1] - load[0] * I.of(r_m)) * I.of(1 / hk), (r_m - l_m) / hk)
-        along = [(constant(self.box, ZERO), Fraction(1)), (load[0], Fraction(-1))]
+        along = [(constant(self.box, I.of(0)), Fraction(1)), (load[0], Fraction(-1))]
         lines = [(beak[0] - floors[0], beak[1]), (sleeve[0] - floors[1], sleeve[1])]
         for i, own, (c, rate) in ((0, beak, along[0]), (k, sleeve, along[1])):
             most = (beak[0] + sleeve[0], beak[1] + sleeve[1]) if coupled else own
@@ -439,7 +438,7 @@ class Follower:
                 -((d * I.of(y)).plus(I.of(x)))
                 for x, y in zip(self.toy.at_rest, self.toy.per_stretch, strict=True)
             ]
-            none = [constant(self.box, ZERO)] * 2
+            none = [constant(self.box, I.of(0))] * 2
             return False if self.rest_is_possible(max(closed), load, none, False) is False else None
         conditions: list[Any] = []
         for i in closed:
@@ -450,7 +449,7 @@ class Follower:
             elif state != OPEN:
                 guards = [("normal", i)] + ([("slip", i)] if i in self.still else [])
             if i == self.lands:  # its acceleration towards the pole is known
-                conditions.append(-ONE if state == OPEN else ONE)
+                conditions.append(-I.of(1) if state == OPEN else I.of(1))
                 guards = guards[1:]
             for guard in guards:
                 jet, zeros = self.jet(guard, states)
@@ -512,7 +511,7 @@ def total(row: Sequence[Fraction], x: Sequence[Any], ranges: bool) -> Any:
         term = (y.value if ranges else y) * I.of(c)
         found = term if found is None else found + term
     if found is None:
-        return ZERO if ranges or isinstance(x[0], I) else constant(x[0].box, ZERO)
+        return I.of(0) if ranges or isinstance(x[0], I) else constant(x[0].box, I.of(0))
     return found
 
 
@@ -554,7 +553,7 @@ class Curve:
         if self.guard[0] == "section":
             return end.sign() != 1 or self.turns_not(end)
         if end.sign() != 1:
-            return falling is not None and self.over(ZERO.hull(falling), 1).sign() == -1
+            return falling is not None and self.over(I.of(0).hull(falling), 1).sign() == -1
         first = self.begin(end)
         if first is None:
             return False
@@ -579,7 +578,7 @@ class Curve:
         """A time until which the guard grows from its zero."""
         sign = self.ranges[self.zeros].sign()
         if self.zeros == 0 and sign == 1:
-            return ZERO
+            return I.of(0)
         order = self.zeros
         if sign != 1:
             if not self.known:
@@ -587,13 +586,13 @@ class Curve:
             order += 1
         for k in range(HALVINGS):
             t = end * I.of(Fraction(1, 2**k))
-            if self.over(ZERO.hull(t), order).sign() == 1:
+            if self.over(I.of(0).hull(t), order).sign() == 1:
                 return t.low
         return None
 
     def turns_not(self, end: I) -> bool:
         """Whether the bird's velocity does not rise through zero in (0, end]."""
-        todo = [(ZERO, end, 0)]
+        todo = [(I.of(0), end, 0)]
         while todo:
             a, b, depth = todo.pop()
             t = a.hull(b)
@@ -635,7 +634,7 @@ class Curve:
 
         try:
             end = bracket.size
-            steps = [ZERO, *[end * I.of(Fraction(k, 16)) for k in range(1, 17)]]
+            steps = [I.of(0), *[end * I.of(Fraction(k, 16)) for k in range(1, 17)]]
             parts = [a.hull(b) for a, b in zip(steps, steps[1:], strict=False)]
             if any(over_(part, 1).sign() != -1 for part in (bracket, *parts)):
                 return None
@@ -699,7 +698,7 @@ def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
     if order == 1:
         a, b = second * t * kappa, third * x + c[3]
     else:
-        bend_2 = third - less(5, 4) * TWO
+        bend_2 = third - less(5, 4) * I.of(2)
         bend_3 = less(5, 4) - less(6, 5) * I.of(3)
         a = (bend_2 * x + second) * kappa
         b = (bend_3 * x + third * I.of(3)) * t * kappa
@@ -719,12 +718,12 @@ def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box)
         step = thin(value.parts[0]) * inverse(thin(speed.parts[0]))
         moved = thin(t.parts[0] - thin(step))
         t = F(box, [moved, *t.parts[1:]])
-        if k > 3 and abs(float(step.c[0])) < 1e-25 and 2 ** (k - 3) >= span.terms:
+        if k > 3 and abs(float(step.first)) < 1e-25 and 2 ** (k - 3) >= span.terms:
             break
     slope = range_(bracket, 1)
     value = at(t)
     reach = (value.value / slope).size
-    reach = (reach + reach * I.of(Fraction(1, 2)) + number(1e-28)).ball
+    reach = (reach + reach * I.of(Fraction(1, 2)) + I.of(Fraction(1, 10**28))).ball
     whole = t.parts[0].wider(reach)
     if not whole.range.within(bracket):
         raise Undecided("an event lies outside its bracket")
@@ -746,4 +745,4 @@ def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box)
 
 def thin(f: T) -> T:
     """A polynomial near a Taylor model."""
-    return T(f.span, [x.mid for x in f.c])
+    return T(f.span, f.c)
