@@ -32,6 +32,7 @@ from woodpecker.plane.families import Family, family_from_pwmap, family_from_sym
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.graph import graph_of_curves
 from woodpecker.plane.regions import Region, Regions, Survey, regions_of
+from woodpecker.proving import check_certificate, prove
 from woodpecker.runs import saved_diagram
 from woodpecker.shooting import PeriodicOrbit, ShootingStatus, shoot
 from woodpecker.simulation.returns import Return, ReturnMap, first_return, return_map
@@ -52,6 +53,7 @@ from woodpecker.toypieces import ToyPieces
 from woodpecker.toyregions import parameter_regions
 from woodpecker.trouble.found import Effect, Limit, Robustness, Trouble
 from woodpecker.trouble.robustness import robustness
+from woodpecker.undecided import Undecided
 
 __all__ = [
     "Attractor",
@@ -106,8 +108,10 @@ __all__ = [
     "ToyPieces",
     "Trajectory",
     "Trouble",
+    "Undecided",
     "bifurcation_diagram",
     "borders_in",
+    "check_certificate",
     "check_derivatives",
     "connected",
     "continuation",
@@ -132,6 +136,7 @@ __all__ = [
     "orbit_diagram",
     "parameter_regions",
     "parameters",
+    "prove",
     "regions_of",
     "return_map",
     "robustness",

@@ -364,26 +364,29 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
         raise Refused("each piece has a multiplier and a claim on stability")
     gaps = [interval(gap) for gap in content["gaps"]]
-    open_, before, sides = list(gaps), None, []
+    open_, before, sides, joints = list(gaps), None, [], []
     for k, text in enumerate(texts):
         piece = _Piece(data, text, terms, k in flips)
         claimed(f"the multiplier of piece {k}", piece.multiplier, content["multiplier"][k])
         if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
             raise Refused("stability is another one than the multiplier says")
-        side = (piece.multiplier + I.of(1)).sign()
-        if k in flips:
-            if piece.turn is None or not piece.turn.sign():
-                raise Undecided("the multiplier may not be monotone at a flip")
-        elif not side:
-            raise Undecided("the multiplier may pass -1 outside the flips")
-        sides.append(0 if k in flips else side)
-        if before is not None and before.parameter(1) != piece.parameter(-1):
-            if not open_ or open_.pop(0) != (before.parameter(1), piece.parameter(-1)):
+        if k not in flips:
+            side = (piece.multiplier + I.of(1)).sign()
+            if not side:
+                raise Undecided("the multiplier may pass -1 outside the flips")
+            sides.append(side)
+        elif piece.turn is None or not piece.turn.sign():
+            raise Undecided("the multiplier may not be monotone at a flip")
+        else:
+            sides.append(0)
+        if before is not None:
+            joints.append(before.parameter(1) == piece.parameter(-1))
+            if joints[-1]:
+                _joined(before, piece, data.order)
+            elif not open_ or open_.pop(0) != (before.parameter(1), piece.parameter(-1)):
                 raise Refused("pieces do not join, and no gap says so")
-        elif before is not None:
-            _joined(before, piece, data.order)
         before = piece
-    _flips_pass(sides, [interval(gap) for gap in gaps])
+    _flips_pass(sides, joints)
     if open_:
         raise Refused("a gap lies between no pieces")
     low, high = interval(content["span"])
@@ -415,14 +418,19 @@ def _joined(before: _Piece, piece: _Piece, order: int) -> None:
     raise Undecided("two pieces may hold different cycles where they meet")
 
 
-def _flips_pass(sides: Sequence[int], gaps: Sequence[Interval]) -> None:
+def _flips_pass(sides: Sequence[int], joints: Sequence[bool]) -> None:
     """Where a flip is claimed the multiplier is on different sides of -1 before and after."""
-    for k, side in enumerate(sides):
-        if side == 0:
-            if not 0 < k < len(sides) - 1 or sides[k - 1] * sides[k + 1] != -1:
-                raise Undecided("the multiplier does not pass -1 where a flip is claimed")
-        elif k > 0 and sides[k - 1] == -side and not gaps:
+    for k, joins in enumerate(joints):
+        if joins and sides[k] * sides[k + 1] == -1:
             raise Undecided("the multiplier passes -1 between two pieces")
+    for k, side in enumerate(sides):
+        if side == 0 and not (
+            0 < k < len(sides) - 1
+            and joints[k - 1]
+            and joints[k]
+            and sides[k - 1] * sides[k + 1] == -1
+        ):
+            raise Undecided("the multiplier does not pass -1 where a flip is claimed")
 
 
 def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:

@@ -29,7 +29,7 @@ class Context:
     bits = 160
 
 
-class I:  # noqa: E742, N801  (the name of intervals in the field)
+class I:  # noqa: E742  (the name of intervals in the field)
     """A closed interval from a to b units."""
 
     __slots__ = ("a", "b")
@@ -154,7 +154,7 @@ class I:  # noqa: E742, N801  (the name of intervals in the field)
         return self.b < other.a
 
     def __float__(self) -> float:
-        return (self.a + self.b) / 2 ** (Context.bits + 1)
+        return float(Fraction(self.a + self.b, 2 ** (Context.bits + 1)))
 
 
 def _own(pair: Any) -> I:
@@ -314,7 +314,7 @@ def _direct(kappa: I, t: I) -> list[I]:
 
 
 def shapes(x: I, last: int) -> list[I]:
-    """c_0 .. c_last, c_k(x) = 1/k! + x/(k+2)! + ...: the last two by their series, then downwards."""
+    """c_0 .. c_last, c_k(x) = 1/k! + x/(k+2)! + ...: the last two by series, then downwards."""
     if not x.size.less(I.of(LARGEST)):
         raise Undecided("a flight is too long")
     found = [I.of(0)] * (last + 1)

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, T, constant, shapes, waves
+from woodpecker.checking.forms import Box, F, constant, shapes, waves
 from woodpecker.checking.intervals import I, T, Undecided, inverse
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Motion, Toy
 
@@ -319,7 +319,7 @@ class Follower:
             conditions: list[Any] = []
             v: list[Any] = []
             at = [2 * i + k for i in contacts for k in (0, 1)]
-            for k, i in enumerate(contacts):
+            for k in range(len(contacts)):
                 for n, zero in ((0, rests[k]), (1, slips[k] == 0)):
                     row = [self.toy.g[at[2 * k + n]][j] for j in at]
                     start = free[2 * k + n].value if ranges else free[2 * k + n]
@@ -407,7 +407,7 @@ class Follower:
         if len(held) == 1 and not open_:
             chosen = held[0]
         elif plastic and len(closed) == 1 and len(open_) == 2 and len(verdicts) == 2:
-            chosen = self.stays_or_leaves(*closed, open_, following)
+            chosen = self.stays_or_leaves(min(closed), open_, following)
         else:
             raise Undecided("a contact problem is not decided")
         self.note(chosen)
@@ -485,7 +485,7 @@ class Solution:
 
 
 def marked(first: Solution, second: Solution | None, k: int, stores: int | None) -> str:
-    """Letters of a contact in an impact: s sticks, f separates; after - the expansion, r unusual."""
+    """Letters of a contact in an impact: s sticks, f separates; after - expansion, r unusual."""
     letters = "f" if not first.rests[k] else ("s" if first.slips[k] == 0 else "")
     if second is None:
         return letters
@@ -635,7 +635,7 @@ class Curve:
         try:
             end = bracket.size
             steps = [I.of(0), *[end * I.of(Fraction(k, 16)) for k in range(1, 17)]]
-            parts = [a.hull(b) for a, b in zip(steps, steps[1:], strict=False)]
+            parts = [a.hull(b) for a, b in pairwise(steps)]
             if any(over_(part, 1).sign() != -1 for part in (bracket, *parts)):
                 return None
             four = I.of(4)
@@ -690,7 +690,8 @@ def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
     c = shapes(x, 7)
 
     def less(k: int, n: int) -> Any:
-        return c[k] - c[k + 1] * I.of(n)
+        first: Any = c[k]
+        return first - c[k + 1] * I.of(n)
 
     second, third = less(3, 2), less(4, 3)
     if order == 0:

@@ -1,4 +1,4 @@
-"""The command ``woodpecker``: simulate, animate, map, diagram, curves, regions, robustness."""
+"""The command ``woodpecker``: simulate, map, diagram, curves, prove, check and more."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from woodpecker.cli.diagram import diagram
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
 from woodpecker.cli.options import with_toy
+from woodpecker.cli.prove import check, prove
 from woodpecker.cli.regions import regions
 from woodpecker.cli.robustness import robustness
 
@@ -30,8 +31,10 @@ for name, command in (
     ("curves", curves),
     ("regions", regions),
     ("robustness", robustness),
+    ("prove", prove),
 ):
     app.command(name=name)(with_toy(command))
+app.command(name="check")(check)
 
 
 @app.callback()

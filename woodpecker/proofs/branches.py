@@ -1,4 +1,4 @@
-"""A branch proved over an interval of the parameter: pieces that join, from its low end to the high.
+"""A branch proved over an interval of the parameter: pieces that join, from the low end on.
 
 Each piece has exactly one cycle in its tubes for every parameter (:mod:`woodpecker.proofs.pieces`).
 Where two pieces meet, what was found in one lies in the tubes of the other: so it is the same cycle
@@ -6,7 +6,7 @@ there, and the branch has no gap. A flip is a piece along which the multiplier i
 one where it is above -1 and one where it is below.
 
 Pieces are as long as Taylor polynomials reach. Where the sleeve all but grazes the pole, durations
-of phases, and with them everything else, bend within 1e-8 of the parameter; but over such a duration
+of phases, and with them all else, bend within 1e-8 of the parameter; but over such a duration
 itself the branch is as smooth as elsewhere. So the parameter runs as the polynomial of the duration
 that bends most, the reversion of the duration's own series.
 """
@@ -162,7 +162,7 @@ class _Walk:
         self._toy, self._parameter, self._span, self._march = toy, parameter, span, march
         self._points, self._ease = list(points), march.part
         self._curves: list[Any] = []  # polynomials in p - base, good near base
-        self._base, self._reach = span.low, ZERO
+        self._base, self._reach = span.low, 0.0
         self._plan: list[Planned] = []
         self.pieces: list[Piece] = []
         self.gaps: list[Gap] = []
@@ -228,23 +228,25 @@ class _Walk:
         radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
         length = self._span.length
         if radius > self._march.smooth or bent < len(curves):
-            step = min(self._ease * radius, self._march.longest * float(length))
-            high = min(self._span.high, _rounded(self.at + Fraction(step)))
-            if self._span.high - high < Fraction(step) / 4:
-                high = self._span.high
-            return Line.over(Interval(self.at, high))
+            step = Fraction(min(self._ease * radius, self._march.longest * float(length)))
+            return self._plain(step)
         series = durations[bent - len(curves)]
         own = arb_series([0, *series.coeffs()[1:]], self._march.terms).reversion()
         back = [c.mid() for c in own.coeffs()]
         if back[1] < 0:
             back = [c * (-1) ** k for k, c in enumerate(back)]
-        reach = self._ease * _radius(arb_poly(back))
-        line = _begun(self.at, [_short(c, 20) for c in back[1:]], _short(arb(reach), 2) / 2)
+        half = _short(arb(self._ease * _radius(arb_poly(back)) / 2), 2)
+        line = _begun(self.at, [_short(c, 20) for c in back[1:]], half)
         if line.interval.high > self._span.high or not line.interval.high > self.at:
-            step = min(left, Fraction(self._ease * radius))
-            high = self._span.high if left < 2 * step else _rounded(self.at + step)
-            return Line.over(Interval(self.at, high))
+            return self._plain(min(left, Fraction(self._ease * radius)))
         return line
+
+    def _plain(self, step: Fraction) -> Line:
+        """A line over a step, or a little more where the span ends there."""
+        high = min(self._span.high, _rounded(self.at + step))
+        if self._span.high - high < step / 4:
+            high = self._span.high
+        return Line.over(Interval(self.at, high))
 
     def _expanded(self) -> tuple[list[Any], list[Any]]:
         """Series in the parameter where the last piece ends: of the points, and of durations."""
@@ -375,7 +377,7 @@ def _radius(poly: Any) -> float:
     c = [abs(float(x)) for x in poly.coeffs()]
     if len(c) < 3 or c[1] == 0.0:
         return float("inf")
-    return min((c[1] / x) ** (1.0 / (k - 1)) for k, x in enumerate(c) if k > 1 and x > 0.0)
+    return float(min((c[1] / x) ** (1.0 / (k - 1)) for k, x in enumerate(c) if k > 1 and x > 0.0))
 
 
 def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Line:

@@ -143,15 +143,27 @@ def of_orbit(toy: Toy, parameter: str, outer: Piece, inner: Piece, digits: int) 
         "multiplier": interval(inner.multiplier),
         "period": interval(inner.period),
         "drop": interval(inner.drop),
-        "stable": _stable(inner.multiplier),
+        "stable": _stability(interval(inner.multiplier)),
     }
     return sealed({"statement": orbit_sentence(content), **content})
 
 
-def _stable(multiplier: Any) -> bool | None:
-    if abs(multiplier) < 1:
+def _claim(piece: Piece) -> list[str]:
+    """The multiplier of a piece with room for other arithmetic, but on its side of -1 and 1."""
+    for slack in (Fraction(1, 2), Fraction(1, 5), SLACK, Fraction(0)):
+        claim = interval(piece.multiplier, slack)
+        low, high = (Fraction(x) for x in claim)
+        if all(high < at or low > at for at in (-1, 1)):
+            break
+    return claim
+
+
+def _stability(claim: Sequence[str]) -> bool | None:
+    """Whether a multiplier in an interval is below or above one in modulus."""
+    low, high = (Fraction(x) for x in claim)
+    if -1 < low and high < 1:
         return True
-    return False if abs(multiplier) > 1 else None
+    return False if low > 1 or high < -1 else None
 
 
 def orbit_sentence(content: Mapping[str, Any]) -> str:
@@ -185,8 +197,8 @@ def of_branch(branch: ProvedBranch, digits: int) -> Certificate:
     content = head(branch.toy, "branch", branch.parameter, len(pieces[0].tubes), digits) | {
         "terms": branch.terms,
         "pieces": [piece_of(piece) for piece in pieces],
-        "multiplier": [interval(piece.multiplier) for piece in pieces],
-        "stable": [_stable(piece.multiplier) for piece in pieces],
+        "multiplier": [_claim(piece) for piece in pieces],
+        "stable": [_stability(_claim(piece)) for piece in pieces],
         "flips": list(branch.flips),
         "gaps": [[text(end) for end in gap.p] for gap in branch.gaps],
     }

@@ -66,7 +66,8 @@ def impulses_of(
         candidates = _single(model, contacts[0], free, low[0], approaches)
     else:
         candidates = _pair(model, contacts[1], free, low, floors is not None)
-    return only(candidates, "an impact")
+    found: Phase = only(candidates, "an impact")
+    return found
 
 
 def only(candidates: Iterable[tuple[bool | None, Callable[[], Any]]], what: str) -> Any:
@@ -228,8 +229,7 @@ def _rest_is_possible(
     ]
     for mu, normal, along in ((mu_1, normal_1, along_1), (mu_k, normal_k, along_k)):
         bound = [mu * x for x in (total if coupled else normal)]
-        for s in (1, -1):
-            lines.append((bound[0] + along[0] * s, bound[1] + along[1] * s))
+        lines += [(bound[0] + along[0] * s, bound[1] + along[1] * s) for s in (1, -1)]
     return _feasible(lines)
 
 

@@ -16,6 +16,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import partial
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -338,6 +339,8 @@ def _fires(guard: Guard, guess: float) -> Crossing:
     """When a guard fires."""
     if guard.code == SECTION:
         return crossing(guard, guess, falls=1)
+    if guard.code < NORMAL and guard.order == 1 and sign(guard.jet[1]) != 1:
+        raise Undecided("impacts may accumulate")
     if guard.code < NORMAL and guard.order == 2:
         lands = landing(guard, guess)
         if lands is not None:
@@ -509,10 +512,9 @@ def _settled(model: Model, motion: Motion, closed: set[int], plastic: bool = Fal
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
     open_ = [trial for trial in trials if verdicts[trial] is None]
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
-        return _stays_or_leaves(model, motion, *closed, trials)
-    chosen = only(
-        ((verdicts[trial], lambda trial=trial: trial) for trial in trials), "a contact problem"
-    )
+        return _stays_or_leaves(model, motion, min(closed), trials)
+    candidates = [(verdicts[trial], partial(tuple, trial)) for trial in trials]
+    chosen: State = only(candidates, "a contact problem")
     stays = motion.lands
     return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
 

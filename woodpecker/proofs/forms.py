@@ -110,10 +110,10 @@ class Form:
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Form:
-        return self + (-other)
+        return self.__add__(-other)
 
     def __rsub__(self, other: Any) -> Form:
-        return (-self) + other
+        return self.__neg__().__add__(other)
 
     def __mul__(self, other: Any) -> Form:
         if not isinstance(other, Form):
@@ -131,10 +131,11 @@ class Form:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Form:
-        return self * reciprocal(other)
+        return self.__mul__(reciprocal(other))
 
     def __rtruediv__(self, other: Any) -> Form:
-        return reciprocal(self) * other
+        over: Form = reciprocal(self)
+        return over.__mul__(other)
 
 
 def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -> Form:

@@ -7,7 +7,7 @@ geometry or friction it is a form in that parameter.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -58,7 +58,7 @@ class Mode(NamedTuple):
     b: Numbers
     alpha: Any
     kappa: Any
-    forces: dict[int, Numbers]
+    forces: Mapping[int, Numbers]
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ class Model:
         )
 
     @cached_property
-    def _response(self) -> list[Numbers]:
+    def _response(self) -> list[list[Any]]:
         """M^-1 W, rows of q, columns N1, T1, N2, T2, N3, T3."""
         e = self.equations
         columns = [w for pair in zip(e.normal, e.tangent, strict=True) for w in pair]

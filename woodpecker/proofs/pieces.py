@@ -5,7 +5,7 @@ s_i = x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e
 return from the curve misses the next curve and slope_i holds all derivatives in the tube. If what
 follows from these for s lies inside the tubes, there is one cycle in them and no other one: the
 interval Newton operator on the equations of multiple shooting [Neumaier1990; Tucker2011]. It holds
-for Lipschitz maps as well, with all slopes of both ways where a word changes [Neumaier1990, sec. 5].
+for Lipschitz maps as well, with all slopes of both ways where a word changes.
 """
 
 from __future__ import annotations
@@ -24,9 +24,8 @@ from woodpecker.proofs.model import Model
 from woodpecker.proofs.taylor import ZERO, Taylor, inverse
 from woodpecker.undecided import Undecided
 
+ROOM = 0.7  # of a tube that may be filled: other arithmetic needs some room, too
 DIGITS = 30  # decimals of the numbers that describe a tube
-GROWTH = 3  # by how much a tube is wider than what was found in it, when it was too narrow
-TRIES = 4  # of such widenings
 STEPS = 12  # of Newton's method at most
 CLOSE = 1e-15  # rad: a step that changes nothing
 
@@ -115,7 +114,7 @@ class Piece:
     slopes
         Ranges of the derivative of each return in its tube.
     turn
-        Range of the derivative of the multiplier in tau along the cycle; None if it was not asked for.
+        Range of the derivative of the multiplier in tau along the cycle; None if not asked for.
     """
 
     line: Line
@@ -208,7 +207,7 @@ def proved(
         ways.append(found)
     off = around(misses, slopes)
     for tube, s in zip(tubes, off, strict=True):
-        if not abs(s) < number(tube.radius):
+        if not abs(s) < ROOM * number(tube.radius):
             raise TooNarrow(off)
     turn = _turn(tubes, [found[0] for found in ways], slopes) if turns else None
     return Piece(line, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)

@@ -1,0 +1,274 @@
+"""Proofs in ball arithmetic against what is known, and against thirty digits of another program."""
+
+from fractions import Fraction
+from random import Random
+
+import pytest
+import sympy
+
+pytest.importorskip("flint")
+
+from flint import arb
+from mpmath import mp, mpf
+
+from needs import NEEDS_NUMBA
+from pwmap.diagrams.diagram import PointKind, SpecialPoint
+from studies.peers.reference_mpmath import PAPER
+from studies.peers.reference_mpmath import first_return as reference
+from woodpecker import Toy, Undecided, continuation, prove, shoot
+from woodpecker.checking.certificate import check
+from woodpecker.proofs.branches import March, joined, marched
+from woodpecker.proofs.certificates import exact, of_branch, text
+from woodpecker.proofs.following import follow
+from woodpecker.proofs.forms import Frame, S, precision, start, varying
+from woodpecker.proofs.model import Model, rational
+from woodpecker.proofs.oscillator import stumpff
+from woodpecker.proofs.pieces import Interval, Line, Tube, curves_near, number, proved
+from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
+from woodpecker.proofs.taylor import ZERO
+
+X1, X2 = -0.8847733440138263, -0.7577872573415620  # where two gaps close at once
+POINTS = {  # law, eps_N1, phi_S, code, note: the table of facts, to the digits that it has
+    "A": ("summed", 0.11197091, X1, "FF", "fold"),
+    "B": ("summed", 0.29152171, X1, "BC", "fold"),
+    "C": ("summed", 0.18512695, X2, "BC", "fold"),
+    "end of the branch from A": ("summed", 0.18815862, X2, "FF", "fold"),
+    "end of the branch from B": ("summed", 0.0453257, X1, "BC", "persistence"),
+    "I1 right": ("summed", 0.38834959, X1, "FF", "fold"),
+    "I1 left": ("summed", 0.34192345, X1, "BC", "persistence"),
+    "A separate": ("separate", 0.04216433, X1, "FF", "fold"),
+    "B separate": ("separate", 0.32103615, X1, "BC", "fold"),
+    "C separate": ("separate", 0.18512695, X2, "BC", "persistence"),
+}
+
+
+def value(x: mpf) -> Fraction:
+    """The rational number that a number of mpmath is."""
+    sign, mantissa, exponent, _ = x._mpf_
+    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
+
+
+def ends(ball: arb) -> tuple[Fraction, Fraction]:
+    return exact(ball.lower()), exact(ball.upper())
+
+
+def holds(ball: arb, x: mpf, room: Fraction = Fraction(1, 10**27)) -> bool:
+    low, high = ends(ball)
+    return low - room <= value(x) <= high + room
+
+
+@pytest.mark.parametrize("kappa", [-209800, 532, -1])
+def test_stumpff_functions_hold_their_values(kappa: int) -> None:
+    """Against their series, with enough digits for all of its cancellation."""
+    with mp.workdps(150), precision(128):
+        for t in (1e-9, 1e-3, 0.02, 0.3):
+            x = kappa * mpf(t) ** 2
+            c = [mp.fsum(x**n / mp.factorial(2 * n + k) for n in range(400)) for k in range(5)]
+            for k, ball in enumerate(stumpff_balls(arb(kappa), arb(t), 4)):
+                assert holds(ball, mpf(t) ** k * c[k], Fraction(0))
+                assert ball.rad() < 1e-30
+            for k, ball in enumerate(shape_balls(arb(kappa) * arb(t) ** 2, 4)):
+                assert holds(ball, c[k], Fraction(0))
+
+
+def test_forms_hold_values_and_derivatives_over_their_box() -> None:
+    """All six against sympy, at random rational places of the box."""
+    s, q = sympy.symbols("s q")
+    x, p = sympy.Rational(3, 10) + 2 * q + s, 1 + q
+    f = x**2 * p / (p + 3 * x)
+    known = [f, f.diff(s), f.diff(q), f.diff(s, 2), f.diff(s, q), f.diff(q, 2)]
+    rng = Random(3)
+    with precision(128):
+        frame = Frame(arb(0, 0.001), arb(0, 0.02), terms=4, depth=6)
+        a, b = start(frame, [arb(3) / 10, arb(2)]), varying(frame, [arb(1), arb(1)])
+        form = a * a * b / (b + a * 3)
+        for _ in range(30):
+            place = {s: sympy.Rational(rng.randrange(-10, 11), 10**4),
+                     q: sympy.Rational(rng.randrange(-200, 201), 10**4)}  # fmt: skip
+            for k, function in enumerate(known):
+                exact_value = function.subs(place)
+                there = Fraction(int(exact_value.p), int(exact_value.q))
+                low, high = ends(form.box if k == 0 else form.range(k))
+                assert low <= there <= high
+                assert high - low < Fraction(1, 2)
+
+
+def test_oscillators_hold_values_over_their_box() -> None:
+    """s_3 of a time that moves, against its closed form at random places."""
+    rng = Random(4)
+    with precision(128), mp.workdps(60):
+        frame = Frame(arb(0, 0.001), arb(0, 0.02), terms=6)
+        t = start(frame, [arb(3) / 10, arb(2)])
+        form, w = stumpff(arb(-40), t)[3], mp.sqrt(40)
+        for _ in range(30):
+            s, q = rng.randrange(-10, 11), rng.randrange(-200, 201)
+            at = mpf(3) / 10 + 2 * mpf(q) / 10**4 + mpf(s) / 10**4
+            assert holds(form.box, (at - mp.sin(w * at) / w) / 40)
+            assert holds(form.range(S), (1 - mp.cos(w * at)) / 40)
+
+
+def test_data_are_the_decimals_of_the_paper() -> None:
+    assert rational(0.0003) == Fraction(3, 10000)
+    assert rational(5e-9) == Fraction(5, 10**9)
+    assert text(Fraction(-3, 8)) == "-0.375"
+    assert text(Fraction(1, 3)) == "1/3"
+
+
+def returns(count: int, seed: int) -> tuple[int, list[str]]:
+    """Random returns under both laws: how many values are held, and words of what is undecided."""
+    rng, held, open_ = Random(seed), 0, []
+    for k in range(count):
+        law = ("summed", "separate")[k % 2]
+        eps, x = Fraction(rng.randrange(1, 1000), 1000), Fraction(rng.randrange(-2500, -240), 1000)
+        toy = Toy(eps_n1=float(eps), expansion_friction=law)
+        with mp.workdps(45):
+            data = {
+                name: x if name == "expansion_friction" else mpf(str(x))
+                for name, x in {**PAPER, "eps_n1": float(eps), "expansion_friction": law}.items()
+            }
+            there = reference(mpf(x.numerator) / x.denominator, data)
+        with precision(128):
+            try:
+                (way,) = follow(Model.of(toy), Frame(ZERO, ZERO), [number(x)])
+            except Undecided:
+                open_.append(there.word if there.status == "returned" else there.status)
+                continue
+            assert there.status == "returned"
+            for ball, known in (
+                (way.image.box, there.phi_s),
+                (way.period.box, there.period),
+                (way.drop.box, there.drop),
+            ):
+                assert holds(ball, known), (law, eps, x)
+                held += 1
+    return held, open_
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_returns_hold_thirty_digits_of_another_program() -> None:
+    """Where impacts accumulate there is no finite word, and no answer; elsewhere there is."""
+    held, open_ = returns(40, seed=7)
+    assert held + 3 * len(open_) == 120
+    assert len(open_) <= 8
+    assert all("C" in word or "no event" in word for word in open_), open_
+
+
+@NEEDS_NUMBA
+def test_the_stable_cycle() -> None:
+    certificate = prove(shoot(Toy(eps_n1=0.5), -0.53))
+    content = certificate.content
+    outer, inner = content["outer"]["points"][0], content["inner"]["points"][0]
+    centre, radius = Fraction(outer["curve"][0]), Fraction(outer["radius"])
+    known = Fraction("-0.52947197")
+    assert centre - radius <= known - Fraction(1, 10**8)
+    assert known + Fraction(1, 10**8) <= centre + radius
+    assert abs(Fraction(inner["curve"][0]) - known) < Fraction(1, 10**8)
+    assert inner["ways"][0]["word"] == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
+    low, high = (Fraction(x) for x in content["multiplier"])
+    assert Fraction("-0.83917") < low < high < Fraction("-0.83915")
+    low, high = (Fraction(x) for x in content["period"])
+    assert high - low < Fraction(1, 10**12)
+    assert low < Fraction("0.14597607") < high + Fraction(1, 10**8)
+    assert content["stable"] is True
+    assert check(content) == certificate.statement
+
+
+@NEEDS_NUMBA
+def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
+    orbit = shoot(Toy(eps_n1=0.66), -0.52, 2)
+    assert orbit.minimal_period == 2
+    assert check(prove(orbit).content).startswith("The Woodpecker Toy (expansion friction summed)")
+    unstable = prove(shoot(Toy(eps_n1=0.66), -0.5177))
+    assert unstable.content["stable"] is False
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("name", POINTS)
+def test_points(name: str) -> None:
+    law, p, x, code, note = POINTS[name]
+    point = SpecialPoint(id="P", kind=PointKind(code), parameter=p, x=x)
+    found = prove(refined(point, law), toy=Toy(expansion_friction=law)).content
+    assert (found["code"], found["note"]) == (code, note)
+    for key, near in (("p", p), ("x", x)):
+        low, high = (Fraction(e) for e in found[key])
+        assert high - low < Fraction(1, 10**12)
+        assert abs(float(low) - near) < 1e-7
+    assert check(found)
+
+
+def refined(point: SpecialPoint, law: str) -> SpecialPoint:
+    """The point of the toy's diagram near a place that is known to seven digits."""
+    toy = Toy(expansion_friction=law, eps_n1=0.5)
+    orbit = shoot(toy, -0.53)
+    span = (max(0.0, point.parameter - 0.001), 1.0)
+    diagram = continuation(toy, orbit, span=span) if not _DIAGRAMS.get(law) else _DIAGRAMS[law]
+    return min(diagram.points, key=lambda q: abs(q.parameter - point.parameter))
+
+
+_DIAGRAMS: dict[str, object] = {}
+
+
+def test_laws_have_different_points_a_and_b() -> None:
+    for name in "AB":
+        assert abs(POINTS[name][1] - POINTS[f"{name} separate"][1]) > 0.02
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
+    toy = Toy()
+    with precision(128):
+        start_ = shoot(toy.replace(eps_n1=0.3), -0.587).points
+        branch = marched(toy, "eps_n1", Interval(Fraction("0.3"), Fraction("0.304")), start_, March(),
+                         lambda done: None)  # fmt: skip
+        assert not branch.gaps
+        assert {len(piece.ways[0]) for piece in branch.pieces} == {1, 2}
+        words = [way.word for piece in branch.pieces for way in piece.ways[0]]
+        assert set(words) == {
+            "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2", "S2 D2 I3 D3 I1 I3 D3 I2 J2"
+        }  # fmt: skip
+        for piece in branch.pieces:  # against Newton's method in doubles, at three places
+            for part in (0, Fraction(1, 3), 1):
+                p = piece.p.low + part * piece.p.length
+                orbit = shoot(toy.replace(eps_n1=float(p)), -0.587)
+                low, high = ends(piece.multiplier)
+                assert float(low) - 1e-9 <= orbit.multiplier <= float(high) + 1e-9
+        certificate = of_branch(branch, 35)
+    assert check(certificate.content) == certificate.statement
+    assert "without a gap, with no flip" in certificate.statement
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
+    """Against differences of multipliers of orbits in doubles."""
+    toy, p = Toy(), Fraction("0.65")
+    with precision(128):
+        line = Line.over(Interval(p - Fraction(1, 10**6), p + Fraction(1, 10**6)))
+        points = shoot(toy.replace(eps_n1=0.65), -0.518).points
+        curves = curves_near(toy, "eps_n1", line, [[arb(x)] for x in points], 6)
+        tubes = [Tube(curve, Fraction(1, 10**14)) for curve in curves]
+        piece = proved(toy, "eps_n1", line, tubes, 6, turns=True)
+        low, high = ends(piece.turn)
+    h = 1e-5
+    left, right = (
+        shoot(toy.replace(eps_n1=0.65 + s * h), -0.518).multiplier for s in (-1.0, 1.0)
+    )
+    slope = (right - left) / (2.0 * h)
+    assert float(low) - 0.05 * abs(slope) <= slope <= float(high) + 0.05 * abs(slope)
+    assert joined(piece, piece) is joined(piece, piece)
+
+
+@NEEDS_NUMBA
+def test_what_cannot_be_proved_is_said() -> None:
+    with pytest.raises(ValueError, match="proofs move one of eps_n1, eps_n2, eps_n3, got 'mu_2'"):
+        prove(SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.8), parameter="mu_2")
+    with pytest.raises(TypeError, match="prove needs a periodic orbit, a branch or a special point"):
+        prove(0.5)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="only border collisions of P_1 can be proved, got PD"):
+        prove(SpecialPoint(id="P", kind=PointKind.PD, parameter=0.6, x=-0.5))
+    nowhere = SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.6)
+    with pytest.raises(Undecided, match="no two gaps close at once here"):
+        prove(nowhere)

@@ -1,0 +1,121 @@
+"""The commands ``woodpecker prove`` and ``woodpecker check``: certificates."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker.cli.diagram import PAPER, places_of
+from woodpecker.cli.options import (
+    GUESS,
+    CommandError,
+    Out,
+    complain,
+    motion,
+    option,
+    progress,
+    report,
+    results_in,
+    say,
+)
+from woodpecker.continued import continuation
+from woodpecker.mechanics.toy import Toy
+from woodpecker.proving import check_certificate
+from woodpecker.proving import prove as proved
+from woodpecker.shooting import PeriodicOrbit
+from woodpecker.undecided import Undecided
+
+if TYPE_CHECKING:
+    from woodpecker.proofs.certificates import Certificate
+
+FILE = "certificate.json"
+CLOSE = 1e-3  # rad: of a motion from where straight lines between samples say its branch is
+
+
+def prove(
+    toy: Toy,
+    phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
+    order: Annotated[int, option("Its period, in returns.", min=1)] = 1,
+    span: Annotated[
+        tuple[float, float] | None,
+        option("Prove its branch over this interval of eps_N1, instead of the motion alone."),
+    ] = None,
+    point: Annotated[
+        str,
+        option("Prove this point of its diagram in eps_N1: A, B, C, or an id such as FF2."),
+    ] = "",
+    out: Out = Path("out"),
+) -> None:
+    """Prove a periodic motion, its branch, or a border collision; write a certificate.
+
+    Example: woodpecker prove --eps-n1 0.5 --out results
+    """
+    if span is not None and point:
+        raise ValueError("either a span or a point can be proved, not both")
+    with results_in(out) as target:
+        orbit = motion(toy, phi_s, order)
+        try:
+            if point:
+                certificate = proved(_point(_diagram(toy, orbit), point), toy=toy)
+            elif span is not None:
+                certificate = _branch(toy, orbit, span)
+            else:
+                certificate = proved(orbit)
+        except Undecided as answer:
+            raise CommandError(f"undecided: {answer}") from None
+        certificate.save(target / FILE)
+    say(certificate.statement)
+    report(target, FILE)
+
+
+def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
+    """What is connected to the motion, with the paper's names."""
+    return continuation(toy, orbit).named(places_of(PAPER))
+
+
+def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certificate:
+    """The branch of the motion over an interval, with a bar."""
+    hits = (
+        hit.branch
+        for hit in _diagram(toy, orbit).at(toy.eps_n1)
+        if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.x - orbit.phi_s) < CLOSE
+    )
+    branch = next(hits, None)
+    if branch is None:
+        raise CommandError("the motion lies on no branch of its diagram")
+    with progress() as bar:
+        bar.add_task("branch", total=None)
+        return proved(branch, span, toy=toy, workers=os.cpu_count() or 1)
+
+
+def _point(diagram: Diagram, name: str) -> SpecialPoint:
+    """A point of the diagram by its name."""
+    try:
+        return diagram.point(name)
+    except KeyError:
+        known = ", ".join(
+            p.name or p.id for p in diagram.points if p.kind in (PointKind.BC, PointKind.FF)
+        )
+        raise ValueError(f"there is no point {name!r} in the diagram, only {known}") from None
+
+
+def check(
+    files: Annotated[list[Path], typer.Argument(help="Certificates, as JSON.")],
+) -> None:
+    """Verify certificates with other arithmetic and other code, and say what they prove.
+
+    Example: woodpecker check results/certificate.json
+    """
+    failed = False
+    for file in files:
+        try:
+            say(check_certificate(file))
+        except (ValueError, OSError) as error:
+            failed = True
+            complain(f"Refused: {file}: {error}")
+    if failed:
+        raise typer.Exit(1)
