@@ -1,0 +1,173 @@
+"""The checker: what it verifies, that it stands alone, and that it refuses what is not so."""
+
+import ast
+import json
+import sys
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import pytest
+
+pytest.importorskip("flint")
+
+from mpmath import mp, mpf
+from typer.testing import CliRunner
+
+from needs import NEEDS_NUMBA
+from tampering import changed_texts, false_orbits, resealed
+from woodpecker import Toy, check_certificate, prove, shoot
+from woodpecker.checking.certificate import Refused, check
+from woodpecker.checking.intervals import Context, I, Span, T, inverse, shapes, wave
+from woodpecker.cli.app import app
+
+FOLDER = Path(__file__).parents[3] / "woodpecker" / "checking"
+
+
+def test_it_imports_only_the_standard_library_and_mpmath() -> None:
+    for file in FOLDER.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            names = []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                names = [node.module or ""]
+            for name in names:
+                top = name.split(".")[0]
+                own = name.startswith("woodpecker.checking")
+                assert own or top == "mpmath" or top in sys.stdlib_module_names, (file, name)
+
+
+def test_nobody_who_proves_imports_it() -> None:
+    for file in (FOLDER.parent / "proofs").glob("*.py"):
+        assert "checking" not in {
+            part
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+            if isinstance(node, ast.ImportFrom)
+            for part in (node.module or "").split(".")
+        }
+
+
+def test_intervals_hold_exact_results() -> None:
+    rng = Random(5)
+    Context.bits = 100
+    for _ in range(300):
+        x, y = (Fraction(rng.randrange(-10**6, 10**6), rng.randrange(1, 10**4)) for _ in range(2))
+        a, b = I.of(x), I.of(y)
+        for found, known in ((a + b, x + y), (a - b, x - y), (a * b, x * y), (-a, -x)):
+            assert holds(found, known)
+        if y:
+            assert holds(a / b, x / y)
+        if x > 0:
+            root = a.sqrt()
+            assert Fraction(root.a, 2**100) ** 2 <= x <= Fraction(root.b, 2**100) ** 2
+
+
+def holds(found: I, known: Fraction) -> bool:
+    return Fraction(found.a, 2**Context.bits) <= known <= Fraction(found.b, 2**Context.bits)
+
+
+@pytest.mark.parametrize("kappa", [-209800, 532, -1])
+def test_waves_hold_their_values(kappa: int) -> None:
+    Context.bits = 140
+    with mp.workdps(150):
+        for time in (Fraction(1, 10**9), Fraction(1, 1000), Fraction(1, 50), Fraction(3, 10)):
+            t = mpf(time.numerator) / time.denominator
+            x = kappa * t**2
+            c = [mp.fsum(x**n / mp.factorial(2 * n + k) for n in range(400)) for k in range(6)]
+            for k, found in enumerate(wave(I.of(kappa), I.of(time))):
+                assert found.a <= t**k * c[k] * 2**140 <= found.b
+            if abs(x) < 60:
+                for k, found in enumerate(shapes(I.of(kappa) * I.of(time).power(2), 5)):
+                    assert found.a <= c[k] * 2**140 <= found.b
+
+
+def test_taylor_models_hold_their_functions() -> None:
+    rng = Random(6)
+    Context.bits = 120
+    span = Span(Fraction(1, 50), 4)
+    f, g = (T.of(span, [Fraction(rng.randrange(1, 9)) for _ in range(7)]) for _ in range(2))
+    product, quotient = f * g, f * inverse(g)
+    for _ in range(50):
+        tau = Fraction(rng.randrange(-100, 101), 5000)
+        x, y = value(f, tau), value(g, tau)
+        assert near(product, tau, x * y)
+        assert near(quotient, tau, x / y)
+
+
+def value(f: T, tau: Fraction) -> Fraction:
+    """The polynomial of a model, without its rest."""
+    part = tau / f.span.half
+    return sum((Fraction(c, 2**120) * part**k for k, c in enumerate(f.c)), Fraction(0))
+
+
+def near(f: T, tau: Fraction, x: Fraction) -> bool:
+    """Whether a value lies in a model; its factors had rests, too, which only make it wider."""
+    return abs(value(f, tau) - x) <= Fraction(f.rest, 2**120)
+
+
+@pytest.fixture(scope="module")
+def orbit() -> dict[str, object]:
+    return dict(prove(shoot(Toy(eps_n1=0.5), -0.53)).content)
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_thousand_tampered_certificates_are_refused(
+    orbit: dict[str, object], tmp_path: Path
+) -> None:
+    """A character changed: the seal breaks. Sealed again: the mathematics says no."""
+    path, rng, refused = tmp_path / "certificate.json", Random(11), 0
+    text = json.dumps(orbit, separators=(",", ":"))
+    path.write_text(text)
+    assert check_certificate(path) == orbit["statement"]
+    for changed in changed_texts(text, rng, 900):
+        path.write_text(changed, encoding="utf-8")
+        with pytest.raises(Refused):
+            check_certificate(path)
+        refused += 1
+    for content in false_orbits(orbit, rng, 100):
+        with pytest.raises(Refused):
+            check(content)
+        refused += 1
+    assert refused == 1000
+
+
+@NEEDS_NUMBA
+def test_refusals_say_why(orbit: dict[str, object]) -> None:
+    with pytest.raises(Refused, match="the seal is broken"):
+        check({**orbit, "stable": False})
+    with pytest.raises(Refused, match="the format must be 'certificate of the Woodpecker Toy'"):
+        check({"format": "something"})
+    with pytest.raises(Refused, match="a certificate is an object"):
+        check([])
+    with pytest.raises(Refused, match="digits must be a whole number from 20 to 200, got 10"):
+        check(resealed({**orbit, "digits": 10}))
+    with pytest.raises(Refused, match="the statement is another one than what is proved"):
+        check(resealed({**orbit, "statement": "The moon is made of wood."}))
+    with pytest.raises(Refused, match="only a restitution coefficient may move|kind must be one of"):
+        check(resealed({**orbit, "kind": "proof"}))
+    with pytest.raises(Refused, match="other entries"):
+        check(resealed({**orbit, "more": 1}))
+    for text in ("1e5", "nan", "inf", "0x1", "1/0", "--1", ""):
+        toy = {**orbit["toy"], "m_m": text}  # type: ignore[dict-item]
+        with pytest.raises(Refused):
+            check(resealed({**orbit, "toy": toy}))
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_commands(tmp_path: Path) -> None:
+    run = CliRunner()
+    out = tmp_path / "out"
+    made = run.invoke(app, ["prove", "--eps-n1", "0.5", "--out", str(out)])
+    assert made.exit_code == 0, made.output
+    assert "exactly one fixed point" in made.output
+    checked = run.invoke(app, ["check", str(out / "certificate.json")])
+    assert checked.exit_code == 0, checked.output
+    assert checked.output.strip() in made.output
+    (out / "certificate.json").write_text("{}")
+    assert run.invoke(app, ["check", str(out / "certificate.json")]).exit_code == 1
+    assert run.invoke(app, ["check", str(out / "missing.json")]).exit_code == 1
+    both = run.invoke(app, ["prove", "--span", "0.4", "0.5", "--point", "A", "--out", str(out)])
+    assert both.exit_code == 2
