@@ -11,7 +11,7 @@ from typing import Any
 
 def changed_texts(text: str, rng: Random, count: int) -> Iterator[str]:
     """A certificate's text with one character replaced, dropped or doubled."""
-    signs = "0123456789-+./aIDSJ\"[]{},: "
+    signs = '0123456789-+./aIDSJ"[]{},: '
     while count:
         k = rng.randrange(len(text))
         new = rng.choice(
@@ -87,8 +87,8 @@ def _change_word(c: dict[str, Any]) -> None:
 def _change_guard(c: dict[str, Any]) -> None:
     events = c["outer"]["points"][0]["ways"][0]["events"]
     event = _RNG[0].choice(events)
-    event[0] = _RNG[0].choice([g for g in ("gap 1", "gap 2", "gap 3", "normal 2", "slip 2", "section")
-                               if g != event[0]])  # fmt: skip
+    guards = ("gap 1", "gap 2", "gap 3", "normal 2", "slip 2", "section")
+    event[0] = _RNG[0].choice([guard for guard in guards if guard != event[0]])
 
 
 def _move_bracket(c: dict[str, Any]) -> None:

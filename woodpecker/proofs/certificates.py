@@ -161,7 +161,7 @@ def _claim(piece: Piece) -> list[str]:
 def _stability(claim: Sequence[str]) -> bool | None:
     """Whether a multiplier in an interval is below or above one in modulus."""
     low, high = (Fraction(x) for x in claim)
-    if -1 < low and high < 1:
+    if low > -1 and high < 1:
         return True
     return False if low > 1 or high < -1 else None
 

@@ -11,8 +11,8 @@ pytest.importorskip("flint")
 
 from flint import arb
 from mpmath import mp, mpf
-
 from needs import NEEDS_NUMBA
+
 from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
@@ -227,8 +227,8 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     toy = Toy()
     with precision(128):
         start_ = shoot(toy.replace(eps_n1=0.3), -0.587).points
-        branch = marched(toy, "eps_n1", Interval(Fraction("0.3"), Fraction("0.304")), start_, March(),
-                         lambda done: None)  # fmt: skip
+        span = Interval(Fraction("0.3"), Fraction("0.304"))
+        branch = marched(toy, "eps_n1", span, start_, March(), lambda done: None)
         assert not branch.gaps
         assert {len(piece.ways[0]) for piece in branch.pieces} == {1, 2}
         words = [way.word for piece in branch.pieces for way in piece.ways[0]]
@@ -259,9 +259,7 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
         piece = proved(toy, "eps_n1", line, tubes, 6, turns=True)
         low, high = ends(piece.turn)
     h = 1e-5
-    left, right = (
-        shoot(toy.replace(eps_n1=0.65 + s * h), -0.518).multiplier for s in (-1.0, 1.0)
-    )
+    left, right = (shoot(toy.replace(eps_n1=0.65 + s * h), -0.518).multiplier for s in (-1.0, 1.0))
     slope = (right - left) / (2.0 * h)
     assert float(low) - 0.05 * abs(slope) <= slope <= float(high) + 0.05 * abs(slope)
     assert joined(piece, piece) is joined(piece, piece)
@@ -271,7 +269,7 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
 def test_what_cannot_be_proved_is_said() -> None:
     with pytest.raises(ValueError, match="proofs move one of eps_n1, eps_n2, eps_n3, got 'mu_2'"):
         prove(SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.8), parameter="mu_2")
-    with pytest.raises(TypeError, match="prove needs a periodic orbit, a branch or a special point"):
+    with pytest.raises(TypeError, match="prove needs a periodic orbit, a branch or a special"):
         prove(0.5)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="only border collisions of P_1 can be proved, got PD"):
         prove(SpecialPoint(id="P", kind=PointKind.PD, parameter=0.6, x=-0.5))
