@@ -41,7 +41,8 @@ def prove(
         drop between bounds. A branch of fixed points: that it goes on over the span, and how often
         it flips. A border collision at a jump, of P_1: both words and limits, and its kind.
     span
-        Of a branch, the interval of the parameter; by default from end to end.
+        Of a branch, the interval of the parameter. It begins on the branch and may go on beyond its
+        end where that is a flip; a border collision is no part of it.
     toy
         The toy whose branch or point it is; an orbit knows its own.
     parameter
@@ -49,7 +50,7 @@ def prove(
     progress
         Called with the part of a branch that is done.
     workers
-        Processes for a branch.
+        Processes for a branch, each of them a part of the span; no progress is shown then.
 
     Returns
     -------

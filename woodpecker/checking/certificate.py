@@ -17,10 +17,11 @@ from woodpecker.checking.motion import Follower, Fork, Guard
 from woodpecker.checking.toy import NAMES, Toy
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
-NUMBER = re.compile(r"-?\d{1,400}(\.\d{1,400})?(/\d{1,400})?")
+NUMBER = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(/\d{1,2000})?")
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip) ([123])|section")
 LONGEST = 50_000_000  # characters of a file
 MOST = 400  # events of a return
+DEPTH = 3  # halvings of a piece's line
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 Interval = tuple[Fraction, Fraction]
 
@@ -272,6 +273,62 @@ class _Piece:
         return at, at + I.of(self.radii[k]).ball, at + self.off[k]
 
 
+class _Halves:
+    """A piece that was verified in two halves of its line, with the same tubes: so as a whole."""
+
+    def __init__(self, low: _Verified, high: _Verified) -> None:
+        self.low, self.high = low, high
+        self.multiplier: I = low.multiplier.hull(high.multiplier)
+        self.turn: I | None = None
+        if low.turn is not None and high.turn is not None:
+            self.turn = low.turn.hull(high.turn)
+
+    def parameter(self, side: int) -> Fraction:
+        """The value of the parameter at an end."""
+        return (self.low if side < 0 else self.high).parameter(side)
+
+    def place(self, side: int, k: int) -> tuple[I, I, I]:
+        """At an end: the curve, the tube about it, and where the cycle is."""
+        return (self.low if side < 0 else self.high).place(side, k)
+
+
+_Verified = _Piece | _Halves
+
+
+def _verified(
+    data: _Data, piece: Mapping[str, Any], terms: int, turns: bool, depth: int = 0
+) -> _Verified:
+    """A piece, as a whole or in parts of its line, over which ranges are sharper."""
+    try:
+        return _Piece(data, piece, terms, turns)
+    except Undecided:
+        half = number(piece["half"])
+        if depth == DEPTH or half <= 0:
+            raise
+        parts = []
+        for side in (-1, 1):
+            points = [
+                {**point, "curve": _moved(point["curve"], side * half / 2)}
+                for point in piece["points"]
+            ]
+            part = {
+                "line": _moved(piece["line"], side * half / 2),
+                "half": str(half / 2),
+                "points": points,
+            }
+            parts.append(_verified(data, part, terms, turns, depth + 1))
+        return _Halves(*parts)
+
+
+def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
+    """Coefficients of a polynomial about another centre."""
+    c = [number(text) for text in texts]
+    for k in range(len(c) - 1):
+        for j in range(len(c) - 2, k - 1, -1):
+            c[j] += by * c[j + 1]
+    return [str(x) for x in c]
+
+
 def _rising(line: Sequence[Fraction], span: Span) -> bool:
     return T.of(span, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
 
@@ -366,7 +423,7 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     gaps = [interval(gap) for gap in content["gaps"]]
     open_, before, sides, joints = list(gaps), None, [], []
     for k, text in enumerate(texts):
-        piece = _Piece(data, text, terms, k in flips)
+        piece = _verified(data, text, terms, k in flips)
         claimed(f"the multiplier of piece {k}", piece.multiplier, content["multiplier"][k])
         if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
             raise Refused("stability is another one than the multiplier says")
@@ -410,7 +467,7 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     ), {"terms", "pieces", "multiplier", "stable", "flips", "gaps", "span"}
 
 
-def _joined(before: _Piece, piece: _Piece, order: int) -> None:
+def _joined(before: _Verified, piece: _Verified, order: int) -> None:
     """The cycle of one piece lies in the tubes of the other where they meet."""
     for outer, a, inner, b in ((before, 1, piece, -1), (piece, -1, before, 1)):
         if all(inner.place(b, k)[2].within(outer.place(a, k)[1]) for k in range(order)):

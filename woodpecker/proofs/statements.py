@@ -62,7 +62,9 @@ def prove_branch(
         raise ValueError(f"only branches of fixed points can be proved, got {branch.kind.value}")
     if not isinstance(workers, int) or workers < 1:
         raise ValueError(f"workers must be a whole number from 1 on, got {workers!r}")
-    low, high = span or (float(branch.parameter.min()), float(branch.parameter.max()))
+    if span is None:
+        raise ValueError("a branch is proved over a span, got none")
+    low, high = float(span[0]), float(span[1])
     if not low < high or not branch.parameter.min() <= low <= branch.parameter.max():
         raise ValueError(f"span must begin on the branch and ascend, got {(low, high)}")
     ends = [rational(x) for x in np.linspace(low, high, workers + 1).round(6)[1:-1]]

@@ -273,6 +273,8 @@ def test_what_cannot_be_proved_is_said() -> None:
         prove(0.5)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="only border collisions of P_1 can be proved, got PD"):
         prove(SpecialPoint(id="P", kind=PointKind.PD, parameter=0.6, x=-0.5))
+    with pytest.raises(ValueError, match="a branch is proved over a span, got none"):
+        prove(diagram("summed").branches[0])
     nowhere = SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.6)
     with pytest.raises(Undecided, match="no two gaps close at once here"):
         prove(nowhere)
