@@ -13,9 +13,15 @@ from typing import Any, NoReturn
 import sympy
 from sympy import QQ
 
-from pwmap import checking
 from pwmap.algebra.exact import Number, dense, pair
 from pwmap.algebra.roots import Real, RealRoot, integers, real_roots, simplest_between
+from pwmap.checking import branches, certificate, points
+from pwmap.checking.iterates import Map, Study
+from pwmap.checking.places import Number as CheckedNumber
+from pwmap.checking.places import Place
+from pwmap.checking.polynomials import Poly, primitive
+from pwmap.checking.reading import number, read_map
+from pwmap.checking.refusing import Refused, Work
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.slices import real
@@ -105,14 +111,14 @@ def prove(
 
 def _sealed(content: Row) -> Certificate:
     """A certificate with its statement and its seal, verified."""
-    head = {"format": checking.FORMAT, "version": 1, "kind": content.pop("kind")}
+    head = {"format": certificate.FORMAT, "version": 1, "kind": content.pop("kind")}
     content = {**head, "statement": "", **content, "seal": ""}
     try:
-        content["statement"] = checking.statement_of(content)
-    except checking.Refused as error:
+        content["statement"] = certificate.statement_of(content)
+    except Refused as error:
         _fail(str(error))
-    content["seal"] = checking.seal_of(content)
-    return Certificate(checking.check(content), content)
+    content["seal"] = certificate.seal_of(content)
+    return Certificate(certificate.check(content), content)
 
 
 def _fail(reason: str) -> NoReturn:
@@ -144,7 +150,7 @@ def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
     table: Table = map_.definition.table
     layout = table.layouts[map_.chain[0]]
 
-    def number(value: Number) -> str | list[str]:
+    def written(value: Number) -> str | list[str]:
         if parameter is None:
             return _text(value)
         return [_text(c) for c in reversed(dense(value))]
@@ -152,8 +158,8 @@ def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
     slots = "".join(map_.letters[slot] for slot in layout.slots)
     pieces = {
         map_.letters[i]: {
-            "slope": number(table.slopes[i]),
-            "intercept": number(table.intercepts[i]),
+            "slope": written(table.slopes[i]),
+            "intercept": written(table.intercepts[i]),
         }
         for i in dict.fromkeys(layout.slots)
     }
@@ -162,8 +168,8 @@ def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
         "parameter": parameter,
         "slots": slots,
         "pieces": pieces,
-        "breaks": [number(table.breaks[k]) for k in layout.breaks],
-        "denominator": number(table.denominator),
+        "breaks": [written(table.breaks[k]) for k in layout.breaks],
+        "denominator": written(table.denominator),
     }, len(map_.chain)
 
 
@@ -172,7 +178,7 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
     written, own = _map(map_, None)
     iterate = map_.iterate(order)
     return {
-        "kind": checking.FIXED_POINTS,
+        "kind": certificate.FIXED_POINTS,
         "map": written,
         "order": own * order,
         "fixed points": [
@@ -198,35 +204,35 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
 # --- Diagrams -------------------------------------------------------------------------------------
 
 
-class _Recorder(checking.Place):
+class _Recorder(Place):
     """An interval between two edges, or one edge; it keeps all polynomials whose sign is asked."""
 
     def __init__(self, sample: Number) -> None:
         x = Fraction(*pair(sample))
-        place = checking.Number((), x, x)
-        super().__init__(place, place)
-        self.asked: set[checking.Poly] = set()
+        place = CheckedNumber((), x, x)
+        super().__init__(place, place, Work())
+        self.asked: set[Poly] = set()
 
-    def sign(self, f: checking.Poly) -> int:
+    def sign(self, f: Poly) -> int:
         """The sign at the sample."""
-        self.asked.add(checking.primitive(f))
+        self.asked.add(primitive(f))
         return super().sign(f)
 
 
-def _roots(poly: checking.Poly) -> tuple[Real, ...]:
+def _roots(poly: Poly) -> tuple[Real, ...]:
     return real_roots([QQ(c) for c in reversed(poly)]) if len(poly) > 1 else ()
 
 
-def _closed(map_: checking.Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Real]:
+def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Real]:
     """Edges, and more of them, so that no polynomial that decides has a root between two."""
     found = sorted(set(edges))
     cells = list(pairwise(found))
-    seen: dict[checking.Poly, tuple[Real, ...]] = {}
+    seen: dict[Poly, tuple[Real, ...]] = {}
     while cells:
         low, high = cells.pop()
         place = _Recorder(simplest_between(low, high))
         for order in orders:
-            parts = checking.Study(map_, place, order)
+            parts = Study(map_, place, order)
             _ = parts.fixed, parts.bands, parts.crossings
         inner: set[Real] = set()
         for poly in place.asked:
@@ -277,7 +283,7 @@ class _DiagramWriter:
         ends = {end for _, stretch in self._stretches for end in self._ends(stretch)}
         if len(ends) < 2:
             _fail("the diagram has no branch over an interval of the parameter")
-        map_read = checking.read_map(self._map, parametric=True)[0]
+        map_read = read_map(self._map, parametric=True)[0]
         self._edges = _closed(map_read, ends, self._orders)
         self._index = {edge: i for i, edge in enumerate(self._edges)}
 
@@ -285,7 +291,7 @@ class _DiagramWriter:
         """Everything but statement and seal."""
         around = zip([None, *self._edges], self._edges, [*self._edges[1:], None], strict=False)
         found: Row = {
-            "kind": checking.DIAGRAM,
+            "kind": certificate.DIAGRAM,
             "map": self._map,
             "orders": self._orders,
             "edges": [_number(edge, below, above) for below, edge, above in around],
@@ -298,7 +304,7 @@ class _DiagramWriter:
             is_fixed = branch.kind is BranchKind.FIXED_POINT
             found["fixed points" if is_fixed else "crossings"].append(self._row(branch, stretch))
         try:
-            read = checking.Diagram(found)
+            read = branches.Diagram(found)
             found["intervals"] = list(self._intervals(read))
             found["points"] = [
                 row
@@ -306,7 +312,7 @@ class _DiagramWriter:
                 if point.kind in CERTIFIED
                 for row in self._point(point, read)
             ]
-        except checking.Refused as error:
+        except Refused as error:
             _fail(str(error))
         return found
 
@@ -363,7 +369,7 @@ class _DiagramWriter:
             for coefficients in [sympy.Poly(part, self._symbol).all_coeffs()]
         ]
 
-    def _intervals(self, read: checking.Diagram) -> Iterator[Row]:
+    def _intervals(self, read: branches.Diagram) -> Iterator[Row]:
         """Intervals of fixed points, each from the first to the last place in a row."""
         for order in self._orders:
             words = [read.found(i, order, "intervals") for i in range(1, read.last)]
@@ -374,7 +380,7 @@ class _DiagramWriter:
                 for word in here:
                     runs.setdefault(word, [i])
 
-    def _point(self, point: SpecialPoint, read: checking.Diagram) -> Iterator[Row]:
+    def _point(self, point: SpecialPoint, read: branches.Diagram) -> Iterator[Row]:
         """A special point as the checker reads it, if fixed points end there."""
         parameter, x = real(point.exact["parameter"]), point.exact["x"]
         i = self._index.get(parameter, 0)
@@ -382,8 +388,8 @@ class _DiagramWriter:
             return
         side = {sympy.oo: 1, -sympy.oo: -1}.get(x)
         at = str(x) if side is not None else _number(real(x))
-        place = side if side is not None else checking.number(at)
+        place = side if side is not None else number(at)
         ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
         if any(end.is_fixed for end in ends):
-            found = checking.Point(read, i, ends, infinite=side is not None).claims()
+            found = points.Point(read, i, ends, infinite=side is not None).claims()
             yield {"edge": i, "x": at, **found, "code": str(point.kind), "note": point.note}
