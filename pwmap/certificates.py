@@ -12,9 +12,20 @@ from typing import Any, NoReturn
 
 import sympy
 from sympy import QQ
+from sympy.polys.matrices import DomainMatrix
 
 from pwmap.algebra.exact import Number, dense, pair
-from pwmap.algebra.roots import Real, RealRoot, integers, real_roots, simplest_between
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    difference,
+    integers,
+    real_roots,
+    sign_at,
+    simplest_between,
+    trimmed,
+)
 from pwmap.checking import branches, certificate, points
 from pwmap.checking.iterates import Map, Study
 from pwmap.checking.places import Number as CheckedNumber
@@ -260,6 +271,24 @@ def _number(x: Real, below: Real | None = None, above: Real | None = None) -> st
     return {"polynomial": poly, "interval": [_text(end) for end in ends]}
 
 
+def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
+    """A quotient of two polynomials at a root, as a root of its own polynomial."""
+    value = root.quotient(top, bottom)
+    if len(value) < 2:
+        return value[0] if value else QQ.zero
+    size = len(root.polynomial) - 1
+    rows = [root.reduced((*value, *[QQ.zero] * i)) for i in reversed(range(size))]
+    matrix = DomainMatrix(
+        [[QQ.zero] * (size - len(row)) + list(row) for row in rows], (size, size), QQ
+    )
+    candidates = real_roots(matrix.charpoly())
+    above = [
+        sign_at(difference(value, (simplest_between(*pair),)), root) > 0
+        for pair in pairwise(candidates)
+    ]
+    return candidates[sum(above)]
+
+
 class _DiagramWriter:
     """Writes a diagram of a map over its only parameter."""
 
@@ -304,8 +333,8 @@ class _DiagramWriter:
             is_fixed = branch.kind is BranchKind.FIXED_POINT
             found["fixed points" if is_fixed else "crossings"].append(self._row(branch, stretch))
         try:
+            found["intervals"] = list(self._intervals(branches.Diagram(found)))
             read = branches.Diagram(found)
-            found["intervals"] = list(self._intervals(read))
             found["points"] = [
                 row
                 for point in self._diagram.points
@@ -360,14 +389,16 @@ class _DiagramWriter:
         is_nan = slope is sympy.nan
         return row | {"slope": None if is_nan else self._quotient(slope), "stable": stable}
 
+    def _parts(self, expr: sympy.Expr) -> list[Dense]:
+        """Numerator and denominator of a formula in the parameter."""
+        return [
+            trimmed(QQ(int(c.p), int(c.q)) for c in sympy.Poly(part, self._symbol).all_coeffs())
+            for part in sympy.fraction(sympy.together(expr))
+        ]
+
     def _quotient(self, expr: sympy.Expr) -> list[list[str]]:
         """A formula in the parameter as the checker reads it."""
-        top, bottom = sympy.fraction(sympy.together(sympy.sympify(expr)))
-        return [
-            [str(Fraction(int(c.p), int(c.q))) for c in reversed(coefficients)] if part else []
-            for part in (top, bottom)
-            for coefficients in [sympy.Poly(part, self._symbol).all_coeffs()]
-        ]
+        return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
 
     def _intervals(self, read: branches.Diagram) -> Iterator[Row]:
         """Intervals of fixed points, each from the first to the last place in a row."""
@@ -382,14 +413,28 @@ class _DiagramWriter:
 
     def _point(self, point: SpecialPoint, read: branches.Diagram) -> Iterator[Row]:
         """A special point as the checker reads it, if fixed points end there."""
-        parameter, x = real(point.exact["parameter"]), point.exact["x"]
+        parameter = real(point.exact["parameter"])
         i = self._index.get(parameter, 0)
-        if not 0 < i < len(self._edges) - 1:
+        at = self._x(point, parameter) if 0 < i < len(self._edges) - 1 else None
+        if at is None:
             return
-        side = {sympy.oo: 1, -sympy.oo: -1}.get(x)
-        at = str(x) if side is not None else _number(real(x))
+        side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
         place = side if side is not None else number(at)
         ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
-        if any(end.is_fixed for end in ends):
-            found = points.Point(read, i, ends, infinite=side is not None).claims()
-            yield {"edge": i, "x": at, **found, "code": str(point.kind), "note": point.note}
+        found = points.Point(read, i, ends, infinite=side is not None).claims()
+        yield {"edge": i, "x": at, **found, "code": str(point.kind), "note": point.note}
+
+    def _x(self, point: SpecialPoint, parameter: Real) -> str | Row | None:
+        """The x of a special point; None if no fixed points end there."""
+        formulas = (
+            stretch.exact["x"]
+            for branch, stretch in self._stretches
+            if branch.kind is BranchKind.FIXED_POINT and branch.id in point.branches
+            if parameter in self._ends(stretch)
+        )
+        formula, x = next(formulas, None), point.exact["x"]
+        if formula is None or x in (sympy.oo, -sympy.oo):
+            return None if formula is None else str(x)
+        if not isinstance(parameter, RealRoot):
+            return _number(real(x))
+        return _number(_image(parameter, *self._parts(formula)))

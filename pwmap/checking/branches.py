@@ -177,19 +177,19 @@ class Diagram:
             left, right = band.ends
             if not isinstance(x, Number):
                 return (left if x < 0 else right) is None
-            return (left is None or self._order(left, edge, x) <= 0) and (
-                right is None or self._order(right, edge, x) >= 0
+            return (left is None or self.compare(left, edge, x) <= 0) and (
+                right is None or self.compare(right, edge, x) >= 0
             )
         quotient = end.stretch.quotients["x"]
         assert quotient is not None
         top, bottom = quotient
         sign = self.places[2 * edge].sign
         if sign(bottom):
-            return isinstance(x, Number) and self._order(quotient, edge, x) == 0
+            return isinstance(x, Number) and self.compare(quotient, edge, x) == 0
         side = sign(top) * self.places[2 * edge + end.side].sign(bottom)
         return side == x or (not side and refuse("a quotient is not in lowest terms"))
 
-    def _order(self, quotient: Quotient, edge: int, x: Number) -> int:
+    def compare(self, quotient: Quotient, edge: int, x: Number) -> int:
         """The sign of a finite quotient at an edge minus a number."""
         (top, bottom), sign = quotient, self.places[2 * edge].sign
         low, high = (
@@ -203,7 +203,8 @@ class Diagram:
         degree = len(x.poly) - 1
         for i, c in enumerate(x.poly):
             value = plus(value, times((c,), times(power(top, i), power(bottom, degree - i))))
-        return sign(value) * sign(bottom) ** degree * sign_near(x.poly, x.high)
+        unit = sign(bottom) if degree % 2 else 1
+        return sign(value) * unit * sign_near(x.poly, x.high)
 
     def where(self, i: int) -> str:
         """A place in words."""
