@@ -76,9 +76,9 @@ def fixed_points_statement(certificate: Mapping[str, Any]) -> str:
         f"{')]'[row['closed'][1]]} (word {row['word']})" for row in bands
     ]  # fmt: skip
     parts = {
+        "single fixed point": points,
         "interval of fixed points": spans,
-        "fixed point in no such interval": points,
-        "jump whose limits lie strictly on both sides of the diagonal": jumps,
+        "jump with limits strictly on both sides of it": jumps,
     }
     lists = "; ".join(
         ": ".join(filter(None, (count(len(rows), what), ", ".join(rows))))

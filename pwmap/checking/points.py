@@ -177,8 +177,8 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
         if canonical(true) != canonical(dict(zip(names[2:], claims, strict=True))):
             refuse(f"the special point {where} is {shown(true)}, not {shown(row)}")
         simple = all(all(condition["simple"]) for condition in true["conditions"])
-        words = f"{true['code']}, {true['note']}," if true["note"] else true["code"]
-        texts.append(f"{words} {where}{'' if simple else ' (a zero that is not simple)'}")
+        parts = [true["code"], true["note"], "" if simple else "a zero that is not simple"]
+        texts.append(f"{', '.join(filter(None, parts))}, {where}")
     if left:
         i, name = min(left)
         refuse(f"fixed points {name[1]} end {diagram.where(2 * i)}, but no point is listed there")
@@ -197,9 +197,9 @@ def diagram_statement(certificate: Mapping[str, Any]) -> str:
     points = f"only at {count(len(texts), 'special point')}: {'; '.join(texts)}"
     return (
         f"For {diagram.map_text} and every {diagram.name} strictly between {diagram.edges[0]} and "
-        f"{diagram.edges[-1]}, what the iterates P_j with j = {orders} have on the diagonal is "
-        f"just what is listed: on {rows['fixed points']} fixed points of least period j, with "
-        f"their x, slope and stability, on {rows['intervals']} intervals of such points, and on "
-        f"{rows['crossings']} jumps whose limits lie strictly on both sides of the diagonal, with "
-        f"both limits; inside, fixed points begin and end {points if texts else 'nowhere'}."
+        f"{diagram.edges[-1]}, the lists hold all that the iterates P_j with j = {orders} have on "
+        f"the diagonal: fixed points of least period j ({rows['fixed points']}, with x, slope and "
+        f"stability), intervals of such points ({rows['intervals']}), and jumps with limits "
+        f"strictly on both sides of it ({rows['crossings']}, with x and both limits); inside, "
+        f"fixed points begin and end {points if texts else 'nowhere'}."
     )

@@ -1,7 +1,7 @@
 """Polynomials with integer coefficients, and the signs that they have at roots of others.
 
 All signs come from sequences of signed remainders: Sturm's theorem, and that of Tarski on the signs
-of one polynomial at the roots of another [BasuPollackRoy2006, Theorems 2.62 and 2.73].
+of one polynomial at the roots of another [BasuPollackRoy2006, Section 2.2].
 """
 
 from __future__ import annotations
