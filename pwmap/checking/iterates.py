@@ -120,10 +120,18 @@ class Study:
             refuse("the denominator of the map must be positive and its breaks ascend")
         self.atoms = [Atom("", None, None)]
         for _ in range(order):
-            self.atoms = [new for atom in self.atoms for new in self._split(atom)]
-            place.work.spend(WORK_ATOM * len(self.atoms) * order)
-            if len(self.atoms) > ATOMS:
-                refuse(f"an iterate has more than {ATOMS} pieces, too many to be checked")
+            self.atoms = list(self._refined())
+
+    def _refined(self) -> Iterator[Atom]:
+        """The atoms of the next iterate."""
+        size = 0
+        for atom in self.atoms:
+            for new in self._split(atom):
+                size += 1
+                self.place.work.spend(WORK_ATOM * len(new.word))
+                if size > ATOMS:
+                    refuse(f"an iterate has more than {ATOMS} pieces, too many to be checked")
+                yield new
 
     def sense(self, word: str) -> int:
         """The sign of the slope of a word."""

@@ -19,7 +19,8 @@ from pwmap.checking.refusing import DEGREE, DIGITS, LETTERS, TERMS, refuse
 def fields(value: object, *names: str) -> list[Any]:
     """The values of an object that has just some names."""
     if not isinstance(value, dict) or set(value) != set(names):
-        refuse(f"an object with the names {', '.join(names)} was expected, got {shown(value)}")
+        got = sorted(value) if isinstance(value, dict) else value
+        refuse(f"an object with the names {', '.join(names)} was expected, got {shown(got)}")
     return [value[name] for name in names]
 
 
