@@ -188,6 +188,7 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
     """All that lies on the diagonal of an iterate."""
     written, own = _map(map_, None)
     iterate = map_.iterate(order)
+    bands = {band.word for band in iterate.fixed_intervals()}
     return {
         "kind": certificate.FIXED_POINTS,
         "map": written,
@@ -201,8 +202,7 @@ def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
             {"word": piece.word, "ends": [_rational(piece.lower), _rational(piece.upper)],
              "closed": [piece.lower_closed, piece.upper_closed]}
             for piece in iterate.pieces
-            for band in iterate.fixed_intervals()
-            if band.word == piece.word
+            if piece.word in bands
         ],
         "crossings": [
             {"word": f"{c.left_word}|{c.right_word}", "x": _rational(c.x),
