@@ -1,6 +1,8 @@
 """Exact analysis of piecewise-linear discontinuous maps; diagrams and their graphs."""
 
 from pwmap.algebra.assumptions import UndecidedError
+from pwmap.certificates import Certificate, prove
+from pwmap.checking import Refused, check_certificate
 from pwmap.diagrams.diagram import (
     Branch,
     BranchKind,
@@ -74,6 +76,7 @@ __all__ = [
     "Budget",
     "BudgetError",
     "CentreKind",
+    "Certificate",
     "CodimensionTwo",
     "Colours",
     "ConstantEntropy",
@@ -108,6 +111,7 @@ __all__ = [
     "PointKind",
     "PointStatus",
     "Progress",
+    "Refused",
     "RotationInterval",
     "RotationNumber",
     "SpecialPoint",
@@ -118,6 +122,7 @@ __all__ = [
     "WordFamily",
     "attractor_diagram",
     "bifurcation_diagram",
+    "check_certificate",
     "constant_entropy",
     "cycles",
     "dynamics",
@@ -128,6 +133,7 @@ __all__ = [
     "parameter_cells",
     "parameter_plane",
     "plane_raster",
+    "prove",
     "read_graph",
     "rotation_interval",
     "rotation_number",

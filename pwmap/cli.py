@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
+from pwmap.cli_certificates import check_files, prove_map
 from pwmap.cli_longrun import LongRun
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
@@ -147,6 +148,8 @@ def _drawn(found: Diagram, more: LongRun) -> Any:
 
 
 app.command("plane")(draw_plane)
+app.command("prove")(prove_map)
+app.command("check")(check_files)
 
 
 def run() -> None:

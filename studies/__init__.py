@@ -42,6 +42,8 @@ and beside them:
     how fast exact composition is, against sympy and with python-flint
 ``cycles``, ``parameter_plane``
     what cycles of high order cost, and the plane of both slopes of the skew tent map
+``certificates``
+    what it costs to write and to check certificates of piecewise-linear maps
 ``long_run``, ``long_run_pictures``
     what crises, entropy and densities of piecewise-linear maps cost, and the pictures of their page
 """

@@ -55,6 +55,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "cycles": "studies.cycles",
     "parameter_plane": "studies.parameter_plane",
     "long_run_pictures": "studies.long_run_pictures",
+    "certificates": "studies.certificates",
     "map_grazing": "studies.maps.grazing",
     "map_bouncing": "studies.maps.bouncing",
     "map_boost": "studies.maps.boost",

@@ -1,0 +1,440 @@
+"""Certificates: what pwmap found, written so that :mod:`pwmap.checking` can verify it anew."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NoReturn
+
+import sympy
+from sympy import QQ
+from sympy.polys.matrices import DomainMatrix
+
+from pwmap.algebra.exact import Number, dense, pair
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    difference,
+    integers,
+    real_roots,
+    sign_at,
+    simplest_between,
+    trimmed,
+)
+from pwmap.checking import branches, certificate, points
+from pwmap.checking.iterates import Map, Study
+from pwmap.checking.places import Number as CheckedNumber
+from pwmap.checking.places import Place
+from pwmap.checking.polynomials import Poly, primitive
+from pwmap.checking.reading import number, read_map
+from pwmap.checking.refusing import Refused, Work
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.files import write_whole
+from pwmap.diagrams.slices import real
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.words import Table
+
+Row = dict[str, Any]
+CERTIFIED = (PointKind.BC, PointKind.FF, PointKind.PD, PointKind.LP)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Certificate:
+    """A statement on a map, with all that it takes to verify it.
+
+    Attributes
+    ----------
+    statement
+        What :func:`pwmap.check_certificate` says of its file.
+    content
+        All of it, as it is written.
+    """
+
+    statement: str
+    content: Mapping[str, Any]
+
+    def save(self, path: str | Path) -> Path:
+        """Write it as JSON; the file is there whole or not at all."""
+        lines = [f"{json.dumps(name)}: {_lines(value)}" for name, value in self.content.items()]
+        write_whole(Path(path), ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))
+        return Path(path)
+
+
+def _lines(value: object) -> str:
+    """JSON with a line for each entry of a list."""
+    if not isinstance(value, list) or not value:
+        return json.dumps(value)
+    return "[\n  " + ",\n  ".join(map(json.dumps, value)) + "\n]"
+
+
+def prove(
+    what: PiecewiseLinearMap | Diagram,
+    map_: PiecewiseLinearMap | None = None,
+    *,
+    order: int = 1,
+    orders: Iterable[int] | None = None,
+) -> Certificate:
+    """Write down what is known of a map so that it can be verified without this package.
+
+    Parameters
+    ----------
+    what
+        A map whose coefficients are numbers: then all fixed points of an iterate and all its jumps
+        over the diagonal are stated. Or a diagram over one parameter, all others being numbers:
+        then its branches and special points.
+    map_
+        The map that the diagram is of.
+    order
+        The iterate, of a map.
+    orders
+        The iterates, of a diagram; by default those that have branches. All divisors must be there.
+
+    Returns
+    -------
+    Certificate
+        It has been verified once, by the checker's own functions.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be certified; a sentence says why.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, prove
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((2*x, x <= 1/2), (2 - 2*x, True))")
+    >>> print(prove(tent).statement[:71])
+    For the map with the pieces L: 2 x + 0 for x <= 1/2; R: -2 x + 2 for 1/
+    """
+    if isinstance(what, PiecewiseLinearMap):
+        if map_ is not None or orders is not None:
+            raise ValueError("of a map, only an order can be given: prove(map, order=2)")
+        return _sealed(_fixed_points(what, checked_order(order)))
+    if not isinstance(what, Diagram) or not isinstance(map_, PiecewiseLinearMap):
+        raise ValueError(f"a map, or a diagram and its map, was expected, got {what!r:.80}")
+    return _sealed(_DiagramWriter(what, map_, orders).content())
+
+
+def _sealed(content: Row) -> Certificate:
+    """A certificate with its statement and its seal, verified."""
+    head = {"format": certificate.FORMAT, "version": 1, "kind": content.pop("kind")}
+    content = {**head, "statement": "", **content, "seal": ""}
+    try:
+        content["statement"] = certificate.statement_of(content)
+    except Refused as error:
+        _fail(str(error))
+    content["seal"] = certificate.seal_of(content)
+    return Certificate(certificate.check(content), content)
+
+
+def _fail(reason: str) -> NoReturn:
+    raise ValueError(f"this cannot be certified: {reason}") from None
+
+
+# --- Maps -----------------------------------------------------------------------------------------
+
+
+def _text(number: Number) -> str:
+    """A rational as the checker reads it."""
+    return str(Fraction(*pair(number)))
+
+
+def _rational(expr: sympy.Expr) -> str | None:
+    """A rational of sympy as the checker reads it; None if it is none."""
+    return str(Fraction(int(expr.p), int(expr.q))) if expr.is_Rational else None
+
+
+def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
+    """The map itself, and which of its iterates it is given as."""
+    if set(map_.chain) != {map_.chain[0]}:
+        _fail("a composition of different maps, only iterates of one map are")
+    names = [str(symbol) for symbol in map_.parameters]
+    if parameter is None and names:
+        _fail(f"give values (.at) to the parameters {', '.join(names)}")
+    if parameter is not None and names != [parameter]:
+        _fail(f"the map must have the parameter {parameter} alone, it has {names or 'none'}")
+    table: Table = map_.definition.table
+    layout = table.layouts[map_.chain[0]]
+
+    def written(value: Number) -> str | list[str]:
+        if parameter is None:
+            return _text(value)
+        return [_text(c) for c in reversed(dense(value))]
+
+    slots = "".join(map_.letters[slot] for slot in layout.slots)
+    pieces = {
+        map_.letters[i]: {
+            "slope": written(table.slopes[i]),
+            "intercept": written(table.intercepts[i]),
+        }
+        for i in dict.fromkeys(layout.slots)
+    }
+    return {
+        "variable": str(map_.x),
+        "parameter": parameter,
+        "slots": slots,
+        "pieces": pieces,
+        "breaks": [written(table.breaks[k]) for k in layout.breaks],
+        "denominator": written(table.denominator),
+    }, len(map_.chain)
+
+
+def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
+    """All that lies on the diagonal of an iterate."""
+    written, own = _map(map_, None)
+    iterate = map_.iterate(order)
+    bands = {band.word for band in iterate.fixed_intervals()}
+    return {
+        "kind": certificate.FIXED_POINTS,
+        "map": written,
+        "order": own * order,
+        "fixed points": [
+            {"word": p.word, "x": _rational(p.x), "slope": _rational(p.multiplier),
+             "period": p.period, "stable": p.stable}
+            for p in iterate.fixed_points()
+        ],
+        "intervals": [
+            {"word": piece.word, "ends": [_rational(piece.lower), _rational(piece.upper)],
+             "closed": [piece.lower_closed, piece.upper_closed]}
+            for piece in iterate.pieces
+            if piece.word in bands
+        ],
+        "crossings": [
+            {"word": f"{c.left_word}|{c.right_word}", "x": _rational(c.x),
+             "left": _rational(c.left), "right": _rational(c.right)}
+            for c in iterate.jump_crossings()
+        ],
+    }  # fmt: skip
+
+
+# --- Diagrams -------------------------------------------------------------------------------------
+
+
+class _Recorder(Place):
+    """An interval between two edges, or one edge; it keeps all polynomials whose sign is asked."""
+
+    def __init__(self, sample: Number) -> None:
+        x = Fraction(*pair(sample))
+        place = CheckedNumber((), x, x)
+        super().__init__(place, place, Work())
+        self.asked: set[Poly] = set()
+
+    def sign(self, f: Poly) -> int:
+        """The sign at the sample."""
+        self.asked.add(primitive(f))
+        return super().sign(f)
+
+
+def _roots(poly: Poly) -> tuple[Real, ...]:
+    return real_roots([QQ(c) for c in reversed(poly)]) if len(poly) > 1 else ()
+
+
+def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Real]:
+    """Edges, and more of them, so that no polynomial that decides has a root between two."""
+    found = sorted(set(edges))
+    cells = list(pairwise(found))
+    seen: dict[Poly, tuple[Real, ...]] = {}
+    while cells:
+        low, high = cells.pop()
+        place = _Recorder(simplest_between(low, high))
+        for order in orders:
+            parts = Study(map_, place, order)
+            _ = parts.fixed, parts.bands, parts.crossings
+        inner: set[Real] = set()
+        for poly in place.asked:
+            if poly not in seen:
+                seen[poly] = _roots(poly)
+            inner.update(root for root in seen[poly] if low < root < high)
+        if inner:
+            cells += pairwise([low, *sorted(inner), high])
+            found += inner
+    return sorted(found)
+
+
+def _number(x: Real, below: Real | None = None, above: Real | None = None) -> str | Row:
+    """A number as the checker reads it, isolated from its neighbours and its conjugates."""
+    if not isinstance(x, RealRoot):
+        return _text(x)
+    same = real_roots(x.polynomial)
+    lower = [each for each in (*same, below) if each is not None and each < x]
+    upper = [each for each in (*same, above) if each is not None and x < each]
+    ends = (
+        simplest_between(max(lower) if lower else None, x),
+        simplest_between(x, min(upper) if upper else None),
+    )
+    poly = [str(c) for c in reversed(integers(x.polynomial))]
+    return {"polynomial": poly, "interval": [_text(end) for end in ends]}
+
+
+def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
+    """A quotient of two polynomials at a root, as a root of its own polynomial."""
+    value = root.quotient(top, bottom)
+    if len(value) < 2:
+        return value[0] if value else QQ.zero
+    size = len(root.polynomial) - 1
+    rows = [root.reduced((*value, *[QQ.zero] * i)) for i in reversed(range(size))]
+    matrix = DomainMatrix(
+        [[QQ.zero] * (size - len(row)) + list(row) for row in rows], (size, size), QQ
+    )
+    candidates = real_roots(matrix.charpoly())
+    above = [
+        sign_at(difference(value, (simplest_between(*pair),)), root) > 0
+        for pair in pairwise(candidates)
+    ]
+    return candidates[sum(above)]
+
+
+class _DiagramWriter:
+    """Writes a diagram of a map over its only parameter."""
+
+    def __init__(
+        self, diagram: Diagram, map_: PiecewiseLinearMap, orders: Iterable[int] | None
+    ) -> None:
+        self._diagram = diagram
+        self._map, self._own = _map(map_, diagram.parameter_name)
+        self._symbol = map_.parameters[0]
+        if self._own > 1:
+            _fail("the diagram of an iterate, only that of the map itself is")
+        found = {branch.order for branch in diagram.branches} if orders is None else set(orders)
+        self._orders = sorted(map(checked_order, found))
+        self._stretches = [
+            (branch, stretch)
+            for branch in diagram.branches
+            if branch.order in self._orders
+            for stretch in branch.words
+            if self._is_followed(stretch)
+        ]
+        ends = {end for _, stretch in self._stretches for end in self._ends(stretch)}
+        if len(ends) < 2:
+            _fail("the diagram has no branch over an interval of the parameter")
+        map_read = read_map(self._map, parametric=True)[0]
+        self._edges = _closed(map_read, ends, self._orders)
+        self._index = {edge: i for i, edge in enumerate(self._edges)}
+
+    def content(self) -> Row:
+        """Everything but statement and seal."""
+        around = zip([None, *self._edges], self._edges, [*self._edges[1:], None], strict=False)
+        found: Row = {
+            "kind": certificate.DIAGRAM,
+            "map": self._map,
+            "orders": self._orders,
+            "edges": [_number(edge, below, above) for below, edge, above in around],
+            "fixed points": [],
+            "intervals": [],
+            "crossings": [],
+            "points": [],
+        }
+        for branch, stretch in self._stretches:
+            is_fixed = branch.kind is BranchKind.FIXED_POINT
+            found["fixed points" if is_fixed else "crossings"].append(self._row(branch, stretch))
+        try:
+            found["intervals"] = list(self._intervals(branches.Diagram(found)))
+            read = branches.Diagram(found)
+            found["points"] = [
+                row
+                for point in self._diagram.points
+                if point.kind in CERTIFIED
+                for row in self._point(point, read)
+            ]
+        except Refused as error:
+            _fail(str(error))
+        return found
+
+    def _is_followed(self, stretch: Stretch) -> bool:
+        """Whether it is no interval of fixed points, nor an end of one."""
+        if "x" not in stretch.exact or "interval" not in stretch.exact:
+            return False
+        return stretch.exact.get("multiplier") != 1
+
+    def _ends(self, stretch: Stretch) -> tuple[Real, Real]:
+        """The first and the last value of the parameter."""
+        interval: Any = stretch.exact["interval"]
+        if isinstance(interval, sympy.FiniteSet):
+            return real(interval.args[0]), real(interval.args[0])
+        if interval.start.is_infinite or interval.end.is_infinite:
+            _fail(f"the branch {stretch.word} has no end")
+        return real(interval.start), real(interval.end)
+
+    def _places(self, stretch: Stretch) -> list[int]:
+        """Its first and its last place."""
+        interval: Any = stretch.exact["interval"]
+        first, last = (2 * self._index[end] for end in self._ends(stretch))
+        if isinstance(interval, sympy.FiniteSet):
+            return [first, last]
+        return [first + bool(interval.left_open), last - bool(interval.right_open)]
+
+    def _row(self, branch: Branch, stretch: Stretch) -> Row:
+        """A stretch as the checker reads it."""
+        exact: Mapping[str, Any] = stretch.exact
+        row: Row = {
+            "order": branch.order,
+            "word": stretch.word,
+            "places": self._places(stretch),
+            "x": self._quotient(exact["x"]),
+        }
+        if branch.kind is BranchKind.JUMP:
+            return row | {side: self._quotient(exact[side]) for side in ("left", "right")}
+        slope = exact["multiplier"]
+        stable = branch.attracts
+        if stable is None:
+            low, high = self._ends(stretch)
+            at = low if low == high else simplest_between(low, high)
+            value = slope.subs(self._symbol, at if isinstance(at, RealRoot) else QQ.to_sympy(at))
+            stable = bool(abs(value) < 1)
+        is_nan = slope is sympy.nan
+        return row | {"slope": None if is_nan else self._quotient(slope), "stable": stable}
+
+    def _parts(self, expr: sympy.Expr) -> list[Dense]:
+        """Numerator and denominator of a formula in the parameter."""
+        return [
+            trimmed(QQ(int(c.p), int(c.q)) for c in sympy.Poly(part, self._symbol).all_coeffs())
+            for part in sympy.fraction(sympy.together(expr))
+        ]
+
+    def _quotient(self, expr: sympy.Expr) -> list[list[str]]:
+        """A formula in the parameter as the checker reads it."""
+        return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
+
+    def _intervals(self, read: branches.Diagram) -> Iterator[Row]:
+        """Intervals of fixed points, each from the first to the last place in a row."""
+        for order in self._orders:
+            words = [read.found(i, order, "intervals") for i in range(1, read.last)]
+            runs: dict[str, list[int]] = {}
+            for i, here in enumerate([*words, {}], start=1):
+                for word in [word for word in runs if word not in here]:
+                    yield {"order": order, "word": word, "places": [runs.pop(word)[0], i - 1]}
+                for word in here:
+                    runs.setdefault(word, [i])
+
+    def _point(self, point: SpecialPoint, read: branches.Diagram) -> Iterator[Row]:
+        """A special point as the checker reads it, if fixed points end there."""
+        parameter = real(point.exact["parameter"])
+        i = self._index.get(parameter, 0)
+        at = self._x(point, parameter) if 0 < i < len(self._edges) - 1 else None
+        if at is None:
+            return
+        side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
+        place = side if side is not None else number(at)
+        ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
+        found = points.Point(read, i, ends, infinite=side is not None).claims()
+        yield {"edge": i, "x": at, **found, "code": str(point.kind), "note": point.note}
+
+    def _x(self, point: SpecialPoint, parameter: Real) -> str | Row | None:
+        """The x of a special point; None if no fixed points end there."""
+        formulas = (
+            stretch.exact["x"]
+            for branch, stretch in self._stretches
+            if branch.kind is BranchKind.FIXED_POINT and branch.id in point.branches
+            if parameter in self._ends(stretch)
+        )
+        formula, x = next(formulas, None), point.exact["x"]
+        if formula is None or x in (sympy.oo, -sympy.oo):
+            return None if formula is None else str(x)
+        if not isinstance(parameter, RealRoot):
+            return _number(real(x))
+        return _number(_image(parameter, *self._parts(formula)))

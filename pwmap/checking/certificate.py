@@ -1,0 +1,114 @@
+"""Certificates as files: head, seal and statement."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NoReturn
+
+from pwmap.checking.branches import KINDS
+from pwmap.checking.lists import fixed_points_statement
+from pwmap.checking.points import diagram_statement
+from pwmap.checking.reading import canonical, fields, shown
+from pwmap.checking.refusing import BYTES, DIGITS, Refused, refuse
+
+FORMAT = "certificate of a piecewise-linear map"
+FIXED_POINTS, DIAGRAM = "fixed points", "diagram"
+
+
+HEAD = ("format", "version", "kind", "statement", "seal", "map")
+STATEMENTS: Mapping[str, tuple[Callable[[Mapping[str, Any]], str], tuple[str, ...]]] = {
+    FIXED_POINTS: (fixed_points_statement, ("order", *KINDS)),
+    DIAGRAM: (diagram_statement, ("orders", "edges", *KINDS, "points")),
+}
+
+
+def seal_of(certificate: Mapping[str, Any]) -> str:
+    """The digest of all but the seal."""
+    rest = {name: value for name, value in certificate.items() if name != "seal"}
+    return hashlib.sha256(canonical(rest).encode("ascii")).hexdigest()
+
+
+def statement_of(certificate: object) -> str:
+    """What a certificate proves, in one sentence; its own sentence and seal are not looked at.
+
+    Raises
+    ------
+    Refused
+        If it proves nothing.
+    """
+    if not isinstance(certificate, dict) or certificate.get("format") != FORMAT:
+        refuse(f"this is no {FORMAT}")
+    kind = certificate.get("kind")
+    if type(certificate.get("version")) is not int or certificate["version"] != 1:
+        refuse(f"version 1 was expected, got {shown(certificate.get('version'))}")
+    if not isinstance(kind, str) or kind not in STATEMENTS:
+        refuse(f"the kind must be one of {', '.join(STATEMENTS)}, got {shown(kind)}")
+    verify, names = STATEMENTS[kind]
+    fields(certificate, *HEAD, *names)
+    return verify(certificate)
+
+
+def check(certificate: object) -> str:
+    """Verify a certificate; the same as :func:`check_certificate`, of what the file holds."""
+    if not isinstance(certificate, dict) or certificate.get("seal") != seal_of(certificate):
+        refuse("the seal is not that of the content")
+    statement = statement_of(certificate)
+    if certificate["statement"] != statement:
+        refuse(f"the statement must be: {statement}")
+    return statement
+
+
+def read(path: str | Path) -> object:
+    """What a file of JSON holds; no name twice, no numbers but integers."""
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        if len(dict(pairs)) < len(pairs):
+            refuse("a name occurs twice")
+        return dict(pairs)
+
+    def none(found: str) -> NoReturn:
+        refuse(f"numbers must be integers or text, got {found[:DIGITS]}")
+
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(BYTES + 1)
+    except (OSError, ValueError) as error:
+        refuse(f"cannot read the file: {error}")
+    if len(data) > BYTES:
+        refuse(f"a certificate of at most {BYTES} bytes was expected")
+    try:
+        return json.loads(
+            data.decode("utf-8"), object_pairs_hook=unique, parse_float=none, parse_constant=none
+        )
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, Refused):
+            raise
+        refuse(f"this is no JSON: {error}")
+
+
+def check_certificate(path: str | Path) -> str:
+    """Verify a certificate from nothing but its file, and state what it proves.
+
+    Parameters
+    ----------
+    path
+        A file that :func:`pwmap.prove` wrote.
+
+    Returns
+    -------
+    The verified statement, one sentence, composed from what was verified.
+
+    Raises
+    ------
+    Refused
+        If anything in the file is not as it must be; one sentence says what.
+
+    Examples
+    --------
+    >>> check_certificate("certificate.json")  # doctest: +SKIP
+    'For the map with the pieces L: ...'
+    """
+    return check(read(path))

@@ -1,0 +1,271 @@
+"""Iterates of a map, composed anew from its pieces, and what lies on their diagonal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from pwmap.checking.places import Place
+from pwmap.checking.polynomials import Poly, Quotient, plus, power, times
+from pwmap.checking.refusing import ATOMS, WORK_ATOM, refuse
+
+
+class Value(NamedTuple):
+    """A value of an iterate: a polynomial over a power of the map's denominator."""
+
+    top: Poly
+    power: int
+
+
+class Atom(NamedTuple):
+    """An open interval, or a point, whose points visit the same pieces.
+
+    ``left`` and ``right`` are the limits of the iterate at its ends, None where these are infinite,
+    or twice the value at the point. A point is the preimage of a break along the first letters of
+    its word: ``cut`` holds the index of the break and the number of letters.
+    """
+
+    word: str
+    left: Value | None
+    right: Value | None
+    cut: tuple[int, int] | None = None
+
+
+class Map(NamedTuple):
+    """Affine pieces, and which of them each break and each open interval between breaks belongs to.
+
+    Slopes, intercepts and breaks are numerators over one denominator.
+    """
+
+    slots: str  # a letter for each interval and each break from left to right, in turn
+    slopes: Mapping[str, Poly]
+    intercepts: Mapping[str, Poly]
+    breaks: tuple[Poly, ...]
+    unit: Poly
+
+    def follow(self, value: Value, word: str) -> Value:
+        """A value after some more letters."""
+        top, n = value
+        for letter in word:
+            shift = times(self.intercepts[letter], power(self.unit, n))
+            top, n = plus(times(self.slopes[letter], top), shift), n + 1
+        return Value(top, n)
+
+    def slope(self, word: str) -> Poly:
+        """The slope of a word of n letters, over the n-th power of the denominator."""
+        found: Poly = (1,)
+        for letter in word:
+            found = times(found, self.slopes[letter])
+        return found
+
+    def offset(self, word: str) -> Value:
+        """The value of the affine map of a word at x = 0."""
+        return self.follow(Value((), 1), word)
+
+    def over(self, value: Value, k: int) -> Poly:
+        """The numerator of a value minus a break."""
+        return plus(value.top, times(self.breaks[k], power(self.unit, value.power - 1)), -1)
+
+    def preimage(self, k: int, word: str) -> Quotient:
+        """The x that the affine map of a word takes to a break."""
+        over = self.over(self.offset(word), k)
+        return tuple(-c for c in over), times(self.slope(word), self.unit)
+
+    def fixed(self, word: str) -> Quotient:
+        """The x that the affine map of a word takes to itself."""
+        return self.offset(word).top, times(self.unit, self.excess(word, -1))
+
+    def excess(self, word: str, unit: int) -> Poly:
+        """The numerator of 1 plus a unit, 1 or -1, times the slope of a word."""
+        return plus(power(self.unit, len(word)), self.slope(word), unit)
+
+    def ratio(self, value: Value) -> Quotient:
+        """A value as a quotient."""
+        return value.top, power(self.unit, value.power)
+
+
+class Fixed(NamedTuple):
+    """A fixed point of an iterate that lies in no interval of fixed points."""
+
+    x: Quotient
+    slope: Quotient | None  # None where the piece is the point alone
+    stable: bool
+
+
+class Crossing(NamedTuple):
+    """A jump with limits strictly on both sides of the diagonal."""
+
+    x: Quotient
+    left: Quotient
+    right: Quotient
+
+
+class Band(NamedTuple):
+    """An interval of fixed points; an end that is None is infinite."""
+
+    ends: tuple[Quotient | None, Quotient | None]
+    closed: tuple[bool, bool]
+
+
+class Study:
+    """An iterate at a place, composed from the map alone, and all that lies on its diagonal."""
+
+    def __init__(self, map_: Map, place: Place, order: int) -> None:
+        self.map, self.place, self.order = map_, place, order
+        if place.sign(map_.unit) <= 0 or any(
+            place.sign(plus(b, a, -1)) <= 0 for a, b in pairwise(map_.breaks)
+        ):
+            refuse("the denominator of the map must be positive and its breaks ascend")
+        self.atoms = [Atom("", None, None)]
+        for _ in range(order):
+            self.atoms = list(self._refined())
+
+    def _refined(self) -> Iterator[Atom]:
+        """The atoms of the next iterate."""
+        size = 0
+        for atom in self.atoms:
+            for new in self._split(atom):
+                size += 1
+                self.place.work.spend(WORK_ATOM * len(new.word))
+                if size > ATOMS:
+                    refuse(f"an iterate has more than {ATOMS} pieces, too many to be checked")
+                yield new
+
+    def sense(self, word: str) -> int:
+        """The sign of the slope of a word."""
+        found = 1
+        for letter in word:
+            found *= self.place.sign(self.map.slopes[letter])
+        return found
+
+    def _slot(self, value: Value) -> int:
+        """The slot that holds a value: 2 k + 1 for break k, even numbers for what lies between."""
+        for k in range(len(self.map.breaks)):
+            side = self.place.sign(self.map.over(value, k))
+            if side <= 0:
+                return 2 * k + 1 + side
+        return 2 * len(self.map.breaks)
+
+    def _beside(self, value: Value | None, side: int) -> int:
+        """The open slot that holds what lies beside a value; None is infinite."""
+        if value is None:
+            return 0 if side > 0 else 2 * len(self.map.breaks)
+        slot = self._slot(value)
+        return slot + side * (slot % 2)
+
+    def _split(self, atom: Atom) -> Iterator[Atom]:
+        """An atom of the next iterate or, where its image holds breaks, several."""
+        map_, word, sense = self.map, atom.word, self.sense(atom.word)
+
+        def new(slot: int, left: Value | None, right: Value | None, cut: Any = None) -> Atom:
+            letter = map_.slots[slot]
+            first, last = (None if v is None else map_.follow(v, letter) for v in (left, right))
+            return Atom(word + letter, first, last, cut)
+
+        if atom.cut is not None or sense == 0:
+            slot = self._slot(atom.left or atom.right or map_.offset(word))
+            yield new(slot, atom.left, atom.right, atom.cut)
+            return
+        first, last = self._beside(atom.left, sense), self._beside(atom.right, -sense)
+        left = atom.left
+        for slot in range(first, last, 2 * sense):
+            right = Value(map_.breaks[(slot + sense) // 2], 1)
+            yield new(slot, left, right)
+            yield new(slot + sense, right, right, ((slot + sense) // 2, len(word)))
+            left = right
+        yield new(last, left, atom.right)
+
+    # A piece of the iterate is an interval with those of its ends that have its word.
+
+    def above(self, point: Atom, value: Value) -> Poly:
+        """A polynomial with the sign of a value minus the x of a point, but for that of sense."""
+        k, steps = point.cut or (0, 0)
+        return self.map.over(self.map.follow(value, point.word[:steps]), k)
+
+    def side(self, point: Atom | None, value: Value | None) -> int:
+        """The sign of a value minus the x of a point, 0 if there is none."""
+        if point is None or value is None:
+            return 0
+        start = point.word[: (point.cut or (0, 0))[1]]
+        return self.sense(start) * self.place.sign(self.above(point, value))
+
+    def x(self, point: Atom) -> Quotient:
+        """Where a point is."""
+        k, steps = point.cut or (0, 0)
+        return self.map.preimage(k, point.word[:steps])
+
+    def slope(self, word: str) -> Quotient:
+        """The slope of a word."""
+        return self.map.slope(word), power(self.map.unit, len(word))
+
+    def excess(self, word: str, unit: int) -> int:
+        """The sign of 1 minus (unit = -1) or plus (unit = 1) the slope of a word."""
+        return self.place.sign(self.map.excess(word, unit))
+
+    @cached_property
+    def beside(self) -> list[tuple[Atom | None, Atom, Atom | None]]:
+        """Each atom with its neighbours."""
+        line = [None, *self.atoms, None]
+        return [(line[i - 1], a, line[i + 1]) for i, a in enumerate(self.atoms, start=1)]
+
+    @cached_property
+    def bands(self) -> dict[str, Band]:
+        """All intervals of fixed points, by word."""
+        found = {}
+        for low, atom, high in self.beside:
+            flat = atom.cut is None and not self.excess(atom.word, -1)
+            if flat and not self.place.sign(self.map.offset(atom.word).top):
+                left, right = (end and self.x(end) for end in (low, high))
+                closed = (end is not None and end.word == atom.word for end in (low, high))
+                found[atom.word] = Band((left, right), (next(closed), next(closed)))
+        return found
+
+    @cached_property
+    def fixed(self) -> dict[str, Fixed]:
+        """All other fixed points, by word."""
+        found = {}
+        for low, atom, high in self.beside:
+            word = atom.word
+            if word in self.bands:
+                continue
+            if atom.cut is not None:
+                if self.side(atom, atom.left) == 0:
+                    found[word] = self._at_point(low, atom, high)
+            elif steepness := self.excess(word, -1):
+                left, right = self.side(low, atom.left), self.side(high, atom.right)
+                if (
+                    steepness * left >= (low is not None)
+                    and (high is not None) <= -steepness * right
+                ):
+                    stable = steepness > 0 and self.excess(word, 1) > 0
+                    found[word] = Fixed(self.map.fixed(word), self.slope(word), stable)
+        return found
+
+    def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> Fixed:
+        """A fixed point with an interval on either side.
+
+        It attracts if the iterate is continuous there, with slopes m and n on both sides such that
+        m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
+        """
+        assert low is not None
+        assert high is not None
+        owned = atom.word in (low.word, high.word)
+        stable = not self.side(atom, low.right) and not self.side(atom, high.left)
+        slopes = (low.word, high.word, low.word + high.word)
+        stable = stable and all(self.excess(word, -1) > 0 for word in slopes)
+        return Fixed(self.x(atom), self.slope(atom.word) if owned else None, stable)
+
+    @cached_property
+    def crossings(self) -> dict[str, Crossing]:
+        """All jumps over the diagonal, by the words on both sides."""
+        found = {}
+        for low, atom, high in self.beside:
+            left, right = low and low.right, high and high.left
+            if atom.cut is None or low is None or high is None or left is None or right is None:
+                continue
+            if self.side(atom, left) * self.side(atom, right) < 0:
+                limits = self.map.ratio(left), self.map.ratio(right)
+                found[f"{low.word}|{high.word}"] = Crossing(self.x(atom), *limits)
+        return found

@@ -1,0 +1,87 @@
+"""Statements on an iterate of a map without a parameter: all that lies on its diagonal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from pwmap.checking.iterates import Study
+from pwmap.checking.places import Number, Place
+from pwmap.checking.polynomials import Quotient
+from pwmap.checking.reading import canonical, read_map, shown, whole
+from pwmap.checking.refusing import ORDER, Work, refuse
+
+
+def count(n: int, what: str) -> str:
+    """A number of things in words; the first noun takes the plural."""
+    plural = re.sub("(interval|point|jump|stretch)", r"\1s", what, count=1)
+    return f"{n or 'no'} {what if n == 1 else plural}".replace("stretchs", "stretches")
+
+
+def rational_text(value: Quotient | None) -> str | None:
+    """A quotient of constants as text, None if it is None."""
+    if value is None:
+        return None
+    top, bottom = value
+    return str(Fraction(*(part[0] if part else 0 for part in (top, bottom))))
+
+
+def period(word: str) -> int:
+    """How many letters the shortest word has of which this one is a power."""
+    n = len(word)
+    return next(d for d in range(1, n + 1) if n % d == 0 and word[:d] * (n // d) == word)
+
+
+def claims_of(study: Study) -> dict[str, list[dict[str, Any]]]:
+    """All that lies on the diagonal of an iterate of a map without a parameter."""
+    fixed = [
+        {"word": word, "x": rational_text(each.x), "slope": rational_text(each.slope),
+         "period": period(word), "stable": each.stable}
+        for word, each in study.fixed.items()
+    ]  # fmt: skip
+    bands = [
+        {"word": word, "ends": list(map(rational_text, each.ends)), "closed": list(each.closed)}
+        for word, each in study.bands.items()
+    ]
+    crossings = [
+        {"word": word, "x": rational_text(each.x), "left": rational_text(each.left),
+         "right": rational_text(each.right)}
+        for word, each in study.crossings.items()
+    ]  # fmt: skip
+    return {"fixed points": fixed, "intervals": bands, "crossings": crossings}
+
+
+def fixed_points_statement(certificate: Mapping[str, Any]) -> str:
+    """Verify that lists are those of an iterate; the sentence that says so."""
+    map_, _, name = read_map(certificate["map"], parametric=False)
+    order = whole(certificate["order"], 1, ORDER)
+    zero = Number((), Fraction(0), Fraction(0))
+    found = claims_of(Study(map_, Place(zero, zero, Work()), order))
+    for key, rows in found.items():
+        if canonical(certificate[key]) != canonical(rows):
+            refuse(f"the {key} of P_{order} are {shown(rows)}, not {shown(certificate[key])}")
+    fixed, bands, crossings = found.values()
+    points = [
+        f"{row['x']} (word {row['word']}, slope {row['slope'] or 'none'}, "
+        f"{'' if row['stable'] else 'not '}attracting)" for row in fixed
+    ]  # fmt: skip
+    jumps = [
+        f"{row['x']} (from {row['left']} to {row['right']}, words {row['word']})"
+        for row in crossings
+    ]
+    spans = [
+        f"{'(['[row['closed'][0]]}{row['ends'][0] or '-oo'}, {row['ends'][1] or 'oo'}"
+        f"{')]'[row['closed'][1]]} (word {row['word']})" for row in bands
+    ]  # fmt: skip
+    parts = {
+        "single fixed point": points,
+        "interval of fixed points": spans,
+        "jump with limits strictly on both sides of it": jumps,
+    }
+    lists = "; ".join(
+        ": ".join(filter(None, (count(len(rows), what), ", ".join(rows))))
+        for what, rows in parts.items()
+    )
+    return f"For {name}, all that the iterate P_{order} has on the diagonal is: {lists}."

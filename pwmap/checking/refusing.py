@@ -1,0 +1,38 @@
+"""What ends a check that fails, and how large a certificate may be."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+BYTES = 4_000_000  # of a file
+DIGITS = 400  # of a number as text
+TERMS = 20  # of a polynomial in a map
+LETTERS = 60  # breaks of a map
+ORDER = 32  # of an iterate
+ROWS = 1_000  # of a list
+ATOMS = 20_000  # pieces of an iterate
+WORK_ATOM = 200  # steps for each, and for each letter
+WORK = 2_000_000_000  # steps, roughly
+DEGREE, BITS = 200, 20_000  # of a polynomial that arises
+
+
+class Refused(ValueError):  # noqa: N818  it is no error of the program
+    """What a certificate says is not proved by it; one sentence says why."""
+
+
+class Work:
+    """How much may still be done for one certificate, in rough numbers of small steps."""
+
+    def __init__(self, steps: int = WORK) -> None:
+        self.left = steps
+
+    def spend(self, steps: int) -> None:
+        """Refuse to do more than is left."""
+        self.left -= steps
+        if self.left < 0:
+            refuse("this takes more work than a check may")
+
+
+def refuse(reason: str) -> NoReturn:
+    """Raise a refusal."""
+    raise Refused(reason)

@@ -1,0 +1,202 @@
+"""Maps for tests of certificates, brute force in the words of a certificate, and tampering."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import brute
+from brute import Map, map_of
+
+from pwmap import PiecewiseLinearMap
+
+Json = Any
+Path = tuple[str | int, ...]
+LETTERS = "ABCDEFGHIJ"
+SMALL = sorted({Fraction(n, d) for n in range(-3, 4) for d in (1, 2, 3)})
+
+
+def random_map(seed: int) -> Map:
+    """One to four intervals, slopes 0, 1 and -1, fixed breaks, continuous breaks, point pieces."""
+    rng = random.Random(seed)
+    breaks = sorted(rng.sample(SMALL, rng.randint(0, 3)))
+    owners = [rng.choice(["left", "right", "point"]) for _ in breaks]
+
+    def slope() -> Fraction:
+        return rng.choice([Fraction(0), Fraction(1), Fraction(-1), *rng.sample(SMALL, 3)])
+
+    formulas = [(slope(), rng.choice(SMALL))]
+    for b, owner in zip(breaks, owners, strict=True):
+        before = formulas[-1]
+        if owner == "point":
+            formulas.append((Fraction(0), rng.choice([b, rng.choice(SMALL)])))
+        m = slope()
+        at_break = rng.choice([rng.choice(SMALL), b, before[0] * b + before[1]])
+        formulas.append((m, at_break - m * b))
+    return map_of(breaks, owners, formulas)
+
+
+def condition(part: brute.Part) -> str:
+    """The domain of a piece as text."""
+    low = f"(x {'>=' if part.lo_closed else '>'} {part.lo})" if part.lo is not None else ""
+    high = f"(x {'<=' if part.hi_closed else '<'} {part.hi})" if part.hi is not None else ""
+    return " & ".join(filter(None, (low, high))) or "True"
+
+
+def read(f: Map) -> PiecewiseLinearMap:
+    """The map as the package reads it."""
+    pieces = [(f"({part.slope})*x + ({part.intercept})", condition(part)) for part in f]
+    return PiecewiseLinearMap(pieces, letters=list(LETTERS[: len(f)]))
+
+
+def written(f: Map) -> dict[str, Any]:
+    """The map as a certificate has it, without the package."""
+    slots = ""
+    for letter, part in zip(LETTERS, f, strict=False):
+        is_point = part.lo is not None and part.lo == part.hi
+        slots += letter if is_point else letter * (1 + part.lo_closed + part.hi_closed)
+    return {
+        "variable": "x",
+        "parameter": None,
+        "slots": slots,
+        "pieces": {
+            letter: {"slope": str(part.slope), "intercept": str(part.intercept)}
+            for letter, part in zip(LETTERS, f, strict=False)
+        },
+        "breaks": [str(x) for x in sorted({part.lo for part in f if part.lo is not None})],
+        "denominator": "1",
+    }
+
+
+def spelled(word: brute.Word) -> str:
+    """A word in letters."""
+    return "".join(LETTERS[i] for i in word)
+
+
+def followed(f: Map, j: int) -> dict[str, Any]:
+    """What lies on the diagonal of an iterate, by following points."""
+    pieces = brute.pieces(f, j)
+    bands = [
+        piece
+        for piece in pieces
+        if (piece.part.slope, piece.part.intercept) == brute.IDENTITY
+        and (piece.part.lo is None or piece.part.lo != piece.part.hi)
+    ]
+    inside = {piece.word for piece in bands}
+    return {
+        "fixed points": [
+            {
+                "word": spelled(p.word),
+                "x": str(p.x),
+                "slope": None if p.multiplier is None else str(p.multiplier),
+                "period": p.period,
+                "stable": p.stable,
+            }
+            for p in brute.fixed_points(f, j)
+            if p.word not in inside
+        ],
+        "intervals": [
+            {
+                "word": spelled(word),
+                "ends": [None if end is None else str(end) for end in (part.lo, part.hi)],
+                "closed": [part.lo_closed, part.hi_closed],
+            }
+            for part, word in bands
+        ],
+        "crossings": [
+            {
+                "word": f"{spelled(c.left_word)}|{spelled(c.right_word)}",
+                "x": str(c.x),
+                "left": str(c.left),
+                "right": str(c.right),
+            }
+            for c in brute.crossings(f, j)
+        ],
+    }
+
+
+# --- Tampering ------------------------------------------------------------------------------------
+
+
+def paths(value: Json, start: Path = ()) -> Iterator[Path]:
+    """The places of all values inside of a JSON value."""
+    items: Any = ()
+    if isinstance(value, dict):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    for key, inner in items:
+        yield (*start, key)
+        yield from paths(inner, (*start, key))
+
+
+def at(value: Json, path: Path) -> Json:
+    """The value at a place."""
+    for key in path:
+        value = value[key]
+    return value
+
+
+def replaced(value: Json, path: Path, new: Json) -> Json:
+    """A copy with another value at a place."""
+    found = copy.deepcopy(value)
+    at(found, path[:-1])[path[-1]] = new
+    return found
+
+
+def without(value: Json, path: Path) -> Json:
+    """A copy without a place."""
+    found = copy.deepcopy(value)
+    del at(found, path[:-1])[path[-1]]
+    return found
+
+
+def changed(value: Json, rng: random.Random) -> Json:
+    """Another value of the same kind."""
+    match value:
+        case bool():
+            return not value
+        case int():
+            return value + rng.choice([-1, 1])
+        case None:
+            return "1"
+        case str() if _is_number(value):
+            number = Fraction(value)
+            near = Fraction(rng.choice([-1, 1]), rng.choice([1, 2, 10**9]))
+            return str(
+                rng.choice([number + near, -number if number else Fraction(1), 2 * number + 1])
+            )
+        case str() if value:
+            i = rng.randrange(len(value))
+            other = rng.choice([c for c in "ABCLRx|BCFPD" if c != value[i]])
+            return rng.choice(
+                [value[:i] + other + value[i + 1 :], value + value[i], value[1:] + " "]
+            )
+        case str():
+            return "fold"
+        case list() if value:
+            i = rng.randrange(len(value))
+            return rng.choice([value[:i] + value[i + 1 :], [*value, value[i]], [*value, "1"]])
+        case dict() if value:
+            name = rng.choice(sorted(value))
+            rest = {key: each for key, each in value.items() if key != name}
+            return rng.choice([rest, rest | {name + "x": value[name]}])
+        case _:
+            return ["1"]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        return False
+    return True
+
+
+def canonical(value: Json) -> str:
+    """JSON without a choice."""
+    return json.dumps(value, sort_keys=True)
