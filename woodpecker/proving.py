@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pwmap.checking import check_certificate as pwmap_check
 from pwmap.diagrams.diagram import Branch, SpecialPoint
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import PeriodicOrbit
@@ -14,6 +16,8 @@ if TYPE_CHECKING:
     from woodpecker.proofs.certificates import Certificate
 
 PAPER = Toy()
+MAPS = b'"certificate of a piecewise-linear map"'
+BEGINNING = 100_000  # bytes of a file in which its format is looked for
 MISSING = "prove needs ball arithmetic: pip install woodpecker-toy[proof]"
 
 
@@ -99,7 +103,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Parameters
     ----------
     path
-        A file as ``prove(...).save(path)`` writes it.
+        A file as ``prove(...).save(path)`` writes it, here or in :mod:`pwmap`.
 
     Returns
     -------
@@ -114,4 +118,12 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     """
     from woodpecker.checking.certificate import check_certificate as checked
 
+    if _is_of_a_map(path):
+        return pwmap_check(Path(path))
     return checked(path)
+
+
+def _is_of_a_map(path: str | os.PathLike[str]) -> bool:
+    """Whether a file says that it is a certificate of a piecewise-linear map."""
+    with Path(path).open("rb") as file:
+        return MAPS in file.read(BEGINNING)

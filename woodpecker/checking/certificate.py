@@ -296,28 +296,28 @@ _Verified = _Piece | _Halves
 
 
 def _verified(
-    data: _Data, piece: Mapping[str, Any], terms: int, turns: bool, depth: int = 0
+    data: _Data, piece: Mapping[str, Any], terms: int, turns: bool, claim: Any, depth: int = 0
 ) -> _Verified:
     """A piece, as a whole or in parts of its line, over which ranges are sharper."""
+    half = number(piece["half"])
+    last = depth == DEPTH or half <= 0
     try:
-        return _Piece(data, piece, terms, turns)
+        whole = _Piece(data, piece, terms, turns)
     except Undecided:
-        half = number(piece["half"])
-        if depth == DEPTH or half <= 0:
+        if last:
             raise
-        parts = []
-        for side in (-1, 1):
-            points = [
-                {**point, "curve": _moved(point["curve"], side * half / 2)}
-                for point in piece["points"]
-            ]
-            part = {
-                "line": _moved(piece["line"], side * half / 2),
-                "half": str(half / 2),
-                "points": points,
-            }
-            parts.append(_verified(data, part, terms, turns, depth + 1))
-        return _Halves(*parts)
+    else:
+        if last or whole.multiplier.inside(I.of(*interval(claim))):
+            return whole
+    parts = []
+    for side in (-1, 1):
+        points = [
+            {**point, "curve": _moved(point["curve"], side * half / 2)} for point in piece["points"]
+        ]
+        line = _moved(piece["line"], side * half / 2)
+        part = {"line": line, "half": str(half / 2), "points": points}
+        parts.append(_verified(data, part, terms, turns, claim, depth + 1))
+    return _Halves(*parts)
 
 
 def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
@@ -423,8 +423,9 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     gaps = [interval(gap) for gap in content["gaps"]]
     open_, before, sides, joints = list(gaps), None, [], []
     for k, text in enumerate(texts):
-        piece = _verified(data, text, terms, k in flips)
-        claimed(f"the multiplier of piece {k}", piece.multiplier, content["multiplier"][k])
+        claim = content["multiplier"][k]
+        piece = _verified(data, text, terms, k in flips, claim)
+        claimed(f"the multiplier of piece {k}", piece.multiplier, claim)
         if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
             raise Refused("stability is another one than the multiplier says")
         if k not in flips:
