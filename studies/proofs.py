@@ -115,7 +115,7 @@ def _row(
     said, checking = timed(lambda: check(content))
     assert said == proof.statement
     if out is not None:
-        folder = out / "certificates"
+        folder = out / "proofs"
         folder.mkdir(exist_ok=True)
         proof.save(folder / f"{name}.json")
     values = content[claim]
