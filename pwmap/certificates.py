@@ -302,14 +302,16 @@ class _DiagramWriter:
             _fail("the diagram of an iterate, only that of the map itself is")
         found = {branch.order for branch in diagram.branches} if orders is None else set(orders)
         self._orders = sorted(map(checked_order, found))
-        self._stretches = [
+        own = [
             (branch, stretch)
             for branch in diagram.branches
             if branch.order in self._orders
             for stretch in branch.words
-            if self._is_followed(stretch)
         ]
-        ends = {end for _, stretch in self._stretches for end in self._ends(stretch)}
+        if any("interval" not in stretch.exact for _, stretch in own):
+            _fail("a diagram without exact values")
+        self._stretches = [each for each in own if self._is_followed(each[1])]
+        ends = {end for _, stretch in own for end in self._ends(stretch)}
         if len(ends) < 2:
             _fail("the diagram has no branch over an interval of the parameter")
         map_read = read_map(self._map, parametric=True)[0]
@@ -347,9 +349,7 @@ class _DiagramWriter:
 
     def _is_followed(self, stretch: Stretch) -> bool:
         """Whether it is no interval of fixed points, nor an end of one."""
-        if "x" not in stretch.exact or "interval" not in stretch.exact:
-            return False
-        return stretch.exact.get("multiplier") != 1
+        return "x" in stretch.exact and stretch.exact.get("multiplier") != 1
 
     def _ends(self, stretch: Stretch) -> tuple[Real, Real]:
         """The first and the last value of the parameter."""
@@ -357,7 +357,7 @@ class _DiagramWriter:
         if isinstance(interval, sympy.FiniteSet):
             return real(interval.args[0]), real(interval.args[0])
         if interval.start.is_infinite or interval.end.is_infinite:
-            _fail(f"the branch {stretch.word} has no end")
+            _fail(f"the branch {stretch.word} goes on without end")
         return real(interval.start), real(interval.end)
 
     def _places(self, stretch: Stretch) -> list[int]:
@@ -384,8 +384,8 @@ class _DiagramWriter:
         if stable is None:
             low, high = self._ends(stretch)
             at = low if low == high else simplest_between(low, high)
-            value = slope.subs(self._symbol, at if isinstance(at, RealRoot) else QQ.to_sympy(at))
-            stable = bool(abs(value) < 1)
+            signs = [sign_at(part, at) for part in self._parts(slope**2 - 1)]
+            stable = signs[0] * signs[1] < 0
         is_nan = slope is sympy.nan
         return row | {"slope": None if is_nan else self._quotient(slope), "stable": stable}
 
@@ -422,7 +422,17 @@ class _DiagramWriter:
         place = side if side is not None else number(at)
         ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
         found = points.Point(read, i, ends, infinite=side is not None).claims()
-        yield {"edge": i, "x": at, **found, "code": str(point.kind), "note": point.note}
+        if not self._meets_interval(point):  # its ends are branches of the diagram alone
+            found |= {"code": str(point.kind), "note": point.note}
+        yield {"edge": i, "x": at, **found}
+
+    def _meets_interval(self, point: SpecialPoint) -> bool:
+        """Whether an interval of fixed points for an interval of the parameter ends there."""
+        return any(
+            stretch.exact.get("multiplier") == 1 and "x" in stretch.exact
+            for name in point.branches
+            for stretch in self._diagram.branch(name).words
+        )
 
     def _x(self, point: SpecialPoint, parameter: Real) -> str | Row | None:
         """The x of a special point; None if no fixed points end there."""

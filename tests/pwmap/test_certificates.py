@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,6 @@ from pwmap.checking.certificate import FIXED_POINTS, FORMAT, seal_of, statement_
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"])
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((s*x, x <= 1/2), (s*(1 - x), True))")
 CHECKER = Path(pwmap.__file__).parent / "checking"
-ONE = Fraction(1)
 
 
 def sealed(content: dict[str, Any]) -> dict[str, Any]:
@@ -134,45 +134,48 @@ def test_random_maps_agree_with_brute_force(seeds: range) -> None:
     assert kinds == {"fixed points", "intervals", "crossings", "point"}
 
 
-def at_value(content: dict[str, Any], p: Fraction) -> dict[str, set[Any]]:
-    """What the stretches of a diagram show at a value of the parameter inside a cell."""
+def listed(content: dict[str, Any], place: int, p: independent.Number) -> dict[str, set[Any]]:
+    """What the stretches of a diagram show at a place, for a value of the parameter there.
 
-    def value(parts: list[list[str]] | None) -> Fraction | None:
+    Slope and stability are claimed between edges.
+    """
+
+    def value(parts: list[list[str]] | None) -> independent.Number:
         if parts is None:
             return None
-        top, bottom = (sum((Fraction(c) * p**n for n, c in enumerate(q)), 0 * ONE) for q in parts)
+        top, bottom = (independent.value([Fraction(c) for c in q], p) for q in parts)
         return top / bottom
 
-    edges = [approximated(number) for number in content["edges"]]
-    cell = 2 * sum(e < p for e in edges) - 1
-    here = {
-        key: [row for row in content[key] if row["places"][0] <= cell <= row["places"][1]]
-        for key in ("fixed points", "intervals", "crossings")
-    }
+    def rows(kind: str, *names: str) -> set[Any]:
+        here = (r for r in content[kind] if r["places"][0] <= place <= r["places"][1])
+        return {(r["order"], r["word"], *(value(r[name]) for name in names)) for r in here}
+
+    inside = ("slope",) if place % 2 else ()
     return {
-        "fixed points": {
-            (row["order"], row["word"], value(row["x"]), value(row["slope"]), row["stable"])
-            for row in here["fixed points"]
+        "fixed points": rows("fixed points", "x", *inside),
+        "stable": {
+            (r["order"], r["word"])
+            for r in content["fixed points"]
+            if place % 2 and r["places"][0] <= place <= r["places"][1] and r["stable"]
         },
-        "intervals": {(row["order"], row["word"]) for row in here["intervals"]},
-        "crossings": {
-            (row["order"], row["word"], *(value(row[k]) for k in ("x", "left", "right")))
-            for row in here["crossings"]
-        },
+        "intervals": rows("intervals"),
+        "crossings": rows("crossings", "x", "left", "right"),
     }
 
 
-def seen(base: independent.Parts, orders: list[int]) -> dict[str, set[Any]]:
+def seen(base: independent.Parts, orders: list[int], place: int) -> dict[str, set[Any]]:
     """The same by following intervals."""
     iterates = independent.iterated(base, max(orders))
-    found: dict[str, set[Any]] = {"fixed points": set(), "intervals": set(), "crossings": set()}
+    found: dict[str, set[Any]] = {
+        key: set() for key in ("fixed points", "stable", "intervals", "crossings")
+    }
     for n in orders:
         parts = iterates[n - 1]
+        own = [p for p in independent.fixed_points(base, parts, n) if p.period == n]
         found["fixed points"] |= {
-            (n, p.word, p.x, p.multiplier, p.stable)
-            for p in independent.fixed_points(base, parts, n)
-            if p.period == n
+            (n, p.word, p.x, p.multiplier) if place % 2 else (n, p.word, p.x) for p in own
         }
+        found["stable"] |= {(n, p.word) for p in own if p.stable and place % 2}
         found["intervals"] |= {
             (n, part.word)
             for part in parts
@@ -184,10 +187,18 @@ def seen(base: independent.Parts, orders: list[int]) -> dict[str, set[Any]]:
     return found
 
 
+def edge_of(number: Any) -> independent.Number:
+    """An edge, rational or in the field of its polynomial."""
+    if isinstance(number, str):
+        return Fraction(number)
+    poly = tuple(Fraction(c) for c in number["polynomial"])
+    return independent.Root(poly, *map(Fraction, number["interval"])).number
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(k, k + 15) for k in range(0, 60, 15)], ids=str)
 def test_random_diagrams_agree_with_brute_force(seeds: range) -> None:
-    """All of them, at values between the edges."""
+    """At every edge inside, and at a value between any two."""
     proved = 0
     for seed in seeds:
         family = Draw(seed).family(light=True)
@@ -199,11 +210,13 @@ def test_random_diagrams_agree_with_brute_force(seeds: range) -> None:
         found = prove(diagram, map_, orders=orders)
         proved += 1
         assert check(found.content) == found.statement
-        rng = random.Random(seed)
-        low, high = (approximated(found.content["edges"][k]) for k in (0, -1))
-        for _ in range(6):
-            p = low + (high - low) * Fraction(rng.randrange(1, 10**6 - 1), 10**6 + 3)
-            assert at_value(found.content, p) == seen(family.at(p), orders), (seed, p)
+        edges = [edge_of(number) for number in found.content["edges"]]
+        for i, (low, high) in enumerate(pairwise(map(approximated, found.content["edges"]))):
+            p = low + (high - low) * Fraction(random.Random(seed).randrange(1, 10**6), 10**6 + 3)
+            values = [(2 * i + 1, p), *[(2 * i, edges[i])] * (i > 0)]
+            for place, at_place in values:
+                expected = seen(family.at(at_place), orders, place)
+                assert listed(found.content, place, at_place) == expected, (seed, at_place)
     assert proved >= 12
 
 
