@@ -13,7 +13,7 @@ from flint import arb
 from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 
-from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
 from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, Undecided, bifurcation_diagram, prove, shoot
@@ -265,6 +265,7 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
     assert joined(piece, piece) is joined(piece, piece)
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_cannot_be_proved_is_said() -> None:
     with pytest.raises(ValueError, match="proofs move one of eps_n1, eps_n2, eps_n3, got 'mu_2'"):
@@ -273,8 +274,11 @@ def test_what_cannot_be_proved_is_said() -> None:
         prove(0.5)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="only border collisions of P_1 can be proved, got PD"):
         prove(SpecialPoint(id="P", kind=PointKind.PD, parameter=0.6, x=-0.5))
+    branches = diagram("summed").branches
     with pytest.raises(ValueError, match="a branch is proved over a span, got none"):
-        prove(diagram("summed").branches[0])
+        prove(next(b for b in branches if b.kind is BranchKind.FIXED_POINT))
+    with pytest.raises(ValueError, match="only branches of fixed points can be proved, got jump"):
+        prove(next(b for b in branches if b.kind is BranchKind.JUMP), (0.1, 0.2))
     nowhere = SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.6)
     with pytest.raises(Undecided, match="no two gaps close at once here"):
         prove(nowhere)
