@@ -8,7 +8,8 @@ one where it is above -1 and one where it is below.
 Pieces are as long as Taylor polynomials reach. Where the sleeve all but grazes the pole, durations
 of phases, and with them all else, bend within 1e-8 of the parameter; but over such a duration
 itself the branch is as smooth as elsewhere. So the parameter runs as the polynomial of the duration
-that bends most, the reversion of the duration's own series.
+that bends most, the reversion of the duration's own series. Where a contact lands at a plateau
+(:mod:`woodpecker.proofs.plateaus`) series do not help, and pieces take both sides at once.
 """
 
 from __future__ import annotations
@@ -59,6 +60,8 @@ class March:
         Length of the first piece that is tried, in radii of convergence as the coefficients say.
     longest
         Of the interval, the longest piece.
+    pause
+        A piece that would be shorter takes landings near a plateau together, if there is one.
     shortest, leap
         The piece at which it is given up, and the longest gap over which it is taken up again, in
         units of the parameter.
@@ -73,7 +76,8 @@ class March:
     terms: int = 8
     part: float = 0.5
     longest: float = 0.05
-    shortest: float = 1e-8
+    pause: float = 3e-7
+    shortest: float = 1e-10
     leap: float = 1e-6
     smooth: float = 0.003
     radius: Fraction = Fraction(1, 10**18)
@@ -147,10 +151,21 @@ def marched(
 
 
 class Planned(NamedTuple):
-    """A line that is to become a piece, and whether the multiplier passes -1 on it."""
+    """A line that is to become a piece.
+
+    Attributes
+    ----------
+    line
+        How the parameter runs.
+    flips
+        Whether the multiplier passes -1 on it.
+    plateaus
+        Whether landings near a plateau may be taken together.
+    """
 
     line: Line
     flips: bool = False
+    plateaus: bool = False
 
 
 class _Walk:
@@ -173,7 +188,7 @@ class _Walk:
         fresh = not self._plan
         try:
             if fresh:
-                self._plan = [Planned(self._next_line())]
+                self._plan = [self._next_line()]
             piece = self._tried(self._plan[0])
         except Undecided as reason:
             if self._plan:
@@ -195,10 +210,10 @@ class _Walk:
             self._leap(reason)
             return
         self._ease = max(self._ease / 1.5, 1e-3)
-        parts = self._about_flip(line) if reason == MAY_FLIP else None
+        parts = self._about_flip(planned) if reason == MAY_FLIP else None
         if parts is None:
             ends = (-line.half, Fraction(0), line.half)
-            parts = [Planned(part_of(line, a, b), planned.flips) for a, b in pairwise(ends)]
+            parts = [planned._replace(line=part_of(line, a, b)) for a, b in pairwise(ends)]
         self._plan[:1] = parts
 
     def _leap(self, reason: str) -> None:
@@ -221,8 +236,26 @@ class _Walk:
         self._points, self._curves, self._plan = [arb(x) for x in found.points], [], []
         self.at = high
 
-    def _next_line(self) -> Line:
-        """From where the last piece ends, as far as series reach: even in p, or in a duration."""
+    def _next_line(self) -> Planned:
+        """From where the last piece ends: with landings at a plateau, if series end early there."""
+        line = self._along_series()
+        if line.interval.length > self._march.pause or not self._at_plateau():
+            return Planned(line)
+        return Planned(self._plain(Fraction(self._march.pause)), plateaus=True)
+
+    def _at_plateau(self) -> bool:
+        """Whether a contact lands near a plateau where the last piece ends."""
+        frame = Frame(ZERO, ZERO)
+        model = Model.of(self._toy, self._parameter, frame, [number(self.at)])
+        return any(
+            fired.plateau
+            for point in self._points
+            for way in follow(model, frame, [point], True)
+            for fired in way.fired
+        )
+
+    def _along_series(self) -> Line:
+        """As far as series reach: even in p, or in a duration."""
         left = self._span.high - self.at
         curves, durations = self._expanded()
         radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
@@ -263,15 +296,27 @@ class _Walk:
         self._reach = min(_radius(poly) for poly in (*polys, *durations))
         return polys, durations
 
-    def _near(self, line: Line, terms: int) -> list[tuple[Fraction, ...]]:
+    def _near(self, line: Line, terms: int, plateaus: bool = False) -> list[tuple[Fraction, ...]]:
         """Curves about the middle of a line."""
         away = arb_poly([number(c) for c in (line.poly[0] - self._base, *line.poly[1:])])
         guesses = [[point] for point in self._points]
         if self._curves and abs(away[0]) < 2 * self._reach:
             guesses = [poly(away).truncate(terms).coeffs() for poly in self._curves]
-        return curves_near(self._toy, self._parameter, line, guesses, terms)
+        return curves_near(self._toy, self._parameter, line, guesses, terms, plateaus)
 
     def _tried(self, planned: Planned) -> Piece:
+        if not planned.plateaus:
+            return self._accepted(planned)
+        try:
+            return self._accepted(planned._replace(plateaus=False))
+        except Undecided as reason:  # sharper where it can be had
+            first = str(reason)
+        try:
+            return self._accepted(planned)
+        except Undecided as reason:
+            raise Undecided(MAY_FLIP if MAY_FLIP in (first, str(reason)) else str(reason)) from None
+
+    def _accepted(self, planned: Planned) -> Piece:
         piece = self._enclosed(planned)
         if planned.flips:
             if not sign(piece.turn):
@@ -283,12 +328,16 @@ class _Walk:
     def _enclosed(self, planned: Planned) -> Piece:
         """A piece over a line, in tubes that are widened as needed."""
         march, line = self._march, planned.line
-        curves = [_trimmed(curve, line.half) for curve in self._near(line, march.terms)]
+        flips, plateaus = planned.flips, planned.plateaus
+        found = self._near(line, march.terms, plateaus)
+        curves = [_trimmed(curve, line.half) for curve in found]
         radii = [march.radius] * len(curves)
         for tries in count():
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
-                piece = proved(self._toy, self._parameter, line, tubes, march.terms, planned.flips)
+                piece = proved(
+                    self._toy, self._parameter, line, tubes, march.terms, flips, plateaus
+                )
             except TooNarrow as found:
                 wider = [_above(abs(s).upper()) * march.margin for s in found.off]
                 if tries > 3 or any(r > WIDEST for r in wider):
@@ -318,8 +367,9 @@ class _Walk:
         tubes = [Tube(curve, self._march.radius) for curve in self._near(here, 1)]
         return sign(proved(self._toy, self._parameter, here, tubes).multiplier + 1)
 
-    def _about_flip(self, line: Line) -> list[Planned] | None:
+    def _about_flip(self, planned: Planned) -> list[Planned] | None:
         """Parts of a line, one of which holds its only flip; None if none was found."""
+        line = planned.line
         low, high = -line.half, line.half
         try:
             sides = self._side(line, low), self._side(line, high)
@@ -341,8 +391,11 @@ class _Walk:
             except Undecided:
                 width = width / 4
                 continue
-            before = [Planned(part_of(line, -line.half, a))] if a > -line.half else []
-            after = [Planned(part_of(line, b, line.half))] if b < line.half else []
+            parts = [(-line.half, a), (b, line.half)]
+            before, after = (
+                [planned._replace(line=part_of(line, *ends))] if ends[0] < ends[1] else []
+                for ends in parts
+            )
             return [*before, Planned(part_of(line, a, b), True), *after]
         return None
 

@@ -18,8 +18,8 @@ from typing import Any
 from pwmap.diagrams.files import write_whole
 from woodpecker.mechanics.toy import LAW, Toy
 from woodpecker.proofs.branches import ProvedBranch
-from woodpecker.proofs.following import Way
 from woodpecker.proofs.model import data
+from woodpecker.proofs.motions import Way
 from woodpecker.proofs.pieces import Piece
 from woodpecker.proofs.points import ProvedPoint
 

@@ -7,18 +7,18 @@ where the second one is:
 - two gaps close at once: the gap of the second contact when the first one strikes;
 - a contact that an impact without restitution has stopped only just stays or leaves: its force. If
   it leaves it flies along t^2 h(t) with h(0) in proportion to the force, and lands where h
-  vanishes: at once where the force is zero. There both ways do the same.
+  vanishes: at once where the force is zero. There both ways do the same;
+- a gap closes where its motion pauses (:mod:`woodpecker.proofs.plateaus`), before the middle of the
+  pause or after it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
 from functools import partial
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 from flint import arb
 
@@ -42,139 +42,31 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
 from woodpecker.proofs.flights import landing
-from woodpecker.proofs.forms import Form, Frame, box, centre, sign, start
+from woodpecker.proofs.forms import Frame, box, centre, sign, start
 from woodpecker.proofs.model import Model, State, ball, sum_of
+from woodpecker.proofs.motions import (
+    NO_GUARD,
+    Fired,
+    Fork,
+    ForkKind,
+    Motion,
+    Way,
+    hold,
+    name_of,
+    touch,
+)
 from woodpecker.proofs.oscillator import Crossing, Guard, crossing, stumpff
+from woodpecker.proofs.pausing import paused
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.simulation.guards import first_root
 from woodpecker.simulation.words import word
 from woodpecker.undecided import Undecided
 
 ZERO = arb(0)
-NO_GUARD = -1
 MOST_EVENTS = 400
-KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
 
 
-class ForkKind(Enum):
-    """What an open decision is about."""
-
-    MEETING = "meeting"
-    REST = "rest"
-
-
-class Fork(NamedTuple):
-    """A decision that is open over a box.
-
-    Attributes
-    ----------
-    kind
-        What it is about.
-    comparator
-        Positive on the first way, negative on the second one.
-    contacts
-        1-based: of a meeting that of the first way, and the other one.
-    """
-
-    kind: ForkKind
-    comparator: Form
-    contacts: tuple[int, ...]
-
-
-class Fired(NamedTuple):
-    """The guard that ended a phase, the duration of the phase, and a bracket of it.
-
-    In the bracket the guard falls, from every start in the box, and passes zero.
-    """
-
-    guard: int
-    duration: Form
-    bracket: Any
-
-    @property
-    def name(self) -> str:
-        """The guard as text, such as ``"gap 2"``."""
-        return name_of(self.guard)
-
-
-class Way(NamedTuple):
-    """A return over a box, along one word.
-
-    Attributes
-    ----------
-    word
-        The sequence of events.
-    fired
-        What ended each phase.
-    image, period, drop
-        phi_S at the return [rad], duration [s], way down [m], as forms.
-    forks
-        The decisions that were open, with the side taken: 1 the first way, -1 the second.
-    """
-
-    word: str
-    fired: tuple[Fired, ...]
-    image: Form
-    period: Form
-    drop: Form
-    forks: tuple[tuple[Fork, int], ...]
-
-
-@dataclass
-class Motion:
-    """The toy where a phase begins, over a box.
-
-    Attributes
-    ----------
-    q, u
-        Coordinates and velocities, forms or exact balls.
-    states
-        Of the contacts.
-    orders
-        How many derivatives of each gap are exactly zero.
-    held
-        Closed contacts whose slip is exactly zero.
-    fired
-        The guard that ended the phase before; -1: an impact, or none.
-    before
-        Contact states of the phase before.
-    leaves
-        The contact that has just opened at rest, by a fork; its acceleration is at least zero.
-    stays
-        The contact whose normal force is at least zero, though its range does not say so.
-    lands
-        The contact that strikes after a flight which began at rest: its approach is known.
-    """
-
-    q: list[Any]
-    u: list[Any]
-    time: Any
-    states: State
-    orders: list[int]
-    held: frozenset[int] = frozenset()
-    fired: int = NO_GUARD
-    before: State = (0, 0, 0)
-    leaves: int = NO_GUARD
-    stays: int = NO_GUARD
-    lands: int = NO_GUARD
-    codes: list[int] = field(default_factory=list)
-    log: list[Fired] = field(default_factory=list)
-    forks: list[tuple[Fork, int]] = field(default_factory=list)
-
-    def copy(self) -> Motion:
-        """Another one that goes its own way."""
-        return replace(
-            self,
-            q=list(self.q),
-            u=list(self.u),
-            orders=list(self.orders),
-            codes=list(self.codes),
-            log=list(self.log),
-            forks=list(self.forks),
-        )
-
-
-def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
+def follow(model: Model, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
     """The ways of a return from phi_S on a curve over p, plus s, on the section.
 
     Parameters
@@ -185,6 +77,8 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
         The box.
     curve
         Coefficients of powers of p.
+    plateaus
+        Whether landings near a plateau are taken together, once differentiable only.
 
     Raises
     ------
@@ -201,7 +95,7 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any]) -> list[Way]:
     todo, found = _settled(model, motion, {1}), []
     while todo:
         current = todo.pop()
-        for after in _next(model, current):
+        for after in _next(model, current, plateaus):
             if after.log[-1].guard == SECTION:
                 found.append(_way(after))
             else:
@@ -233,6 +127,8 @@ def _guard(model: Model, motion: Motion, states: State, guard: int) -> Guard:
             order = 3
         a, b = mode.a[j], mode.b[j]
         jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
+        if _let_go(motion, states, i):  # the sleeve turns as it did in contact: not yet
+            jet[1] = jet[2] = ZERO
         assumed = order == 0 or motion.leaves == i
     elif kind == SLIP:
         side = 1 if states[i] == SLIP_POSITIVE else -1
@@ -261,6 +157,12 @@ def _only_opens(before: State, states: State, i: int) -> bool:
     return all(states[k] == before[k] for k in range(3) if k != i)
 
 
+def _let_go(motion: Motion, states: State, i: int) -> bool:
+    """Whether the other contact of the sleeve has just let go, because its force has vanished."""
+    other = 3 - i
+    return i > 0 and motion.fired == NORMAL + other and _only_opens(motion.before, states, other)
+
+
 def _force(model: Model, forces: Sequence[Any], kind: int, i: int) -> tuple[Any, Any]:
     """The constant and the rate in d of a guard on contact forces."""
     p_n, r_n, p_t, r_t = forces
@@ -270,7 +172,7 @@ def _force(model: Model, forces: Sequence[Any], kind: int, i: int) -> tuple[Any,
     return mu * p_n - p_t * side, mu * r_n - r_t * side
 
 
-def _next(model: Model, motion: Motion) -> list[Motion]:
+def _next(model: Model, motion: Motion, plateaus: bool) -> list[Motion]:
     """The motions at the start of the next phase, or at the return."""
     guards = [
         _guard(model, motion, motion.states, code)
@@ -280,7 +182,14 @@ def _next(model: Model, motion: Motion) -> list[Motion]:
     first = min(guards, key=lambda guard: guesses[guard.code])
     if guesses[first.code] == math.inf:
         raise Undecided("no event follows: the toy falls freely, or rests")
+    if plateaus and first.code < NORMAL and _let_go(motion, motion.states, first.code):
+        others = [guard for guard in guards if guard is not first]
+        found = paused(model, motion, first, others, guesses[first.code], _survives)
+        if found:
+            return found
     fires = _fires(first, guesses[first.code])
+    if motion.since > 0 and not box(fires.time).lower() > motion.since:
+        raise Undecided("an event may follow at a plateau")
     end = box(fires.time).upper()
     if not end > 0:
         raise Undecided("an event may lie in the past")
@@ -395,27 +304,18 @@ def _moved(model: Model, motion: Motion, fired: int, fires: Crossing) -> Motion:
         after.u[j] = u[j] + a * t + b * once
     for i in range(3):
         if states[i] != OPEN:
-            _touch(model, after, i)
+            touch(model, after, i)
             after.u[ANGLE[i]] = ZERO
     for i in range(3):
         if states[i] == STICK or (states[i] != OPEN and fired == SLIP + i):
-            _hold(model, after, i)
+            hold(model, after, i)
     after.time = motion.time + t
     after.log.append(Fired(fired, fires.time, fires.bracket))
     after.fired, after.before = fired, states
     after.lands = fired if fires.lands else NO_GUARD
     after.leaves = after.stays = NO_GUARD
+    after.since = ZERO
     return after
-
-
-def _touch(model: Model, motion: Motion, i: int) -> None:
-    motion.q[ANGLE[i]] = model.limits[i]
-
-
-def _hold(model: Model, motion: Motion, i: int) -> None:
-    """Make the slip of a contact exactly zero through the velocity of the sleeve."""
-    _, w_m, w_s = model.tangents[i]
-    motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
 
 
 def _arrive(model: Model, motion: Motion) -> list[Motion]:
@@ -469,7 +369,7 @@ def _strike(model: Model, motion: Motion, contacts: list[int]) -> list[Motion]:
         mask += 1 << i
         case = last.cases[k]
         marks[k] = mark(first.cases[k], None if second is None else second.cases[k], floors[k])
-        _touch(model, motion, i)
+        touch(model, motion, i)
         motion.orders[i] = 2 if case // 3 == REST else 1
         if case // 3 == REST:
             closed.add(i)
@@ -477,7 +377,7 @@ def _strike(model: Model, motion: Motion, contacts: list[int]) -> list[Motion]:
         if case % 3 == HOLD:
             held.add(i)
     for i in held:
-        _hold(model, motion, i)
+        hold(model, motion, i)
     motion.codes.append(64 * (marks[0] + MARKS * marks[1]) + 8 * IMPACT + mask)
     motion.before = _state(
         motion.states[i] if motion.states[i] != OPEN or i not in closed else SLIP_POSITIVE
@@ -605,9 +505,3 @@ def _set_off(
             motion.codes.append(8 * code + (1 << i))
     motion.states, motion.stays, motion.leaves, motion.lands = states, stays, leaves, NO_GUARD
     return motion
-
-
-def name_of(guard: int) -> str:
-    """A guard as text, such as ``"gap 2"``."""
-    kind = KINDS[guard // 3]
-    return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"

@@ -18,9 +18,10 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly, fmpq
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proofs.following import ForkKind, Way, follow
+from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S
 from woodpecker.proofs.model import Model
+from woodpecker.proofs.motions import ForkKind, Way
 from woodpecker.proofs.taylor import ZERO, Taylor, inverse
 from woodpecker.undecided import Undecided
 
@@ -172,8 +173,9 @@ def decimal(x: Any, digits: int = DIGITS) -> Fraction:
 
 
 def proved(
-    toy: Toy, parameter: str, line: Line, tubes: Sequence[Tube], terms: int = 1, turns: bool = False
-) -> Piece:
+    toy: Toy, parameter: str, line: Line, tubes: Sequence[Tube], terms: int = 1,
+    turns: bool = False, plateaus: bool = False,
+) -> Piece:  # fmt: skip
     """Prove that there is exactly one cycle in tubes, for every parameter in an interval.
 
     Parameters
@@ -182,6 +184,8 @@ def proved(
         Coefficients of the Taylor models along the curves.
     turns
         Whether the derivative of the multiplier is wanted.
+    plateaus
+        Whether landings near a plateau are taken together.
 
     Raises
     ------
@@ -196,8 +200,8 @@ def proved(
         frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
         model = Model.of(toy, parameter, frame, poly)
         curve = [number(c) for c in tube.curve]
-        found = tuple(follow(model, frame, curve))
-        if any(fork.kind is not ForkKind.REST for way in found for fork, _ in way.forks):
+        found = tuple(follow(model, frame, curve, plateaus))
+        if any(fork.kind is ForkKind.MEETING for way in found for fork, _ in way.forks):
             raise Undecided("the map may jump")
         if turns and len(found) > 1:
             raise Undecided("the word may change")
@@ -277,8 +281,9 @@ def _product(factors: Sequence[Any]) -> Any:
 
 
 def curves_near(
-    toy: Toy, parameter: str, line: Line, guesses: Sequence[Sequence[Any]], terms: int
-) -> list[tuple[Fraction, ...]]:
+    toy: Toy, parameter: str, line: Line, guesses: Sequence[Sequence[Any]], terms: int,
+    plateaus: bool = False,
+) -> list[tuple[Fraction, ...]]:  # fmt: skip
     """Taylor polynomials of a cycle about the middle of a line: no proof.
 
     Newton's method on polynomials, each step doubles the number of coefficients that are right;
@@ -295,7 +300,7 @@ def curves_near(
     for _ in range(STEPS):
         misses, slopes = [], []
         for k, curve in enumerate(curves):
-            image = nearest(follow(model, frame, curve.coeffs())).image.parts
+            image = nearest(follow(model, frame, curve.coeffs(), plateaus)).image.parts
             misses.append(_thin(image[VALUE].poly - curves[(k + 1) % len(curves)], terms))
             slopes.append(_thin(image[S].poly, terms))
         steps = _series_around(frame, misses, slopes)

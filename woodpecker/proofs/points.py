@@ -21,9 +21,10 @@ from typing import Any
 from flint import arb
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proofs.following import Fork, ForkKind, Way, follow
+from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Form, Frame, P, S, sign
 from woodpecker.proofs.model import Model
+from woodpecker.proofs.motions import Fork, ForkKind, Way
 from woodpecker.proofs.pieces import decimal, number
 from woodpecker.undecided import Undecided
 

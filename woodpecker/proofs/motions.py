@@ -1,0 +1,162 @@
+"""The toy over a box, on its way: where it is when a phase begins, and what was decided before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from woodpecker.mechanics.modes import ANGLE, SECTION
+from woodpecker.proofs.forms import Form
+from woodpecker.proofs.model import Model, State
+
+ZERO = arb(0)
+NO_GUARD = -1
+KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
+
+
+class ForkKind(Enum):
+    """What an open decision is about."""
+
+    MEETING = "meeting"
+    REST = "rest"
+    PLATEAU = "plateau"
+
+
+class Fork(NamedTuple):
+    """A decision that is open over a box.
+
+    Attributes
+    ----------
+    kind
+        What it is about.
+    comparator
+        Positive on the first way, negative on the second one.
+    contacts
+        1-based: of a meeting that of the first way, and the other one.
+    """
+
+    kind: ForkKind
+    comparator: Form
+    contacts: tuple[int, ...]
+
+
+class Fired(NamedTuple):
+    """The guard that ended a phase, the duration of the phase, and a bracket of it.
+
+    In the bracket the guard falls, from every start in the box, and passes zero. At a plateau the
+    phase is taken to end in its middle; the contact strikes after that (1) or before (-1), and has
+    come to stay within the bracket.
+    """
+
+    guard: int
+    duration: Form
+    bracket: Any
+    plateau: int = 0
+
+    @property
+    def name(self) -> str:
+        """The guard as text, such as ``"gap 2"`` or ``"plateau+ 2"``."""
+        name = name_of(self.guard)
+        if self.plateau:
+            return name.replace("gap", "plateau+" if self.plateau == 1 else "plateau-")
+        return name
+
+
+class Way(NamedTuple):
+    """A return over a box, along one word.
+
+    Attributes
+    ----------
+    word
+        The sequence of events.
+    fired
+        What ended each phase.
+    image, period, drop
+        phi_S at the return [rad], duration [s], way down [m], as forms.
+    forks
+        The decisions that were open, with the side taken: 1 the first way, -1 the second.
+    """
+
+    word: str
+    fired: tuple[Fired, ...]
+    image: Form
+    period: Form
+    drop: Form
+    forks: tuple[tuple[Fork, int], ...]
+
+
+@dataclass
+class Motion:
+    """The toy where a phase begins, over a box.
+
+    Attributes
+    ----------
+    q, u
+        Coordinates and velocities, forms or exact balls.
+    states
+        Of the contacts.
+    orders
+        How many derivatives of each gap are exactly zero.
+    held
+        Closed contacts whose slip is exactly zero.
+    fired
+        The guard that ended the phase before; -1: an impact, or none.
+    before
+        Contact states of the phase before.
+    leaves
+        The contact that has just opened at rest, by a fork; its acceleration is at least zero.
+    stays
+        The contact whose normal force is at least zero, though its range does not say so.
+    lands
+        The contact that strikes after a flight which began at rest: its approach is known.
+    since
+        The phase begins by then: it has been taken back to the middle of a plateau.
+    """
+
+    q: list[Any]
+    u: list[Any]
+    time: Any
+    states: State
+    orders: list[int]
+    held: frozenset[int] = frozenset()
+    fired: int = NO_GUARD
+    before: State = (0, 0, 0)
+    leaves: int = NO_GUARD
+    stays: int = NO_GUARD
+    lands: int = NO_GUARD
+    since: Any = ZERO
+    codes: list[int] = field(default_factory=list)
+    log: list[Fired] = field(default_factory=list)
+    forks: list[tuple[Fork, int]] = field(default_factory=list)
+
+    def copy(self) -> Motion:
+        """Another one that goes its own way."""
+        return replace(
+            self,
+            q=list(self.q),
+            u=list(self.u),
+            orders=list(self.orders),
+            codes=list(self.codes),
+            log=list(self.log),
+            forks=list(self.forks),
+        )
+
+
+def touch(model: Model, motion: Motion, i: int) -> None:
+    """Make the gap of a contact exactly zero."""
+    motion.q[ANGLE[i]] = model.limits[i]
+
+
+def hold(model: Model, motion: Motion, i: int) -> None:
+    """Make the slip of a contact exactly zero through the velocity of the sleeve."""
+    _, w_m, w_s = model.tangents[i]
+    motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
+
+
+def name_of(guard: int) -> str:
+    """A guard as text, such as ``"gap 2"``."""
+    kind = KINDS[guard // 3]
+    return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"
