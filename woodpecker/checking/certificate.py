@@ -18,7 +18,7 @@ from woodpecker.checking.toy import NAMES, Toy
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
 NUMBER = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(/\d{1,2000})?")
-GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip) ([123])|section")
+GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
 LONGEST = 50_000_000  # characters of a file
 MOST = 400  # events of a return
 DEPTH = 3  # halvings of a piece's line
@@ -199,16 +199,18 @@ class _Return:
         self.period, self.forks = motion.time, motion.forks
 
 
-def _both(returns: Sequence[_Return], kind: str) -> None:
+def _both(returns: Sequence[_Return], kinds: Sequence[str]) -> None:
     """Refuse two ways that are not the two sides of one decision; or one way with a fork."""
     if len(returns) == 1 and not returns[0].forks:
         return
     forks: list[Fork] = [fork for each in returns for fork in each.forks]
-    if len(returns) != 2 or len(forks) != 2 or any(fork.kind != kind for fork in forks):
+    if len(returns) != 2 or len(forks) != 2 or any(fork.kind not in kinds for fork in forks):
         raise Undecided("a decision is open, and its two ways are not there")
     first, second = forks
-    same = first.contacts == (second.contacts if kind == "rest" else second.contacts[::-1])
-    if not same or first.at != second.at or (kind == "rest" and first.leaves == second.leaves):
+    meets = first.kind == "meeting"
+    same = first.kind == second.kind and first.at == second.at
+    same = same and first.contacts == (second.contacts[::-1] if meets else second.contacts)
+    if not same or (not meets and first.leaves == second.leaves):
         raise Undecided("the two ways are not those of one decision")
 
 
@@ -237,7 +239,7 @@ class _Piece:
         for k, point in enumerate(points):
             box = Box(I.of(self.radii[k]), span, 6 if turns else 2)
             found = [_Return(data, box, self.line, self.curves[k], way) for way in point["ways"]]
-            _both(found, "rest")
+            _both(found, ("rest", "plateau"))
             aim = _polynomial(box, self.curves[(k + 1) % len(points)], False)
             misses.append(_hull([(r.image.parts[0] - aim.parts[0]).range for r in found]))
             slopes.append(_hull([r.image.part((1, 0)) for r in found]))
@@ -505,7 +507,7 @@ def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
         raise Refused("a box has a positive radius")
     box = Box(I.of(radius), Span(radius, 2), 3)
     returns = [_Return(data, box, [p, Fraction(1)], [x], way) for way in ways]
-    _both(returns, "meeting")
+    _both(returns, ("meeting",))
     image, border = returns[own].image, returns[0].forks[0].comparator
     moved = _krawczyk(image, border, x, radius)
     found_x, found_p = I.of(x) + moved[0], I.of(p) + moved[1]

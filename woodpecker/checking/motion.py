@@ -16,6 +16,7 @@ from typing import Any
 
 from woodpecker.checking.forms import Box, F, constant, shapes, waves
 from woodpecker.checking.intervals import I, T, Undecided, inverse
+from woodpecker.checking.pausing import pause
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Motion, Toy
 
 Guard = tuple[str, int]
@@ -52,6 +53,7 @@ class Follower:
     fired: Guard = ("", -1)
     at_least_zero: set[Guard] = field(default_factory=set)
     lands: int = -1  # the contact that strikes after a flight that began at rest
+    since: I = field(default_factory=lambda: I.of(0))  # the phase has begun by then
     word: list[str] = field(default_factory=list)
     forks: list[Fork] = field(default_factory=list)
     time: F | None = None
@@ -65,6 +67,9 @@ class Follower:
             last = k == len(events) - 1
             if (guard[0] == "section") != last:
                 raise Undecided("a return ends with the section, and only there")
+            if guard[0].startswith("plateau"):
+                self.plateau(guard, bracket)
+                continue
             self.phase(guard, bracket)
             self.events += 1
             if not last:
@@ -106,6 +111,8 @@ class Follower:
             gap = self.q[j].plus(-I.of(self.toy.touch[i])) * side
             bend = (d0 * I.of(m.b[j])).plus(I.of(m.a[j])) * side
             jet = [gap, self.u[j] * side, bend, d1 * (I.of(m.b[j]) * side)]
+            if self.let_go(i, states):
+                jet[1] = jet[2] = I.of(0)
         elif kind == "slip":
             side = I.of(1) if states[i] == UP else -I.of(1)
             w = self.toy.tangent[i]
@@ -126,6 +133,44 @@ class Follower:
             jet = [(d0 * r).plus(p), d1 * r, d2 * r, d1 * (r * kappa)]
             zeros = int(self.fired == guard and states == self.before)
         return [I.of(0)] * zeros + jet[zeros:], zeros
+
+    def let_go(self, i: int, states: tuple[int, int, int]) -> bool:
+        """Whether the other contact of the sleeve has just opened, for want of a force."""
+        k = 3 - i
+        same = all(states[n] == self.before[n] for n in range(3) if n != k)
+        return i > 0 and self.fired == ("normal", k) and states[k] == OPEN and same
+
+    def plateau(self, guard: Guard, bracket: I) -> None:
+        """A contact lands near a pause of its motion: from the middle of the pause it slides."""
+        kind, i = guard
+        gap = ("gap", i)
+        if self.states != (OPEN, OPEN, OPEN) or not self.let_go(i, self.states):
+            raise Undecided("a gap has a pause only where the sleeve has just let go")
+        if self.restitution(i).sign() != 0:
+            raise Undecided("only a contact without restitution lands at a plateau")
+        kappa = I.of(self.toy.mode(self.states).kappa)
+        curves = {g: Curve(self, g, kappa) for g in self.watched()}
+        own = curves.pop(gap)
+
+        def lasts(end: I) -> bool:
+            return all(curve.lasts(end, None) for curve in curves.values())
+
+        late = kind == "plateau+"
+        level = pause(self, i, late, bracket, own.jet, lasts)
+        if level.value.sign() is None:
+            comparator = level if late else -level
+            self.forks.append(Fork("plateau", (i,), comparator, self.events, not late))
+        strike = f"I{i + 1}"
+        self.word += [strike] if late else [strike, f"D{i + 1}", strike]
+        self.fired, self.before = ("impact", -1), self.states
+        self.zeros, self.still, self.lands = [2 if k == i else 0 for k in range(3)], set(), -1
+        self.at_least_zero = {("normal", i)}
+        self.events += 1
+
+    def restitution(self, i: int) -> I:
+        """The range of a restitution coefficient."""
+        eps = self.eps[i]
+        return eps if isinstance(eps, I) else eps.value
 
     def slip(self, i: int) -> F:
         """Tangential velocity of a contact."""
@@ -150,6 +195,9 @@ class Follower:
             if found is not None
             else own.crossing(bracket, 1 if guard[0] == "section" else -1)
         )
+        if self.since.sign() == 1 and not self.since.less(t.value):
+            raise Undecided(f"{guard} may fire while a contact lands")
+        self.since = I.of(0)
         end = t.value.high
         for other, curve in curves.items():
             if other == guard:
@@ -274,7 +322,7 @@ class Follower:
     def floor(self, i: int, impulse: F) -> F:
         """The least impulse of the expansion."""
         eps = self.eps[i]
-        if impulse.value.sign() == 0 or (eps if isinstance(eps, I) else eps.value).sign() == 0:
+        if impulse.value.sign() == 0 or self.restitution(i).sign() == 0:
             return constant(self.box, I.of(0))
         return impulse * eps
 

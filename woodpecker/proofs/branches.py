@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import count, pairwise
+from itertools import count
 from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, arb_series
@@ -45,6 +45,7 @@ from woodpecker.undecided import Undecided
 
 Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]
+BISECTIONS = 14  # of a line, to see where the multiplier passes -1 on it
 WIDEST = Fraction(1, 1000)  # rad: no tube is made wider than that
 
 
@@ -57,7 +58,8 @@ class March:
     terms
         Coefficients along the branch.
     part
-        Length of the first piece that is tried, in radii of convergence as the coefficients say.
+        Length of the first piece that is tried, in radii of convergence as the coefficients say;
+        later ones are tried a little longer than the last one that held.
     longest
         Of the interval, the longest piece.
     pause
@@ -178,6 +180,7 @@ class _Walk:
         self._points, self._ease = list(points), march.part
         self._curves: list[Any] = []  # polynomials in p - base, good near base
         self._base, self._reach = span.low, 0.0
+        self._flip: Fraction | None = None  # about where the multiplier passes -1 next
         self._plan: list[Planned] = []
         self.pieces: list[Piece] = []
         self.gaps: list[Gap] = []
@@ -198,7 +201,8 @@ class _Walk:
             return
         if fresh:
             self._ease = min(1.5 * self._ease, 4.0)
-        self._plan.pop(0)
+        if self._plan.pop(0).flips:
+            self._flip = None
         self.pieces.append(piece)
         self.at = piece.p.high
         self._points = [piece.end(1, k).mid() for k in range(len(piece.tubes))]
@@ -211,10 +215,17 @@ class _Walk:
             return
         self._ease = max(self._ease / 1.5, 1e-3)
         parts = self._about_flip(planned) if reason == MAY_FLIP else None
-        if parts is None:
-            ends = (-line.half, Fraction(0), line.half)
-            parts = [planned._replace(line=part_of(line, a, b)) for a, b in pairwise(ends)]
-        self._plan[:1] = parts
+        if parts is not None:
+            self._plan[:1] = parts
+            return
+        first, second = (
+            planned._replace(line=part_of(line, *ends))
+            for ends in ((-line.half, Fraction(0)), (Fraction(0), line.half))
+        )
+        if any(each.flips for each in self._plan):
+            self._plan[:1] = [first, second]
+        else:  # what comes after is planned anew there
+            self._plan = [first]
 
     def _leap(self, reason: str) -> None:
         """Take the branch up again beyond a gap."""
@@ -238,10 +249,11 @@ class _Walk:
 
     def _next_line(self) -> Planned:
         """From where the last piece ends: with landings at a plateau, if series end early there."""
-        line = self._along_series()
-        if line.interval.length > self._march.pause or not self._at_plateau():
+        line, march = self._along_series(), self._march
+        step = march.pause * min(1.0, self._ease / march.part)
+        if line.interval.length > step or not self._at_plateau():
             return Planned(line)
-        return Planned(self._plain(Fraction(self._march.pause)), plateaus=True)
+        return Planned(self._plain(Fraction(step)), plateaus=True)
 
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau where the last piece ends."""
@@ -370,12 +382,34 @@ class _Walk:
     def _about_flip(self, planned: Planned) -> list[Planned] | None:
         """Parts of a line, one of which holds its only flip; None if none was found."""
         line = planned.line
+        found = self._flip_on(line)
+        if found is None:
+            return None
+        width = line.half / 2
+        while width > 4 * (found.high - found.low):
+            a, b = max(found.low - width, -line.half), min(found.high + width, line.half)
+            try:
+                self._tried(Planned(part_of(line, a, b), True))
+            except Undecided:
+                width = width / 4
+                continue
+            before, after = (
+                [planned._replace(line=part_of(line, *ends))] if ends[0] < ends[1] else []
+                for ends in ((-line.half, a), (b, line.half))
+            )
+            return [*before, Planned(part_of(line, a, b), True), *after]
+        return None
+
+    def _flip_on(self, line: Line) -> Interval | None:
+        """A short part of a line, in tau, at whose ends the multiplier is on two sides of -1."""
         low, high = -line.half, line.half
+        if self._flip is not None and not line.at(low) < self._flip < line.at(high):
+            return None  # it is elsewhere
         try:
             sides = self._side(line, low), self._side(line, high)
             if None in sides or sides[0] == sides[1]:
                 return None
-            for _ in range(24):
+            for _ in range(BISECTIONS):
                 middle = (low + high) / 2
                 if self._side(line, middle) == sides[0]:
                     low = middle
@@ -383,21 +417,8 @@ class _Walk:
                     high = middle
         except Undecided:
             return None
-        width = line.half / 2
-        while width > 4 * (high - low):
-            a, b = max(low - width, -line.half), min(high + width, line.half)
-            try:
-                self._tried(Planned(part_of(line, a, b), True))
-            except Undecided:
-                width = width / 4
-                continue
-            parts = [(-line.half, a), (b, line.half)]
-            before, after = (
-                [planned._replace(line=part_of(line, *ends))] if ends[0] < ends[1] else []
-                for ends in parts
-            )
-            return [*before, Planned(part_of(line, a, b), True), *after]
-        return None
+        self._flip = line.at((low + high) / 2)
+        return Interval(low, high)
 
 
 def joined(first: Piece, second: Piece) -> bool:

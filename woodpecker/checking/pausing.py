@@ -1,0 +1,176 @@
+"""From the start of a free flight to sliding, where a gap closes near a pause of its motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from woodpecker.checking.forms import F, chain, constant, over
+from woodpecker.checking.intervals import Context, I, T, Undecided, wave
+from woodpecker.checking.plateaus import Landing
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Motion
+
+if TYPE_CHECKING:
+    from woodpecker.checking.motion import Follower
+
+
+def pause(
+    motion: Follower, i: int, late: bool, bracket: I, jet: Sequence[F | I],
+    lasts: Callable[[I], bool],
+) -> F:  # fmt: skip
+    """Take the motion from where the sleeve has let go to the middle of a pause, sliding there.
+
+    Parameters
+    ----------
+    bracket
+        Near the middle: it says which pause.
+    jet
+        Of the gap, value and third derivative; the others are exactly zero.
+    lasts
+        Whether all other guards are positive until some time.
+
+    Returns
+    -------
+    F
+        The gap in the middle: the contact lands late if it is positive, early if negative.
+    """
+    toy, free = motion.toy, motion.toy.mode((OPEN, OPEN, OPEN))
+    start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
+    assert isinstance(start, F)
+    if not isinstance(fall, F) or fall.value.sign() != -1 or kappa.sign() != -1:
+        raise Undecided("a gap does not fall to a pause")
+    swing = _swing(kappa)
+    n = round(float(bracket.mid) / float(swing))
+    if n < 1:
+        raise Undecided("a gap has no pause where it begins to close")
+    middle = swing * I.of(n)
+    steps = -(middle / kappa)  # s_3, where s_1 = s_2 = 0
+    level = start + fall * steps
+    eta = -(level * over(fall))
+    sign = eta.value.sign()
+    if sign == (-1 if late else 1):
+        raise Undecided("a contact lands on the other side of a pause")
+    q, u = _flown(free, motion.q, motion.u, middle, motion.box)
+    slip = _slip(motion, i, u).value.sign()
+    if not slip:
+        raise Undecided("the direction of slip is open")
+    response = _response(motion, i, slip)
+    states = [OPEN] * 3
+    states[i] = UP if slip == 1 else DOWN
+    after = (states[0], states[1], states[2])
+    slide, stretch = toy.mode(after), response[2] - response[1]
+    turn = I.of(free.b[ANGLE[i]] * SIDE[i] * stretch)
+    sizes = (kappa, I.of(slide.kappa), turn)
+    whole = Landing(eta.value, late, *sizes)
+    _clear(motion, i, late, middle, response, slip, whole, lasts)
+    curve = Landing(eta.parts[0].range, late, *sizes)
+    if motion.box.depth > 3:
+        raise Undecided("a return is once differentiable only where a contact lands at a pause")
+    places = _term(eta, curve.place, whole.place_slope) * -fall
+    speeds = _term(eta, curve.velocity, whole.velocity_slope) * -fall
+    for j in range(3):
+        b = I.of(stretch * slide.b[j])
+        motion.q[j] = q[j] - level * I.of(response[j]) + places * b
+        motion.u[j] = u[j] + speeds * b
+    motion.states = after
+    motion.close(i)
+    assert motion.time is not None
+    motion.time, motion.since = motion.time.plus(middle), whole.last
+    return level
+
+
+def _swing(kappa: I) -> I:
+    """2 pi / omega."""
+    return _pi(Context.bits) * I.of(2) / (-kappa).sqrt()
+
+
+@lru_cache(maxsize=10)
+def _pi(bits: int) -> I:
+    """By Machin's formula."""
+    total = I.of(0)
+    for factor, n in ((16, 5), (-4, 239)):
+        power, k = Fraction(factor, n), 0
+        while True:
+            term = I.of(power / (2 * k + 1))
+            total = total + (-term if k % 2 else term)
+            if term.size.b <= 1:
+                total = total + term.ball  # an alternating series errs by less than its last term
+                break
+            power, k = power / (n * n), k + 1
+    return total
+
+
+def _flown(mode: Motion, q: Sequence[Any], u: Sequence[Any], t: I, box: Any) -> tuple[Any, Any]:
+    """Coordinates and velocities after free flight; forms, or intervals without a box."""
+    s = wave(I.of(mode.kappa), t)
+    d0, d1, alpha = q[2] - q[1], u[2] - u[1], I.of(mode.alpha)
+    once, twice = d0 * s[1] + d1 * s[2], d0 * s[2] + d1 * s[3]
+    half = t.power(2) * I.of(Fraction(1, 2))
+
+    def plus(x: Any, y: I) -> Any:
+        return x + y if box is None else x.plus(y)
+
+    places, speeds = [], []
+    for j in range(3):
+        a, b = I.of(mode.a[j]), I.of(mode.b[j])
+        places.append(plus(q[j] + u[j] * t + twice * b, a * half + alpha * s[4] * b))
+        speeds.append(plus(u[j] + once * b, a * t + alpha * s[3] * b))
+    return places, speeds
+
+
+def _slip(motion: Follower, i: int, u: Sequence[Any]) -> Any:
+    w = motion.toy.tangent[i]
+    return u[0] * I.of(w[0]) + u[1] * I.of(w[1]) + u[2] * I.of(w[2])
+
+
+def _response(motion: Follower, i: int, slip: int) -> list[Fraction]:
+    """What an impulse of the slipping contact does to the velocities, per speed of the gap."""
+    toy = motion.toy
+    friction = -slip * toy.mu[i]
+    kick = [x + friction * y for x, y in zip(toy.kick[2 * i], toy.kick[2 * i + 1], strict=True)]
+    speed = kick[ANGLE[i]] * SIDE[i]
+    if speed <= 0:
+        raise Undecided("a contact may neither stay nor leave")
+    return [x / speed for x in kick]
+
+
+def _term(eta: F, value: I, slope: I) -> F:
+    """A function of eta from its range on the curve and that of its derivative."""
+    zero = T(eta.box.span, [0])
+    return chain(eta, zero.plus(value), zero.plus(slope), lambda: zero)
+
+
+def _clear(
+    motion: Follower, i: int, late: bool, middle: I, response: Sequence[Fraction], slip: int,
+    landing: Landing, lasts: Callable[[I], bool],
+) -> None:  # fmt: skip
+    """No other guard fires until the contact has come to stay, and it slips all the time."""
+    free, j = motion.toy.mode((OPEN, OPEN, OPEN)), ANGLE[i]
+    if not lasts((middle + landing.sigma).high if late else middle.high):
+        raise Undecided("something may happen before a contact lands")
+    strikes = middle + landing.sigma if late else middle - landing.sigma
+    q, u = _flown(free, [x.value for x in motion.q], [x.value for x in motion.u], strikes, None)
+
+    def stopped(u: Sequence[I]) -> list[I]:
+        return [v - u[j] * I.of(r * SIDE[i]) for v, r in zip(u, response, strict=True)]
+
+    moments = [u, stopped(u)]
+    if not late:
+        flight = I.of(0).hull(landing.flight)
+        q, u = _flown(free, q, stopped(u), flight, None)
+        moments += [u, stopped(u)]
+        for k in range(3):
+            gap = (q[ANGLE[k]] - I.of(motion.toy.touch[k])) * I.of(SIDE[k])
+            if k != i and gap.sign() != 1:
+                raise Undecided("something may happen while a contact lands")
+    for velocities in moments:
+        if _slip(motion, i, velocities).sign() != slip:
+            raise Undecided("the direction of slip is open")
+        strike = [velocities[j] * I.of(SIDE[i] * motion.toy.lever[i]), _slip(motion, i, velocities)]
+        known = [constant(motion.box, x) for x in strike]
+        none = [constant(motion.box, I.of(0))]
+        solution = motion.solve_impact([i], known, none, False, True)
+        if not solution.rests[0] or solution.slips[0] != slip:
+            raise Undecided("an impact is not decided")
