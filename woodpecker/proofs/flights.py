@@ -15,7 +15,7 @@ from typing import Any
 from flint import arb
 
 from woodpecker.proofs.forms import Form, box, sign
-from woodpecker.proofs.oscillator import Crossing, Guard, shapes, zero
+from woodpecker.proofs.oscillator import Crossing, Derivatives, Guard, shapes, zero
 from woodpecker.proofs.stumpff import shape_balls
 from woodpecker.undecided import Undecided
 
@@ -33,11 +33,11 @@ def landing(guard: Guard, guess: float) -> Crossing | None:
     if not abs(kappa) * arb(guess) ** 2 < LONGEST or sign(f3) != -1:
         return None
 
-    def at(t: Any, derivative: int = 0) -> Any:
-        return _height(guard.jet, kappa, t, derivative)
+    def at(t: Any) -> Derivatives:
+        return _height(guard.jet, kappa, t)
 
     def over(t: Any, derivative: int = 0) -> Any:
-        return _height([box(f) for f in guard.jet], kappa, t, derivative)
+        return _height([box(f) for f in guard.jet], kappa, t)(derivative)
 
     try:
         time, bracket = zero(at, over, guess, -1)
@@ -53,20 +53,24 @@ def landing(guard: Guard, guess: float) -> Crossing | None:
     return Crossing(time, bracket, lands=True)
 
 
-def _height(jet: Any, kappa: Any, t: Any, derivative: int) -> Any:
-    """The function h or a derivative of it; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
+def _height(jet: Any, kappa: Any, t: Any) -> Derivatives:
+    """The function h and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
     _, _, f2, f3 = jet
     x = kappa * (t * t)
     c = shapes(x, 7) if isinstance(x, Form) else shape_balls(x, 7)
     turn_2, turn_3 = c[3] - c[4] * 2, c[4] - c[5] * 3
-    match derivative:
-        case 0:
-            return f2 * c[2] + f3 * (c[3] * t)
-        case 1:
-            return f2 * (turn_2 * t * kappa) + f3 * (c[3] + turn_3 * x)
-        case _:
-            bend_2 = turn_3 - (c[5] - c[6] * 4) * 2
-            bend_3 = (c[5] - c[6] * 4) - (c[6] - c[7] * 5) * 3
-            return f2 * ((turn_2 + bend_2 * x) * kappa) + f3 * (
-                (turn_3 * 3 + bend_3 * x) * t * kappa
-            )
+
+    def value(derivative: int) -> Any:
+        match derivative:
+            case 0:
+                return f2 * c[2] + f3 * (c[3] * t)
+            case 1:
+                return f2 * (turn_2 * t * kappa) + f3 * (c[3] + turn_3 * x)
+            case _:
+                bend_2 = turn_3 - (c[5] - c[6] * 4) * 2
+                bend_3 = (c[5] - c[6] * 4) - (c[6] - c[7] * 5) * 3
+                return f2 * ((turn_2 + bend_2 * x) * kappa) + f3 * (
+                    (turn_3 * 3 + bend_3 * x) * t * kappa
+                )
+
+    return value

@@ -51,11 +51,12 @@ from woodpecker.proofs.motions import (
     ForkKind,
     Motion,
     Way,
+    flown,
     hold,
     name_of,
     touch,
 )
-from woodpecker.proofs.oscillator import Crossing, Guard, crossing, stumpff
+from woodpecker.proofs.oscillator import Crossing, Guard, crossing
 from woodpecker.proofs.pausing import paused
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.simulation.guards import first_root
@@ -291,17 +292,8 @@ def _moved(model: Model, motion: Motion, fired: int, fires: Crossing) -> Motion:
     """The motion at the end of a phase, before its event."""
     t = fires.time
     after = motion.copy()
-    mode, states = model.mode(motion.states), motion.states
-    q, u = motion.q, motion.u
-    d0, d1 = q[2] - q[1], u[2] - u[1]
-    _, s1, s2, s3, s4 = stumpff(mode.kappa, t)
-    once = d0 * s1 + d1 * s2 + mode.alpha * s3
-    twice = d0 * s2 + d1 * s3 + mode.alpha * s4
-    half = t * t / 2
-    for j in range(3):
-        a, b = mode.a[j], mode.b[j]
-        after.q[j] = q[j] + u[j] * t + a * half + b * twice
-        after.u[j] = u[j] + a * t + b * once
+    states = motion.states
+    after.q, after.u = flown(model.mode(states), motion.q, motion.u, t)
     for i in range(3):
         if states[i] != OPEN:
             touch(model, after, i)

@@ -98,6 +98,11 @@ class Form:
         value, *others = self.parts
         return [value.widened(others[0].box * self.frame.s), *others]
 
+    @property
+    def flat(self) -> bool:
+        """Whether all derivatives are exactly zero."""
+        return all(part.box.is_zero() for part in self.parts[1:])
+
     def __neg__(self) -> Form:
         return Form(self.frame, [-part for part in self.parts])
 

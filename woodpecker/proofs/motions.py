@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, NamedTuple
@@ -10,7 +11,8 @@ from flint import arb
 
 from woodpecker.mechanics.modes import ANGLE, SECTION
 from woodpecker.proofs.forms import Form
-from woodpecker.proofs.model import Model, State
+from woodpecker.proofs.model import Mode, Model, State
+from woodpecker.proofs.oscillator import stumpff
 
 ZERO = arb(0)
 NO_GUARD = -1
@@ -143,6 +145,19 @@ class Motion:
             log=list(self.log),
             forks=list(self.forks),
         )
+
+
+def flown(mode: Mode, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[Any], list[Any]]:
+    """Coordinates and velocities after a time in a mode: forms, or balls."""
+    d0, d1 = q[2] - q[1], u[2] - u[1]
+    _, s1, s2, s3, s4 = stumpff(mode.kappa, t)
+    once = d0 * s1 + d1 * s2 + mode.alpha * s3
+    twice = d0 * s2 + d1 * s3 + mode.alpha * s4
+    half = t * t / 2
+    return (
+        [q[j] + u[j] * t + mode.a[j] * half + mode.b[j] * twice for j in range(3)],
+        [u[j] + mode.a[j] * t + mode.b[j] * once for j in range(3)],
+    )
 
 
 def touch(model: Model, motion: Motion, i: int) -> None:

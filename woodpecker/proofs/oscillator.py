@@ -25,6 +25,7 @@ from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_model
 from woodpecker.proofs.taylor import ZERO, Taylor, constant, inverse
 from woodpecker.undecided import Undecided
 
+Derivatives = Callable[[int], Any]
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
 
@@ -32,10 +33,13 @@ def stumpff(kappa: Any, t: Any, last: int = 4) -> list[Any]:
     """s_0 .. s_last of balls or forms."""
     if not isinstance(t, Form):
         return stumpff_balls(kappa, t, last)
-    curve = stumpff_models(kappa, t.parts[VALUE], last)
-    near = stumpff_models(kappa, t.near[VALUE], last)
+    curve = stumpff_models(kappa, t.parts[VALUE], 0, last)
+    if t.flat:
+        return [Form(t.frame, [model, *t.parts[1:]]) for model in curve]
+    near = stumpff_models(kappa, t.near[VALUE], -1 if len(t.parts) <= 3 else -2, last - 1)
+    before = len(near) - last  # of s_(k-1) in front of s_k
     return [
-        chained(t, curve[k + 2], near[k + 1], lambda k=k: near[k])  # type: ignore[misc]
+        chained(t, curve[k], near[before - 1 + k], lambda k=k: near[before - 2 + k])  # type: ignore[misc]
         for k in range(last + 1)
     ]
 
@@ -76,8 +80,12 @@ class Guard:
 
     def at(self, t: Any, derivative: int = 0) -> Any:
         """The guard, or a derivative of it, at a time; forms where anything is one."""
-        f0, f1, f2, f3 = self.jet
-        return _value(f0, f1, f2, f3, self.kappa, stumpff(self.kappa, t), t, derivative)
+        return self.near(t)(derivative)
+
+    def near(self, t: Any) -> Derivatives:
+        """All derivatives at a time."""
+        s = stumpff(self.kappa, t)
+        return lambda derivative: _value(*self.jet, self.kappa, s, t, derivative)
 
     def over(self, t: Any, derivative: int = 0) -> Any:
         """Range of the same over a ball of times and the whole box."""
@@ -173,18 +181,18 @@ def crossing(guard: Guard, guess: float, falls: int = -1) -> Crossing:
     Undecided
         If this could not be shown.
     """
-    return Crossing(*zero(guard.at, guard.over, guess, falls))
+    return Crossing(*zero(guard.near, guard.over, guess, falls))
 
 
 def zero(
-    at: Callable[..., Any], over: Callable[..., Any], guess: float, falls: int
+    at: Callable[[Any], Derivatives], over: Callable[..., Any], guess: float, falls: int
 ) -> tuple[Form, Any]:
     """The zero of a function of time over a box, as a form, and a bracket.
 
     Parameters
     ----------
     at
-        The function and its derivatives at a time, which may be a form.
+        The derivatives of the function at a time, which may be a form.
     over
         Their ranges over a ball of times and the whole box.
     guess
@@ -193,7 +201,8 @@ def zero(
         The sign that its derivative must have.
     """
     near = _approximate(at, guess)
-    value, speed = at(near), at(near, 1)
+    there = at(near)
+    value, speed = there(0), there(1)
     if sign(speed) != falls:
         raise Undecided("a guard may turn where it fires")
     residual, head = value.box, near.parts[VALUE].head
@@ -205,19 +214,19 @@ def zero(
         if sign(slope) != falls:
             raise Undecided("a guard may turn where it fires")
         if abs(residual / slope) < reach:
-            return _form(at, near, slope, arb(0, reach)), bracket
+            return _form(at, near, value, slope, arb(0, reach)), bracket
         reach = (reach * 2).upper()
     raise Undecided("the time of an event has no enclosure")
 
 
-def _approximate(at: Callable[..., Any], guess: float) -> Form:
+def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
     """A polynomial near the zero on the curve: Newton's method on Taylor models, without rests."""
-    value = at(arb(guess))
-    frame = value.frame
+    frame = at(arb(guess))(0).frame
     t = Form(frame, [constant(frame.span, arb(guess)), *_nothing(frame)])
     correct = 0  # coefficients that are right but for rounding
     for _ in range(60):
-        value, speed = at(t).parts[VALUE], at(t, 1).parts[VALUE]
+        there = at(t)
+        value, speed = there(0).parts[VALUE], there(1).parts[VALUE]
         if speed.poly[0].contains(0):
             raise Undecided("a guard turns where it fires")
         step = _thin(value) * inverse(_thin(speed))
@@ -241,7 +250,9 @@ def _nothing(frame: Any) -> Sequence[Taylor]:
     return [constant(frame.span, ZERO)] * (frame.depth - 1)
 
 
-def _form(at: Callable[..., Any], near: Form, slope: Any, reach: Any) -> Form:
+def _form(
+    at: Callable[[Any], Derivatives], near: Form, residual: Form, slope: Any, reach: Any
+) -> Form:
     """The zero near a polynomial: its derivatives are those of an implicit function.
 
     With f(t, s, p) = 0 there are t_i = -f_i / f_t and
@@ -250,15 +261,16 @@ def _form(at: Callable[..., Any], near: Form, slope: Any, reach: Any) -> Form:
     frame = near.frame
     there = near.parts[VALUE].widened(reach)  # the time, for all s
     fixed = Form(frame, [there, *_nothing(frame)])
-    value, speed = at(fixed), at(fixed, 1)
+    at_fixed = at(fixed)
+    value, speed = at_fixed(0), at_fixed(1)
     over = inverse(speed.near[VALUE])
-    on_curve = near.parts[VALUE].widened(at(near).parts[VALUE].box / -slope)
+    on_curve = near.parts[VALUE].widened(residual.parts[VALUE].box / -slope)
     found = [on_curve]
     bend: Taylor | None = None
     for along in ALONG[1 : frame.depth]:
         part = value.parts[ALONG.index(along)]
         if len(along) == 2:
-            bend = at(fixed, 2).near[VALUE] if bend is None else bend
+            bend = at_fixed(2).near[VALUE] if bend is None else bend
             i, j = along[0] + 1, along[1] + 1
             part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
             part = part + bend * found[i] * found[j]

@@ -12,8 +12,8 @@ from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE,
 from woodpecker.proofs.contacts import impulses_of, mark
 from woodpecker.proofs.forms import VALUE, Form, box, sign
 from woodpecker.proofs.model import Model, State, ball, sum_of
-from woodpecker.proofs.motions import NO_GUARD, Fired, Fork, ForkKind, Motion, touch
-from woodpecker.proofs.oscillator import Guard, stumpff
+from woodpecker.proofs.motions import NO_GUARD, Fired, Fork, ForkKind, Motion, flown, touch
+from woodpecker.proofs.oscillator import Guard
 from woodpecker.proofs.plateaus import Plateau, Touch, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
 from woodpecker.undecided import Undecided
@@ -91,7 +91,7 @@ def paused(
     pause = _pause(first, guess)
     if pause is None or motion.states != FREE or sign(model.equations.eps[i]) != 0:
         return []
-    q, u = _flown(model, motion.q, motion.u, pause.middle)
+    q, u = flown(model.mode(FREE), motion.q, motion.u, pause.middle)
     slide = _slide(model, i, u)
     after = _reduced(model, motion, pause, slide, q, u)
     stretch = slide.response[2] - slide.response[1]
@@ -136,19 +136,6 @@ def _pause(first: Guard, guess: float) -> _Pause | None:
     middle = swing * n
     fallen = -middle / first.kappa  # s_3
     return _Pause(first.code, middle, f3, f0 + f3 * fallen, -(f0 / f3) - fallen)
-
-
-def _flown(model: Model, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[Any], list[Any]]:
-    """Coordinates and velocities after free flight."""
-    mode = model.mode(FREE)
-    d0, d1 = q[2] - q[1], u[2] - u[1]
-    _, s1, s2, s3, s4 = stumpff(mode.kappa, t)
-    once = d0 * s1 + d1 * s2 + mode.alpha * s3
-    twice = d0 * s2 + d1 * s3 + mode.alpha * s4
-    return (
-        [q[j] + u[j] * t + mode.a[j] * (t * t / 2) + mode.b[j] * twice for j in range(3)],
-        [u[j] + mode.a[j] * t + mode.b[j] * once for j in range(3)],
-    )
 
 
 def _slip(model: Model, i: int, u: Sequence[Any]) -> Any:
@@ -196,17 +183,17 @@ def _clear(
 ) -> None:  # fmt: skip
     """Nothing else happens until the contact has come to stay, and it slides on in each impact."""
     i = pause.contact
-    j = ANGLE[i]
+    j, free = ANGLE[i], model.mode(FREE)
     until = (pause.middle + landing.sigma.max(ZERO) * (side == 1)).upper()
     if any(guard.code >= NORMAL or not survives(guard, until) for guard in others):
         raise Undecided("something may happen before a contact lands at a plateau")
     start_q, start_u = [box(x) for x in motion.q], [box(x) for x in motion.u]
     strikes = pause.middle + landing.sigma * side
-    q, u = _flown(model, start_q, start_u, strikes)
+    q, u = flown(free, start_q, start_u, strikes)
     seen = [u]
     if side == -1:
         thrown = _stopped(slide, u, j)
-        q, u = _flown(model, q, thrown, ZERO.union(landing.flight))
+        q, u = flown(free, q, thrown, ZERO.union(landing.flight))
         seen += [thrown, u]
         for guard in others:
             k = guard.code
@@ -217,8 +204,8 @@ def _clear(
         if sign(_slip(model, i, velocities)) != slide.direction:
             raise Undecided(f"contact {i + 1} may slip or not")
         speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
-        free = [speed, _slip(model, i, velocities)]
-        if impulses_of(model, [i], free, None, True).cases[0] // 3 != REST:
+        approach = [speed, _slip(model, i, velocities)]
+        if impulses_of(model, [i], approach, None, True).cases[0] // 3 != REST:
             raise Undecided("an impact is not decided")
 
 

@@ -16,12 +16,12 @@ from woodpecker.proofs.taylor import ZERO, Taylor, composed
 LARGEST = 64  # of |x|, where the terms of a series soon fall
 
 
-def stumpff_models(kappa: Any, t: Taylor, last: int) -> list[Taylor]:
-    """s_(-2) .. s_last of a time, for a ball kappa; s_(-1) = kappa s_1, s_(-2) = kappa s_0."""
+def stumpff_models(kappa: Any, t: Taylor, first: int, last: int) -> list[Taylor]:
+    """s_first .. s_last of a time, for a ball kappa; s_(-1) = kappa s_1, s_(-2) = kappa s_0."""
     n = t.span.terms
     thin, wide, head = (_table(kappa, at, n, last) for at in (t.poly[0], t.box, t.head))
     found = []
-    for k in range(-2, last + 1):
+    for k in range(first, last + 1):
         coefficients = [thin[k - j] / factorial(j) for j in range(n)]
         found.append(composed(t, coefficients, wide[k - 1], head[k - n] / factorial(n)))
     return found
