@@ -2,35 +2,54 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import matplotlib as mpl
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as Bar
 
 from pwmap.cli_certificates import check_files, prove_map
-from pwmap.cli_longrun import LongRun
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_figure
-from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
 from pwmap.maps.budget import BUDGET, Budget, Progress
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.bifurcations import bifurcation_diagram
+
+if TYPE_CHECKING:  # help and refusals come before what computes is loaded
+    from pwmap.cli_longrun import LongRun
+    from pwmap.diagrams.diagram import Diagram
+    from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 app = typer.Typer(
     help="Exact analysis of piecewise-linear discontinuous maps of the line.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 console = Console()
 errors = Console(stderr=True)
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from pwmap import __version__
+
+        console.print(f"pwmap {__version__}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _before(
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version and leave.", callback=_tell_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """Exact analysis of piecewise-linear discontinuous maps of the line."""
+    os.environ["MPLBACKEND"] = "Agg"  # draw into files only, said before matplotlib is loaded
 
 
 @app.command()
@@ -76,6 +95,10 @@ def analyse(
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
+    from pwmap.cli_longrun import LongRun
+    from pwmap.diagrams.files import write_figure
+    from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
+
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found, interrupted = _computed(
@@ -113,6 +136,11 @@ def _computed(
     budget: Budget,
 ) -> tuple[Diagram, bool]:
     """The diagram, and whether Ctrl-C ended it; with a bar that leaves nothing behind."""
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    from pwmap import bifurcation_diagram
+
     interrupts: list[bool] = []
     bar = Bar(
         TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
@@ -139,8 +167,7 @@ def _computed(
 
 
 def _drawn(found: Diagram, more: LongRun) -> Any:
-    """The picture of a diagram, over its bands if these are known, drawn without a screen."""
-    mpl.use("Agg")
+    """The picture of a diagram, over its bands if these are known."""
     from pwmap.plot import plot_diagram
 
     ax = more.drawn(found) if more.found is not None else plot_diagram(found)
@@ -155,7 +182,3 @@ app.command("check")(check_files)
 def run() -> None:
     """Entry point of the command."""
     app()
-
-
-if __name__ == "__main__":
-    run()

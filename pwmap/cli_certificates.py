@@ -8,10 +8,7 @@ from typing import Annotated, NoReturn
 import typer
 from rich.console import Console
 
-from pwmap.certificates import Certificate, prove
-from pwmap.checking import Refused, check_certificate
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.parameters.bifurcations import bifurcation_diagram
 
 
 def prove_map(
@@ -40,6 +37,8 @@ def prove_map(
     Example: pwmap prove "Piecewise((r - 2, x <= 0), (r - a*x, True))" --set a=5/4 --set r=1
     --order 4
     """
+    from pwmap import Certificate, bifurcation_diagram, prove
+
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found: Certificate
@@ -64,6 +63,8 @@ def check_files(
 
     The exit status is 1 if one is refused.
     """
+    from pwmap import Refused, check_certificate
+
     for file in files:
         try:
             statement = check_certificate(file)

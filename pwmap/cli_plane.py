@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import matplotlib as mpl
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
-from pwmap.algebra.exact import to_float
-from pwmap.algebra.roots import bounds
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.diagrams.files import write_figure, write_table
 from pwmap.maps.budget import BUDGET, Budget
-from pwmap.plane.crisiscurves import with_crises
-from pwmap.plane.plane import ParameterPlane, parameter_plane
-from pwmap.plane.rasters import Colours, PlaneRaster, plane_raster
+from pwmap.plane.colours import Colours
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pwmap.plane.plane import ParameterPlane
+    from pwmap.plane.rasters import PlaneRaster
 
 FILES = ("plane.png", "plane_curves.csv", "plane_points.csv")
 
@@ -63,6 +61,10 @@ def draw_plane(
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
     """
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from pwmap import parameter_plane, plane_raster, with_crises
+
     errors = Console(stderr=True)
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
@@ -103,7 +105,7 @@ def _write(
     found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path
 ) -> None:
     """The picture and both tables."""
-    mpl.use("Agg")
+    from pwmap.diagrams.files import write_figure, write_table
     from pwmap.plot_plane import plot_plane
 
     ax = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
@@ -125,11 +127,16 @@ def _write(
 
 
 def _floats(found: ParameterPlane, number: int) -> tuple[float, ...]:
+    from pwmap.algebra.exact import to_float
+    from pwmap.algebra.roots import bounds
+
     return tuple(to_float(bounds(value)[0]) for value in found.points[number].node)
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
+    from rich.table import Table
+
     curves = Table("curve", "what", "cycles", "zero on it", "ends", title="Curves")
     for curve in found.curves:
         what = f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}"

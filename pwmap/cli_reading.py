@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+if TYPE_CHECKING:
+    from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 
 def map_of(
     formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
 ) -> PiecewiseLinearMap:
     """A map given as text, with some of its parameters at values."""
+    from pwmap import PiecewiseLinearMap
+
     map_ = PiecewiseLinearMap.from_sympy(formula, variable, given)
     return map_.at(values) if values else map_
 

@@ -15,8 +15,9 @@ from woodpecker.piecewise.diagrams import Found, finite_window, iterates, whole_
 from woodpecker.piecewise.explorer import Progress
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
-from woodpecker.runs import WINDOW, about, finished, possible, recorded, settings_for
+from woodpecker.runs import about, finished, possible, recorded, settings_for
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
 
 def bifurcation_diagram(

@@ -17,8 +17,8 @@ from woodpecker.piecewise.checkpoint import Record, read_record, restore
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
-WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
 DEFAULT = Settings(window=WINDOW)
 OUT_OF_DOMAIN = "end of the values that the parameter can have"
 AT, SPAN = "at", "span"  # of a run: the toy's value of the parameter; the span that was asked for

@@ -8,6 +8,7 @@ import pytest
 from rich.console import Console
 from test_pwmap_cli import run
 
+import pwmap
 from pwmap import (
     Budget,
     BudgetError,
@@ -125,12 +126,12 @@ def test_the_command_says_what_is_left_out(tmp_path, monkeypatch) -> None:  # ty
     code, text = run(*arguments, "--pieces", "100", out=tmp_path)
     assert code == 0
     assert "stopped after orders 1..3: order 4 takes more than 100 pieces in all cells" in text
-    ours = cli.bifurcation_diagram
+    ours = pwmap.bifurcation_diagram
 
     def interrupted(*args: object, progress: object, **keywords: object) -> Diagram:
         return ours(*args, progress=interrupting(2), **keywords)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(cli, "bifurcation_diagram", interrupted)
+    monkeypatch.setattr(pwmap, "bifurcation_diagram", interrupted)
     code, text = run(*arguments, out=tmp_path / "again")
     assert code == 130
     assert "stopped after orders 1..2: interrupted" in text

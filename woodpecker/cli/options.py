@@ -7,15 +7,18 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
-from woodpecker.shooting import PeriodicOrbit, shoot
+
+if TYPE_CHECKING:  # help and refusals come before what computes is loaded
+    from rich.progress import Progress
+
+    from woodpecker import PeriodicOrbit
 
 console = Console()
 errors = Console(stderr=True)
@@ -101,6 +104,8 @@ def _toy_options() -> list[inspect.Parameter]:
 
 def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     """The periodic motion near a guess [rad]; CommandError if there is none."""
+    from woodpecker import shoot
+
     orbit = shoot(toy, guess, order)
     if not orbit.success:
         raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
@@ -127,6 +132,8 @@ def results_in(out: Path) -> Iterator[Path]:
 
 def progress() -> Progress:
     """A progress bar that leaves nothing behind."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
     return Progress(
         TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
         transient=True,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
-from pwmap.plane.kinds import PlaneKind
+from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import BorderKind
 from woodpecker.plane.families import Pair

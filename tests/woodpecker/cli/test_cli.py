@@ -18,10 +18,10 @@ import typer
 from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
+import woodpecker
 from pwmap import read_graph
 from pwmap.cli import app as pwmap_app
 from woodpecker.base.compiled import COMPILED
-from woodpecker.cli import maps as cli_map
 from woodpecker.cli.app import app
 from woodpecker.mechanics.toy import Toy, description, parameters
 from woodpecker.plot import figures as plot
@@ -115,7 +115,7 @@ def test_units_of_the_toy_are_those_of_the_readme() -> None:
 
 @pytest.mark.slow
 def test_the_command_runs_as_a_module(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "woodpecker.cli", "simulate", "--out", str(tmp_path)]
+    command = [sys.executable, "-m", "woodpecker", "simulate", "--out", str(tmp_path)]
     result = subprocess.run([*command, "--m-s", "-1"], capture_output=True, text=True)
     assert result.returncode == 2
     assert result.stderr == "Error: m_s must be positive and finite, got -1.0\n"
@@ -350,7 +350,7 @@ def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_pa
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli_map, "return_map", interrupted)
+    monkeypatch.setattr(woodpecker, "return_map", interrupted)
     status, text = run("map", "--points", "50", "--out", str(tmp_path))
     assert status == 1
     assert "Failed: interrupted before the first returns were there" in text
@@ -365,7 +365,7 @@ def test_an_interrupted_map_keeps_what_there_is(tmp_path: Path) -> None:
     The command runs elsewhere, so that it takes the package that was compiled here.
     """
     return_map(Toy(), np.linspace(-1.0, -0.9, 1024))  # compiles, if that was not done before
-    command = [sys.executable, "-m", "woodpecker.cli", "map", "--order", "10"]
+    command = [sys.executable, "-m", "woodpecker", "map", "--order", "10"]
     folder = tmp_path / "out"
     process = subprocess.Popen(
         [*command, "--points", "1000000", "--out", str(folder)],
