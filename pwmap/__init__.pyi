@@ -1,6 +1,7 @@
 """Exact analysis of piecewise-linear discontinuous maps; diagrams and their graphs."""
 
 from .algebra.assumptions import UndecidedError as UndecidedError
+from .algebra.roots import RealRoot as RealRoot
 from .certificates import Certificate as Certificate
 from .certificates import prove as prove
 from .checking import Refused as Refused
@@ -8,12 +9,15 @@ from .checking import check_certificate as check_certificate
 from .diagrams.diagram import Branch as Branch
 from .diagrams.diagram import BranchKind as BranchKind
 from .diagrams.diagram import Diagram as Diagram
+from .diagrams.diagram import Hit as Hit
 from .diagrams.diagram import PointKind as PointKind
 from .diagrams.diagram import PointStatus as PointStatus
 from .diagrams.diagram import SpecialPoint as SpecialPoint
+from .diagrams.diagram import StableInterval as StableInterval
 from .diagrams.diagram import Stretch as Stretch
 from .diagrams.graph import read_graph as read_graph
 from .diagrams.graph import write_graph as write_graph
+from .longrun.attractors import Bands as Bands
 from .longrun.bands import with_attractors as with_attractors
 from .longrun.constant import ConstantEntropy as ConstantEntropy
 from .longrun.constant import EntropyGap as EntropyGap
@@ -37,6 +41,7 @@ from .longrun.dynamics import Kneading as Kneading
 from .longrun.dynamics import MinMax as MinMax
 from .longrun.dynamics import dynamics as dynamics
 from .longrun.entropies import Entropy as Entropy
+from .longrun.fates import AttractingCycle as AttractingCycle
 from .maps.budget import Budget as Budget
 from .maps.budget import BudgetError as BudgetError
 from .maps.budget import Progress as Progress
@@ -65,6 +70,8 @@ from .rotations.centres import CentreKind as CentreKind
 from .rotations.centres import OrganisingCentre as OrganisingCentre
 from .rotations.centres import organising_centre as organising_centre
 from .rotations.centres import organising_centres as organising_centres
+from .rotations.families import FamilyCondition as FamilyCondition
+from .rotations.families import FamilyCycle as FamilyCycle
 from .rotations.families import WordFamily as WordFamily
 from .rotations.families import word_family as word_family
 from .rotations.numbers import RotationInterval as RotationInterval

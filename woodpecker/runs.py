@@ -63,6 +63,11 @@ def given(toy: Toy, parameter: str) -> tuple[str, str]:
 def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     """The branches that a run of the toy has finished so far.
 
+    Parameters
+    ----------
+    run
+        The file that ``run=`` named.
+
     Raises
     ------
     ValueError

@@ -488,7 +488,13 @@ class Diagram:
         return self._part([branch for branch in self.branches if branch.order == order])
 
     def within(self, low: float, high: float) -> Diagram:
-        """The branches that exist somewhere in an interval of the parameter, and their ends."""
+        """The branches that exist somewhere in an interval of the parameter, and their ends.
+
+        Parameters
+        ----------
+        low, high
+            Ends of the interval, both of which belong to it.
+        """
         return self._part(
             [
                 branch
@@ -512,6 +518,11 @@ class Diagram:
         """A shortest way from one branch to another: ids of branches and points in turn.
 
         Empty if they are not connected; KeyError if there is no such branch.
+
+        Parameters
+        ----------
+        first, last
+            Ids of the branches.
         """
         start, stop = self.branch(first), self.branch(last)
         if first == last:

@@ -125,6 +125,11 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 def read_graph(path: str | Path) -> nx.MultiGraph:
     """Read a file of :func:`write_graph` again.
 
+    Parameters
+    ----------
+    path
+        A file with one of the suffixes of :func:`write_graph`.
+
     Returns
     -------
     networkx.MultiGraph

@@ -288,7 +288,14 @@ class PiecewiseLinearMap:
     ) -> PiecewiseLinearMap:
         """Build a map from a ``sympy.Piecewise`` or its text.
 
-        The first condition that holds counts. Parameters and errors are those of the class.
+        The first condition that holds counts. Errors are those of the class.
+
+        Parameters
+        ----------
+        piecewise
+            A ``sympy.Piecewise`` of affine formulas, one such formula, or the text of either.
+        x, given, letters
+            As for the class.
         """
         self = cls.__new__(cls)
         self._set(read_formula(piecewise, x, given, letters), (0,))
@@ -327,6 +334,8 @@ class PiecewiseLinearMap:
 
         Parameters
         ----------
+        map_
+            The map, with what it assumes.
         scope
             The cell.
         orbits, oracle
@@ -417,7 +426,15 @@ class PiecewiseLinearMap:
         return "".join(self.letters[letter] for letter in word)
 
     def cut_to_sympy(self, word: Word, cut: Cut) -> sympy.Expr:
-        """The exact value of an end of a piece."""
+        """The exact value of an end of a piece.
+
+        Parameters
+        ----------
+        word
+            Word of a piece, as numbers.
+        cut
+            An end of it.
+        """
         return fraction_to_sympy(self.orbits.preimage(cut.k, word[: cut.steps]))
 
     # --- New maps -------------------------------------------------------------------------------

@@ -77,6 +77,12 @@ def bifurcation_diagram(
     sample
         Values for symbolic parameters, at which the floats of the diagram are taken and around
         which its formulas hold; by default values that the map's assumptions admit.
+    budget
+        How much may be computed; orders that take more are left out, and ``given`` says so.
+    progress
+        Called with every order that is completed.
+    on_interrupt
+        Called at Ctrl-C, after which the completed orders are returned; by default nothing is.
 
     Returns
     -------

@@ -123,6 +123,11 @@ class Regions:
     def at(self, first: float, second: float) -> Region:
         """The region in which two parameters lie.
 
+        Parameters
+        ----------
+        first, second
+            Values of the parameters.
+
         Raises
         ------
         ValueError
