@@ -34,6 +34,7 @@ ENGINE = {
     "pwmap.plane.network.Arc": "a part of a curve over one strip",
     "woodpecker.piecewise.curves.Curve": "a curve of one branch, as a run keeps it",
     "woodpecker.piecewise.ends.Collision": "how a branch ends at a border, as a run keeps it",
+    "woodpecker.piecewise.ends.End": "how a branch ends, as a run keeps it",
     "woodpecker.piecewise.jumps.Limit": "the orbit of a limit on one side of a jump",
     "woodpecker.piecewise.orbits.Margin": "the condition that an orbit lies on a border",
     "woodpecker.piecewise.orbits.OnBorder": "the same, for the piece beyond it",
