@@ -69,6 +69,13 @@ def analyse(
         list[str] | None,
         typer.Option(help="An assumption on parameters that stay symbolic, such as 'a > 1'."),
     ] = None,
+    sample: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
+            "it; repeatable, once for each such parameter. By default one that is admitted."
+        ),
+    ] = None,
     variable: Annotated[str, typer.Option(help="The variable of the map.")] = "x",
     pieces: Annotated[
         int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
@@ -102,8 +109,9 @@ def analyse(
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found, interrupted = _computed(
-            map_, parameter, span, orders_of(orders), Budget(pieces=pieces)
-        )
+            map_, parameter, span, orders_of(orders), Budget(pieces=pieces),
+            assignments(sample, "--sample") if sample else None,
+        )  # fmt: skip
         more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
                        density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
@@ -134,6 +142,7 @@ def _computed(
     span: tuple[str, str] | None,
     orders: list[int],
     budget: Budget,
+    sample: dict[str, str] | None,
 ) -> tuple[Diagram, bool]:
     """The diagram, and whether Ctrl-C ended it; with a bar that leaves nothing behind."""
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
@@ -159,6 +168,7 @@ def _computed(
             parameter,
             span,
             orders,
+            sample,
             budget=budget,
             progress=tell,
             on_interrupt=lambda: interrupts.append(True),

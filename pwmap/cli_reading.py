@@ -19,7 +19,7 @@ def map_of(
     return map_.at(values) if values else map_
 
 
-def assignments(texts: Iterable[str]) -> dict[str, str]:
+def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
     """Values of parameters from texts such as a=5/4.
 
     Raises
@@ -31,7 +31,7 @@ def assignments(texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
-            raise ValueError(f"--set needs name=value, such as a=5/4, got {text!r}")
+            raise ValueError(f"{option} needs name=value, such as a=5/4, got {text!r}")
         found[name] = value
     return found
 

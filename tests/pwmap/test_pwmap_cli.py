@@ -57,6 +57,37 @@ def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
     assert "given: a > 1" in text
 
 
+TWO = ("Piecewise((a*x + r, x <= 0), (b*x + r - 2, True))", "--parameter", "r")
+
+
+def test_two_parameters_stay_symbolic_around_a_sample(tmp_path: Path) -> None:
+    """By default around one that the assumptions admit, which is told by what is given."""
+    code, text = run(*TWO, "--given", "a > 0", "--given", "a < 1", out=tmp_path)
+    assert code == 0
+    assert "-r/(a - 1)" in text
+    code, text = run(*TWO, "--sample", "a=1/2", "--sample", "b=-13/7", out=tmp_path)
+    assert code == 0
+    assert "given: a > 0, a < 1, b < -1, a*b > -1, b > -3" in " ".join(text.split())
+    code, text = run(*TWO, "--sample", "a=1/2", out=tmp_path)
+    assert code == 2
+    assert "a sample must give values to ['a', 'b'], got ['a']" in text
+    code, text = run(*TWO, "--sample", "a", out=tmp_path)
+    assert code == 2
+    assert "--sample needs name=value, such as a=5/4, got 'a'" in text
+    code, text = run(*TWO, "--sample", "a=1", "--sample", "b=1", out=tmp_path)
+    assert code == 2
+    assert "at a = 1, b = 1 edges meet by chance: choose another sample" in text
+
+
+def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
+    """b >= a all over (-1, 5/2) needs a <= -1, and a*b < 1 there a >= -1."""
+    map_ = "Piecewise((a*x, x <= 0), (r - b*x, True))"
+    given = ("--given", "b >= a", "--given", "a*b < 1", "--span", "-1", "5/2")
+    code, text = run(map_, "--parameter", "b", *given, "--orders", "1", out=tmp_path)
+    assert code == 2
+    assert "the assumptions leave only a = -1, where edges meet: give that value" in text
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
