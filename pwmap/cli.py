@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from pwmap.cli_certificates import check_files, prove_map
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
+from pwmap.cli_screen import bar_on, screen, tell_written
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -26,8 +27,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-console = Console()
-errors = Console(stderr=True)
+console = screen()
+errors = screen(stderr=True)
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 
 
@@ -90,9 +91,13 @@ def analyse(
         list[str] | None,
         typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
-        "out"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="Folder for the results, made if missing; about_<command>.json says what made "
+            "them."
+        ),
+    ] = Path("out"),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
@@ -104,6 +109,7 @@ def analyse(
     """
     from pwmap.cli_longrun import LongRun
     from pwmap.diagrams.files import write_figure
+    from pwmap.diagrams.record import keep_record, record_of
     from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
 
     try:
@@ -116,21 +122,26 @@ def analyse(
                        density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
         write_figure(out / "diagram.png", _drawn(found, more))
+        asked: dict[str, object] = {
+            "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
+            "given": given or [], "orders": orders, "span": span, "sample": sample or [],
+        }  # fmt: skip
         found = more.added(found)
+        found = replace(found, about={**found.about, "map": formula, "set": set_ or []})
         write_results(found, out)
-        written = more.write(out)
+        names = ("diagram.png", *FILES, *more.write(out))
+        gone = keep_record(out, "analyse", names, asked)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)
+        errors.print(f"Error: {error}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
     console.print(table_of_branches(found))
     console.print(table_of_points(found))
     for table in more.tables():
         console.print(table)
-    names = ("diagram.png", *FILES, *written)
-    console.print("wrote " + ", ".join(str(out / name) for name in names), soft_wrap=True)
+    tell_written(console, out, (*names, record_of("analyse")), gone)
     if interrupted:
         errors.print("Interrupted: the orders that were completed are kept", style="red")
         raise typer.Exit(INTERRUPTED)
@@ -145,17 +156,10 @@ def _computed(
     sample: dict[str, str] | None,
 ) -> tuple[Diagram, bool]:
     """The diagram, and whether Ctrl-C ended it; with a bar that leaves nothing behind."""
-    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-    from rich.progress import Progress as Bar
-
     from pwmap import bifurcation_diagram
 
     interrupts: list[bool] = []
-    bar = Bar(
-        TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
-        transient=True, disable=not errors.is_terminal,
-    )  # fmt: skip
-    with bar:
+    with bar_on(errors) as bar:
         task = bar.add_task("order 1", total=max(orders, default=1))
 
         def tell(done: Progress) -> None:

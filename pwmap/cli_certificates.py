@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
-from rich.console import Console
 
 from pwmap.cli_reading import assignments, map_of, orders_of
+from pwmap.cli_screen import screen
 
 
 def prove_map(
@@ -51,8 +51,8 @@ def prove_map(
         found.save(out)
     except (ValueError, TypeError, OSError) as error:
         _leave(f"Error: {error}", 2)
-    console = Console()
-    console.print(found.statement, highlight=False, markup=False, soft_wrap=True)
+    console = screen()
+    console.print(found.statement, highlight=False, soft_wrap=True)
     console.print(f"wrote {out}", soft_wrap=True)
 
 
@@ -70,10 +70,10 @@ def check_files(
             statement = check_certificate(file)
         except Refused as refusal:
             _leave(f"{file} is refused: {refusal}", 1)
-        Console().print(f"{file}: {statement}", highlight=False, markup=False, soft_wrap=True)
+        screen().print(f"{file}: {statement}", highlight=False, soft_wrap=True)
 
 
 def _leave(text: str, status: int) -> NoReturn:
-    errors = Console(stderr=True)
-    errors.print(text, style="red", highlight=False, markup=False, soft_wrap=True)
+    errors = screen(stderr=True)
+    errors.print(text, style="red", highlight=False, soft_wrap=True)
     raise typer.Exit(status) from None

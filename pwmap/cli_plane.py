@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from pwmap.cli_reading import assignments, map_of, orders_of
+from pwmap.cli_screen import bar_on, screen, tell_written
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
 
@@ -52,20 +52,23 @@ def draw_plane(
         int | None,
         typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
-        "out"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="Folder for the results, made if missing; about_<command>.json says what made "
+            "them."
+        ),
+    ] = Path("out"),
 ) -> None:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
 
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
     """
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
     from pwmap import parameter_plane, plane_raster, with_crises
+    from pwmap.diagrams.record import keep_record, record_of
 
-    errors = Console(stderr=True)
+    errors = screen(stderr=True)
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found = parameter_plane(
@@ -73,10 +76,7 @@ def draw_plane(
             budget=Budget(pieces=pieces),
         )  # fmt: skip
         seen: PlaneRaster | None = None
-        with Progress(
-            TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
-            transient=True, disable=not errors.is_terminal,
-        ) as bar:  # fmt: skip
+        with bar_on(errors) as bar:
             if crises is not None:
                 task = bar.add_task("crises", total=12)
                 found = with_crises(
@@ -89,16 +89,22 @@ def draw_plane(
                 )
         out.mkdir(parents=True, exist_ok=True)
         _write(found, seen, colours, out)
+        asked: dict[str, object] = {
+            "map": formula, "variable": variable, "across": across, "along": along,
+            "across_span": across_span, "along_span": along_span, "set": set_ or [],
+            "given": given or [], "orders": orders, "colours": colours, "crises": crises,
+        }  # fmt: skip
+        gone = keep_record(out, "plane", FILES, asked)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(130) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)
+        errors.print(f"Error: {error}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
-    console = Console()
+    console = screen()
     for table in tables(found):
         console.print(table)
-    console.print("wrote " + ", ".join(str(out / name) for name in FILES), soft_wrap=True)
+    tell_written(console, out, (*FILES, record_of("plane")), gone)
 
 
 def _write(

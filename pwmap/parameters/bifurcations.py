@@ -19,6 +19,7 @@ from sympy import QQ
 from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.record import PROGRAM
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Progress, Report
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
@@ -236,6 +237,7 @@ def _assembled(
         points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in continuation.axis.given),
         sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
+        about={"program": PROGRAM},
     )
 
 

@@ -35,7 +35,7 @@ for name, command in (
     ("robustness", robustness),
     ("prove", prove),
 ):
-    app.command(name=name)(with_toy(command))
+    app.command(name=name)(with_toy(command, name))
 app.command(name="check")(check)
 
 

@@ -10,6 +10,7 @@ from woodpecker.cli.options import (
     GUESS,
     CommandError,
     Out,
+    asked_for,
     console,
     motion,
     option,
@@ -125,6 +126,7 @@ def _followed(
 def _write(found: dict[str, Curve], target: Path) -> None:
     from pwmap import write_graph
     from pwmap.diagrams.files import write_figure, write_table
+    from pwmap.diagrams.record import PROGRAM, attributes
     from woodpecker import graph_of_curves
     from woodpecker.plot.plane import plot_curves
 
@@ -152,6 +154,7 @@ def _write(found: dict[str, Curve], target: Path) -> None:
         ),
     )
     graph = graph_of_curves(list(found.values()))
+    graph.graph.update(attributes({"program": PROGRAM, **asked_for()}))
     for name in FILES[3:]:
         write_graph(graph, target / name)
 

@@ -17,6 +17,7 @@ from woodpecker.cli.options import (
     progress,
     report,
     results_in,
+    say,
 )
 from woodpecker.mechanics.toy import Toy
 
@@ -84,7 +85,7 @@ def animate(
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
     console.print(f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}")
-    report(target, file)
+    say(f"wrote {target / file}")
     _complete(trajectory)
 
 

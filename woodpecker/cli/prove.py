@@ -17,7 +17,6 @@ from woodpecker.cli.options import (
     motion,
     option,
     progress,
-    report,
     results_in,
     say,
 )
@@ -68,7 +67,7 @@ def prove(
             raise CommandError(f"undecided: {answer}") from None
         certificate.save(target / FILE)
     say(certificate.statement)
-    report(target, FILE)
+    say(f"wrote {target / FILE}")
 
 
 def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
