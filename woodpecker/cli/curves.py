@@ -107,7 +107,8 @@ def _followed(
 ) -> dict[str, Curve]:  # fmt: skip
     from woodpecker import continuation
 
-    found, refused = dict[str, Curve](), list[str]()
+    found: dict[str, Curve] = {}
+    refused: list[str] = []
     with progress() as bar:
         task = bar.add_task(", ".join(over), total=len(names))
         for name in names:
