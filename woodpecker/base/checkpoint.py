@@ -61,7 +61,7 @@ class Checkpoint:
         run = json.loads(json.dumps(run))
         if resume:
             _existing(self.path)
-        self._file: TextIO = self.path.open("a", encoding="utf-8")
+        self._file: TextIO = self.path.open("a", encoding="utf-8", newline="\n")
         try:
             _lock(self._file, self.path)
             if resume:

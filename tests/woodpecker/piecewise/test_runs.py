@@ -7,7 +7,6 @@ import json
 import math
 import multiprocessing
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -373,7 +372,7 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     while process.poll() is None:
         time.sleep(0.05)
         if path.exists() and path.read_bytes().count(b"\n") > 3:
-            process.send_signal(signal.SIGKILL)
+            process.kill()
     process.wait()
     kept = saved_diagram(path)
     assert len(kept.branches) >= 1
