@@ -2,35 +2,55 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import matplotlib as mpl
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as Bar
 
 from pwmap.cli_certificates import check_files, prove_map
-from pwmap.cli_longrun import LongRun
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_figure
-from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
+from pwmap.cli_screen import bar_on, screen, tell_written
 from pwmap.maps.budget import BUDGET, Budget, Progress
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.bifurcations import bifurcation_diagram
+
+if TYPE_CHECKING:  # help and refusals come before what computes is loaded
+    from pwmap.cli_longrun import LongRun
+    from pwmap.diagrams.diagram import Diagram
+    from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 app = typer.Typer(
     help="Exact analysis of piecewise-linear discontinuous maps of the line.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
-console = Console()
-errors = Console(stderr=True)
+console = screen()
+errors = screen(stderr=True)
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from pwmap import __version__
+
+        console.print(f"pwmap {__version__}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _before(
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version and leave.", callback=_tell_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """Exact analysis of piecewise-linear discontinuous maps of the line."""
+    os.environ["MPLBACKEND"] = "Agg"  # draw into files only, said before matplotlib is loaded
 
 
 @app.command()
@@ -50,6 +70,13 @@ def analyse(
         list[str] | None,
         typer.Option(help="An assumption on parameters that stay symbolic, such as 'a > 1'."),
     ] = None,
+    sample: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
+            "it; repeatable, once for each such parameter. By default one that is admitted."
+        ),
+    ] = None,
     variable: Annotated[str, typer.Option(help="The variable of the map.")] = "x",
     pieces: Annotated[
         int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
@@ -64,9 +91,13 @@ def analyse(
         list[str] | None,
         typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
-        "out"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="Folder for the results, made if missing; about_<command>.json says what made "
+            "them."
+        ),
+    ] = Path("out"),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
@@ -76,30 +107,41 @@ def analyse(
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
+    from pwmap.cli_longrun import LongRun
+    from pwmap.diagrams.files import write_figure
+    from pwmap.diagrams.record import keep_record, record_of
+    from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
+
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found, interrupted = _computed(
-            map_, parameter, span, orders_of(orders), Budget(pieces=pieces)
-        )
+            map_, parameter, span, orders_of(orders), Budget(pieces=pieces),
+            assignments(sample, "--sample") if sample else None,
+        )  # fmt: skip
         more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
                        density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
         write_figure(out / "diagram.png", _drawn(found, more))
+        asked: dict[str, object] = {
+            "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
+            "given": given or [], "orders": orders, "span": span, "sample": sample or [],
+        }  # fmt: skip
         found = more.added(found)
+        found = replace(found, about={**found.about, "map": formula, "set": set_ or []})
         write_results(found, out)
-        written = more.write(out)
+        names = ("diagram.png", *FILES, *more.write(out))
+        gone = keep_record(out, "analyse", names, asked)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)
+        errors.print(f"Error: {error}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
     console.print(table_of_branches(found))
     console.print(table_of_points(found))
     for table in more.tables():
         console.print(table)
-    names = ("diagram.png", *FILES, *written)
-    console.print("wrote " + ", ".join(str(out / name) for name in names), soft_wrap=True)
+    tell_written(console, out, (*names, record_of("analyse")), gone)
     if interrupted:
         errors.print("Interrupted: the orders that were completed are kept", style="red")
         raise typer.Exit(INTERRUPTED)
@@ -111,14 +153,13 @@ def _computed(
     span: tuple[str, str] | None,
     orders: list[int],
     budget: Budget,
+    sample: dict[str, str] | None,
 ) -> tuple[Diagram, bool]:
     """The diagram, and whether Ctrl-C ended it; with a bar that leaves nothing behind."""
+    from pwmap import bifurcation_diagram
+
     interrupts: list[bool] = []
-    bar = Bar(
-        TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
-        transient=True, disable=not errors.is_terminal,
-    )  # fmt: skip
-    with bar:
+    with bar_on(errors) as bar:
         task = bar.add_task("order 1", total=max(orders, default=1))
 
         def tell(done: Progress) -> None:
@@ -131,6 +172,7 @@ def _computed(
             parameter,
             span,
             orders,
+            sample,
             budget=budget,
             progress=tell,
             on_interrupt=lambda: interrupts.append(True),
@@ -139,8 +181,7 @@ def _computed(
 
 
 def _drawn(found: Diagram, more: LongRun) -> Any:
-    """The picture of a diagram, over its bands if these are known, drawn without a screen."""
-    mpl.use("Agg")
+    """The picture of a diagram, over its bands if these are known."""
     from pwmap.plot import plot_diagram
 
     ax = more.drawn(found) if more.found is not None else plot_diagram(found)
@@ -155,7 +196,3 @@ app.command("check")(check_files)
 def run() -> None:
     """Entry point of the command."""
     app()
-
-
-if __name__ == "__main__":
-    run()

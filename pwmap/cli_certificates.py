@@ -6,12 +6,9 @@ from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
-from rich.console import Console
 
-from pwmap.certificates import Certificate, prove
-from pwmap.checking import Refused, check_certificate
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.parameters.bifurcations import bifurcation_diagram
+from pwmap.cli_screen import screen
 
 
 def prove_map(
@@ -40,6 +37,8 @@ def prove_map(
     Example: pwmap prove "Piecewise((r - 2, x <= 0), (r - a*x, True))" --set a=5/4 --set r=1
     --order 4
     """
+    from pwmap import Certificate, bifurcation_diagram, prove
+
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found: Certificate
@@ -52,8 +51,8 @@ def prove_map(
         found.save(out)
     except (ValueError, TypeError, OSError) as error:
         _leave(f"Error: {error}", 2)
-    console = Console()
-    console.print(found.statement, highlight=False, markup=False, soft_wrap=True)
+    console = screen()
+    console.print(found.statement, highlight=False, soft_wrap=True)
     console.print(f"wrote {out}", soft_wrap=True)
 
 
@@ -64,15 +63,17 @@ def check_files(
 
     The exit status is 1 if one is refused.
     """
+    from pwmap import Refused, check_certificate
+
     for file in files:
         try:
             statement = check_certificate(file)
         except Refused as refusal:
             _leave(f"{file} is refused: {refusal}", 1)
-        Console().print(f"{file}: {statement}", highlight=False, markup=False, soft_wrap=True)
+        screen().print(f"{file}: {statement}", highlight=False, soft_wrap=True)
 
 
 def _leave(text: str, status: int) -> NoReturn:
-    errors = Console(stderr=True)
-    errors.print(text, style="red", highlight=False, markup=False, soft_wrap=True)
+    errors = screen(stderr=True)
+    errors.print(text, style="red", highlight=False, soft_wrap=True)
     raise typer.Exit(status) from None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from rich.table import Table
@@ -74,7 +73,6 @@ class LongRun:
     def write(self, folder: Path) -> list[str]:
         """Write what was asked for into a folder, and name the files."""
         names = list[str]()
-        mpl.use("Agg")
         from pwmap.plot_longrun import plot_density, plot_entropy
 
         def keep(name: str, figure: Figure) -> None:

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import matplotlib as mpl
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
-from pwmap.algebra.exact import to_float
-from pwmap.algebra.roots import bounds
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.diagrams.files import write_figure, write_table
+from pwmap.cli_screen import bar_on, screen, tell_written
 from pwmap.maps.budget import BUDGET, Budget
-from pwmap.plane.crisiscurves import with_crises
-from pwmap.plane.plane import ParameterPlane, parameter_plane
-from pwmap.plane.rasters import Colours, PlaneRaster, plane_raster
+from pwmap.plane.colours import Colours
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pwmap.plane.plane import ParameterPlane
+    from pwmap.plane.rasters import PlaneRaster
 
 FILES = ("plane.png", "plane_curves.csv", "plane_points.csv")
 
@@ -54,16 +52,23 @@ def draw_plane(
         int | None,
         typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
-        "out"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="Folder for the results, made if missing; about_<command>.json says what made "
+            "them."
+        ),
+    ] = Path("out"),
 ) -> None:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
 
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
     """
-    errors = Console(stderr=True)
+    from pwmap import parameter_plane, plane_raster, with_crises
+    from pwmap.diagrams.record import keep_record, record_of
+
+    errors = screen(stderr=True)
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found = parameter_plane(
@@ -71,10 +76,7 @@ def draw_plane(
             budget=Budget(pieces=pieces),
         )  # fmt: skip
         seen: PlaneRaster | None = None
-        with Progress(
-            TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
-            transient=True, disable=not errors.is_terminal,
-        ) as bar:  # fmt: skip
+        with bar_on(errors) as bar:
             if crises is not None:
                 task = bar.add_task("crises", total=12)
                 found = with_crises(
@@ -87,23 +89,29 @@ def draw_plane(
                 )
         out.mkdir(parents=True, exist_ok=True)
         _write(found, seen, colours, out)
+        asked: dict[str, object] = {
+            "map": formula, "variable": variable, "across": across, "along": along,
+            "across_span": across_span, "along_span": along_span, "set": set_ or [],
+            "given": given or [], "orders": orders, "colours": colours, "crises": crises,
+        }  # fmt: skip
+        gone = keep_record(out, "plane", FILES, asked)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(130) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {error}", style="red", highlight=False, markup=False, soft_wrap=True)
+        errors.print(f"Error: {error}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
-    console = Console()
+    console = screen()
     for table in tables(found):
         console.print(table)
-    console.print("wrote " + ", ".join(str(out / name) for name in FILES), soft_wrap=True)
+    tell_written(console, out, (*FILES, record_of("plane")), gone)
 
 
 def _write(
     found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path
 ) -> None:
     """The picture and both tables."""
-    mpl.use("Agg")
+    from pwmap.diagrams.files import write_figure, write_table
     from pwmap.plot_plane import plot_plane
 
     ax = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
@@ -125,11 +133,16 @@ def _write(
 
 
 def _floats(found: ParameterPlane, number: int) -> tuple[float, ...]:
+    from pwmap.algebra.exact import to_float
+    from pwmap.algebra.roots import bounds
+
     return tuple(to_float(bounds(value)[0]) for value in found.points[number].node)
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
+    from rich.table import Table
+
     curves = Table("curve", "what", "cycles", "zero on it", "ends", title="Curves")
     for curve in found.curves:
         what = f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}"

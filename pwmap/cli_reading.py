@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+if TYPE_CHECKING:
+    from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 
 def map_of(
     formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
 ) -> PiecewiseLinearMap:
     """A map given as text, with some of its parameters at values."""
+    from pwmap import PiecewiseLinearMap
+
     map_ = PiecewiseLinearMap.from_sympy(formula, variable, given)
     return map_.at(values) if values else map_
 
 
-def assignments(texts: Iterable[str]) -> dict[str, str]:
+def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
     """Values of parameters from texts such as a=5/4.
 
     Raises
@@ -27,7 +31,7 @@ def assignments(texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
-            raise ValueError(f"--set needs name=value, such as a=5/4, got {text!r}")
+            raise ValueError(f"{option} needs name=value, such as a=5/4, got {text!r}")
         found[name] = value
     return found
 

@@ -17,8 +17,9 @@ from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.diagram import FloatArray, PointKind
 from pwmap.parameters.cells import ParameterCell
+from pwmap.plane.colours import Colours
 from pwmap.plane.plane import ParameterPlane
-from pwmap.plane.rasters import Colours, PlaneRaster, arc_arrays, root_array
+from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.strips import Strip
 from pwmap.plot import axis_label
 

@@ -15,8 +15,9 @@ from woodpecker.piecewise.diagrams import Found, finite_window, iterates, whole_
 from woodpecker.piecewise.explorer import Progress
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
-from woodpecker.runs import WINDOW, about, finished, possible, recorded, settings_for
+from woodpecker.runs import about, finished, possible, recorded, settings_for
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
 
 def bifurcation_diagram(
@@ -103,7 +104,25 @@ def find_all(
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Found:
-    """Like :func:`bifurcation_diagram`, with what the slices came to."""
+    """Like :func:`bifurcation_diagram`, with what the slices came to.
+
+    Parameters
+    ----------
+    toy, parameter, span, orders, window
+        What is searched, as for :func:`bifurcation_diagram`.
+    settings, search, progress, run, resume, workers, executor
+        How, as there.
+
+    Returns
+    -------
+    Found
+        The diagram, its slices, and how often P_1 was evaluated.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As there.
+    """
     map_ = ToyPieces(toy, parameter)
     wanted, looked = interval("span", span, finite=True), search or Search()
     chosen = settings_for(settings, span=possible(toy, parameter, wanted), window=window)

@@ -6,10 +6,11 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
+from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.checkpoint import Entry
 from woodpecker.base.checks import interval
 from woodpecker.mechanics.toy import Toy, limits
@@ -17,8 +18,8 @@ from woodpecker.piecewise.checkpoint import Record, read_record, restore
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
-WINDOW = (-2.5, -0.24)  # left of the band of centres [rad]
 DEFAULT = Settings(window=WINDOW)
 OUT_OF_DOMAIN = "end of the values that the parameter can have"
 AT, SPAN = "at", "span"  # of a run: the toy's value of the parameter; the span that was asked for
@@ -63,6 +64,11 @@ def given(toy: Toy, parameter: str) -> tuple[str, str]:
 def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     """The branches that a run of the toy has finished so far.
 
+    Parameters
+    ----------
+    run
+        The file that ``run=`` named.
+
     Raises
     ------
     ValueError
@@ -87,9 +93,27 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
 def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Settings) -> Diagram:
     """A diagram of the toy: ends of the parameter's own domain say so, and what was given."""
     parameter = found.parameter_name
+    made = {"program": PROGRAM, **made_from(toy, parameter, settings, wanted)}
     reasons = dict(_domain_ends(toy, parameter, wanted))
     points = tuple(_of_domain(point, reasons, settings) for point in found.points)
-    return replace(found, points=points, given=given(toy, parameter))
+    return replace(found, points=points, given=given(toy, parameter), about=made)
+
+
+def made_from(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, float]) -> Entry:
+    """What a diagram says of how it was made: of the settings those that are not the default."""
+    fixed = about(toy, parameter, settings, wanted)["toy"]
+    found: Entry = plain({SPAN: wanted, "toy": fixed, "settings": _changed(settings, DEFAULT)})
+    return found
+
+
+def _changed(settings: Settings | Numerics, default: Settings | Numerics) -> Entry:
+    """Fields that differ from a default, but for the span, which is that of the call."""
+    found: Entry = {}
+    for each in fields(settings):
+        value, usual = getattr(settings, each.name), getattr(default, each.name)
+        if value != usual and each.name != SPAN:
+            found[each.name] = _changed(value, usual) if isinstance(value, Numerics) else value
+    return found
 
 
 def _domain_ends(
@@ -119,7 +143,7 @@ def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, flo
     """What two runs must have in common, so that one can go on with the other's file."""
     fixed = {name: value for name, value in asdict(toy).items() if name != parameter}
     finite = {n: str(v) if v in (math.inf, -math.inf) else v for n, v in fixed.items()}
-    return {SPAN: wanted, "toy": finite, "parameter": parameter, "settings": asdict(settings)}
+    return {"parameter": parameter, SPAN: wanted, "toy": finite, "settings": asdict(settings)}
 
 
 def settings_of(kept: Entry) -> Settings:

@@ -41,12 +41,28 @@ class ToyFamily:
         object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
 
     def over(self, axis: int, values: Pair) -> PiecewiseMap:
-        """The map over one of the parameters, the other one held."""
+        """The map over one of the parameters, the other one held.
+
+        Parameters
+        ----------
+        axis
+            Which parameter the map is over, 0 or 1.
+        values
+            Values of both; that of the axis does not matter.
+        """
         other = 1 - axis
         return self._maps[axis].holding(**{self.names[other]: values[other]})
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
-        """Returns along the same path."""
+        """Returns along the same path.
+
+        Parameters
+        ----------
+        piece
+            A piece of one of the maps.
+        map_
+            The other map.
+        """
         assert isinstance(piece, ToyPiece)
         assert isinstance(map_, ToyPieces)
         return ToyPiece(map_, piece.path)

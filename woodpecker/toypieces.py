@@ -205,7 +205,13 @@ class ToyPieces:
         return map_
 
     def at(self, x: float, p: float) -> Image:
-        """The return from phi_S = x [rad] along the path that the toy takes there."""
+        """The return from phi_S = x [rad] along the path that the toy takes there.
+
+        Parameters
+        ----------
+        x, p
+            phi_S [rad] at the start, and the value of the parameter, in its unit.
+        """
         return image_taken(self, x, p)
 
     def ready(self, x: float, p: float) -> tuple[Follower, str]:

@@ -9,9 +9,11 @@ from woodpecker.curves import Spans, pair
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import Curve
-from woodpecker.plane.regions import Progress, Regions, Survey, regions_of
-from woodpecker.runs import WINDOW, possible, settings_for
+from woodpecker.plane.regions import Progress, Regions, regions_of
+from woodpecker.plane.survey import Survey
+from woodpecker.runs import possible, settings_for
 from woodpecker.toyfamily import ToyFamily
+from woodpecker.window import WINDOW
 
 
 def parameter_regions(

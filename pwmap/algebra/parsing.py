@@ -78,6 +78,7 @@ FUNCTIONS = {
     "Rational": _Function(Operation.PRODUCT, 1, 2),
     "Integer": _Function(Operation.PRODUCT, 1, 1),
 }
+FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  # as in Python
 
 
 def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:

@@ -169,6 +169,11 @@ class RealRoot:
         """The quotient of two polynomials at this root as a float, for drawing.
 
         It is the nearest one, but for the last bit, and infinite if it is too large.
+
+        Parameters
+        ----------
+        top, bottom
+            Coefficients of the polynomials, from the highest degree on.
         """
         if not self.reduced(top):
             return 0.0
@@ -187,7 +192,13 @@ class RealRoot:
         return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
-        """Canonical form of top/bottom at this root, where the bottom is not zero."""
+        """Canonical form of top/bottom at this root, where the bottom is not zero.
+
+        Parameters
+        ----------
+        top, bottom
+            Coefficients of the polynomials, from the highest degree on.
+        """
         modulus = list(self.polynomial)
         inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)
         return tuple(dup_rem(dup_mul(list(self.reduced(top)), inverse, QQ), modulus, QQ))

@@ -20,6 +20,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.record import attributes
 from pwmap.diagrams.slices import Slice, Value, exact_number
 
 FloatArray = npt.NDArray[np.float64]
@@ -332,6 +333,9 @@ class Diagram:
         Under which conditions on other, symbolic parameters the diagram holds, or how it was found.
     sample
         Values of these parameters by name, at which the floats were taken.
+    about
+        What made the diagram: the program with its version and, for the toy, its parameters, law of
+        impact and the settings that are not the default. Values that JSON can say, by name.
     """
 
     parameter_name: str
@@ -340,6 +344,7 @@ class Diagram:
     points: tuple[SpecialPoint, ...]
     given: tuple[str, ...] = ()
     sample: Mapping[str, object] = field(default_factory=dict)
+    about: Mapping[str, object] = field(default_factory=dict)
     _branch: Mapping[str, Branch] = field(init=False, repr=False)
     _point: Mapping[str, SpecialPoint] = field(init=False, repr=False)
     _incident: Mapping[str, list[Branch]] = field(init=False, repr=False)  # by point
@@ -488,7 +493,13 @@ class Diagram:
         return self._part([branch for branch in self.branches if branch.order == order])
 
     def within(self, low: float, high: float) -> Diagram:
-        """The branches that exist somewhere in an interval of the parameter, and their ends."""
+        """The branches that exist somewhere in an interval of the parameter, and their ends.
+
+        Parameters
+        ----------
+        low, high
+            Ends of the interval, both of which belong to it.
+        """
         return self._part(
             [
                 branch
@@ -512,6 +523,11 @@ class Diagram:
         """A shortest way from one branch to another: ids of branches and points in turn.
 
         Empty if they are not connected; KeyError if there is no such branch.
+
+        Parameters
+        ----------
+        first, last
+            Ids of the branches.
         """
         start, stop = self.branch(first), self.branch(last)
         if first == last:
@@ -562,11 +578,14 @@ class Diagram:
         -------
         networkx.MultiGraph
             Nodes are special points, edges are branches keyed by their id. All numeric
-            attributes are floats, all others text, so that every export format keeps them.
+            attributes are floats, all others text, so that every export format keeps them. Of the
+            graph these are ``parameter``, ``x``, ``given`` and the parts of ``about``, JSON where
+            they are no numbers or texts.
         """
         graph = nx.MultiGraph(parameter=self.parameter_name, x=self.x_name)
         if self.given:
             graph.graph["given"] = ", ".join(self.given)
+        graph.graph.update(attributes(self.about))
         for point in self.points:
             graph.add_node(
                 point.id,

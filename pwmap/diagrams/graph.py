@@ -7,7 +7,10 @@ reads the first three formats. What a format cannot say is said like this:
 - An attribute whose name the format uses for itself (``id``) is stored with its type added,
   ``id:float`` or ``id:str``; no other name holds a colon. GEXF gives each name one type, so an
   attribute that is a number here and text there is stored likewise.
-- GraphML: the edge key is the id of the edge.
+- GraphML: the edge key is the id of the edge. networkx decides by what it meets in a file: without
+  parallel edges ``nx.read_graphml(path)`` gives a plain graph, in which the key is the attribute
+  ``id`` of the edge. ``nx.read_graphml(path, force_multigraph=True)`` gives the multigraph with its
+  keys in any case, as a comment in the file says.
 - GEXF: the edge key is the label of the edge; the graph attributes, for which GEXF has no
   place, are the name of the graph, as JSON.
 - JSON: numbers that JSON lacks are tagged as in MongoDB's Extended JSON, for instance
@@ -46,6 +49,9 @@ MAX_DEPTH = 50  # of an XML file
 MAX_DIGITS = 400  # of an integer in JSON
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # XML 1.0, Char
+_HINT = (
+    "<!-- networkx.read_graphml(path, force_multigraph=True) reads it with the keys of edges -->\n"
+)
 _DOT_WORDS = {"nan": "nan", "inf": "inf", "-inf": "minus_inf"}  # -inf is no word of DOT
 _DOT_ESCAPES = str.maketrans({'"': r"\"", "\\": r"\\", "\n": r"\n", "\r": r"\r"})
 _DOT_TOKEN = re.compile(r'\s+|"(?:[^"\\]|\\["\\nr])*"|--|[][{}=,;]|-?[A-Za-z0-9_.]+')
@@ -93,7 +99,8 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     """Write a graph in the format of the suffix: .graphml, .gexf, .json, .dot or .gv.
 
     The file is written beside its final place and then renamed, so that an interrupted write
-    leaves an older file as it was.
+    leaves an older file as it was. :func:`read_graph` reads all formats; networkx needs
+    ``read_graphml(path, force_multigraph=True)`` for a GraphML file without parallel edges.
 
     Parameters
     ----------
@@ -124,6 +131,11 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
 def read_graph(path: str | Path) -> nx.MultiGraph:
     """Read a file of :func:`write_graph` again.
+
+    Parameters
+    ----------
+    path
+        A file with one of the suffixes of :func:`write_graph`.
 
     Returns
     -------
@@ -225,7 +237,9 @@ def _of_two_types(table: Iterable[Attributes]) -> set[str]:
 def _to_graphml(graph: nx.MultiGraph) -> bytes:
     file = io.BytesIO()
     nx.write_graphml_xml(graph, file)
-    return file.getvalue().replace(b"\r", b"&#13;")  # XML reads a bare one as \n
+    head, end, rest = file.getvalue().partition(b"?>\n")
+    content = head + end + _HINT.encode() + rest
+    return content.replace(b"\r", b"&#13;")  # XML reads a bare one as \n
 
 
 class _Bounded:

@@ -83,7 +83,13 @@ class Density:
     error: float
 
     def measure(self, low: Exact, high: Exact) -> Any:
-        """How much of the attractor lies between two points: exact, or an interval of mpmath."""
+        """How much of the attractor lies between two points: exact, or an interval of mpmath.
+
+        Parameters
+        ----------
+        low, high
+            The points, exact numbers.
+        """
         total = QQ.zero if self.exact else mpmath.iv.mpf(0)
         for a, b, value in self.steps():
             part = min(b, high) - max(a, low)

@@ -8,9 +8,10 @@ preimage of a break along the word's own prefix), never as numbers.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -214,7 +215,14 @@ def minimal_period(word: Word, unit: int = 1) -> int:
 def is_stable(
     cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion, oracle: SignOracle
 ) -> bool:
-    """Whether a fixed point attracts from both sides.
+    """Whether a fixed point attracts from both sides."""
+    return all(test() for test in stability_tests(cylinders, i, inclusion, oracle))
+
+
+def stability_tests(
+    cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion, oracle: SignOracle
+) -> tuple[Callable[[], bool], ...]:
+    """What must be true of a fixed point that attracts from both sides, each on its own.
 
     At a cut it does if the iterate is continuous there, with slopes m and n on its sides such
     that m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
@@ -222,14 +230,24 @@ def is_stable(
     cylinder = cylinders[i]
     if inclusion is Inclusion.INSIDE:
         word = cylinder.word
-        return oracle.multiplier(word, 1) < 0 < oracle.multiplier(word, -1)
+        return lambda: oracle.multiplier(word, 1) < 0, lambda: oracle.multiplier(word, -1) > 0
     if inclusion not in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT):
-        return False
+        return (lambda: False,)
     cut = cylinder.upper if inclusion is Inclusion.UPPER else cylinder.lower
     assert cut is not None
     left = cylinder if inclusion is Inclusion.UPPER else cylinders[i - 1]
     right = cylinder if inclusion is Inclusion.LOWER else cylinders[i + 1]
-    if any(above_diagonal(oracle, side.word, cut) for side in (left, right)):
-        return False
-    slopes = (left.word, right.word, left.word + right.word)
-    return all(oracle.multiplier(word, 1) < 0 for word in slopes)
+    meets = partial(_meets_diagonal, oracle, cut)
+    contracts = partial(_is_less_than_one, oracle)
+    return (
+        *(partial(meets, side.word) for side in (left, right)),
+        *(partial(contracts, word) for word in (left.word, right.word, left.word + right.word)),
+    )
+
+
+def _meets_diagonal(oracle: SignOracle, cut: Cut, word: Word) -> bool:
+    return above_diagonal(oracle, word, cut) == 0
+
+
+def _is_less_than_one(oracle: SignOracle, word: Word) -> bool:
+    return oracle.multiplier(word, 1) < 0

@@ -14,7 +14,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import fraction_of, rational
-from pwmap.algebra.assumptions import Region
+from pwmap.algebra.assumptions import Region, UndecidedError
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
@@ -148,7 +148,8 @@ class FixedPoint:
     admissible
         False for a virtual fixed point: that of a formula, outside the formula's piece.
     stable
-        Whether all orbits from nearby, on both sides, stay near and converge to it.
+        Whether all orbits from nearby, on both sides, stay near and converge to it. None if that
+        does not follow from the assumptions on the parameters.
     at_border
         Whether it lies at an end of a piece.
     """
@@ -159,7 +160,7 @@ class FixedPoint:
     order: int
     period: int
     admissible: bool
-    stable: bool
+    stable: bool | None
     at_border: bool
 
 
@@ -288,7 +289,14 @@ class PiecewiseLinearMap:
     ) -> PiecewiseLinearMap:
         """Build a map from a ``sympy.Piecewise`` or its text.
 
-        The first condition that holds counts. Parameters and errors are those of the class.
+        The first condition that holds counts. Errors are those of the class.
+
+        Parameters
+        ----------
+        piecewise
+            A ``sympy.Piecewise`` of affine formulas, one such formula, or the text of either.
+        x, given, letters
+            As for the class.
         """
         self = cls.__new__(cls)
         self._set(read_formula(piecewise, x, given, letters), (0,))
@@ -327,6 +335,8 @@ class PiecewiseLinearMap:
 
         Parameters
         ----------
+        map_
+            The map, with what it assumes.
         scope
             The cell.
         orbits, oracle
@@ -417,7 +427,15 @@ class PiecewiseLinearMap:
         return "".join(self.letters[letter] for letter in word)
 
     def cut_to_sympy(self, word: Word, cut: Cut) -> sympy.Expr:
-        """The exact value of an end of a piece."""
+        """The exact value of an end of a piece.
+
+        Parameters
+        ----------
+        word
+            Word of a piece, as numbers.
+        cut
+            An end of it.
+        """
         return fraction_to_sympy(self.orbits.preimage(cut.k, word[: cut.steps]))
 
     # --- New maps -------------------------------------------------------------------------------
@@ -651,11 +669,19 @@ class PiecewiseLinearMap:
             at_border=inclusion in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT),
         )
 
-    def _is_stable(self, i: int, inclusion: Inclusion) -> bool:
+    def _is_stable(self, i: int, inclusion: Inclusion) -> bool | None:
+        """Whether a fixed point attracts; None if that is open, as what would refuse it is."""
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
             return iterate.stable[i]
-        return cyl.is_stable(self.cylinders, i, inclusion, self.oracle)
+        open_ = False
+        for test in cyl.stability_tests(self.cylinders, i, inclusion, self.oracle):
+            try:
+                if not test():
+                    return False
+            except UndecidedError:
+                open_ = True
+        return None if open_ else True
 
     def _period(self, word: Word) -> int:
         """Minimal period of a point with a word, counted in single maps."""

@@ -26,6 +26,7 @@ from pwmap.algebra.exact import (
     constant,
     fraction_to_sympy,
     is_constant,
+    to_sympy,
 )
 from pwmap.algebra.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name, shortened
 
@@ -280,6 +281,11 @@ class Line:
         except UndecidedError:
             if self._name in term.names():
                 raise
+            if term.operation not in CONDITIONS:
+                raise ValueError(
+                    f"what {term} is does not follow from the assumptions, which must say the sign "
+                    f"of {to_sympy(top)} (given)"
+                ) from None
             raise ValueError(
                 f"the condition {term} does not contain {self.x}: "
                 "put it among the assumptions (given)"

@@ -19,6 +19,7 @@ from sympy import QQ
 from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.record import PROGRAM
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Progress, Report
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
@@ -77,6 +78,12 @@ def bifurcation_diagram(
     sample
         Values for symbolic parameters, at which the floats of the diagram are taken and around
         which its formulas hold; by default values that the map's assumptions admit.
+    budget
+        How much may be computed; orders that take more are left out, and ``given`` says so.
+    progress
+        Called with every order that is completed.
+    on_interrupt
+        Called at Ctrl-C, after which the completed orders are returned; by default nothing is.
 
     Returns
     -------
@@ -230,6 +237,7 @@ def _assembled(
         points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in continuation.axis.given),
         sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
+        about={"program": PROGRAM},
     )
 
 

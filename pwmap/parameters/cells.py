@@ -409,8 +409,9 @@ def with_cells(
     if name not in names:
         raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
     checked_size(max(orders), len(map_.chain), budget)
-    values: Mapping[str, Number] = {}
+    tried: list[Mapping[str, Number]] = []
     for values in samples(map_, name, span, sample):
+        tried.append(values)
         axis = axis_of(map_.definition, name, values)
         try:
             found = admitted_intervals(axis, span)
@@ -419,7 +420,16 @@ def with_cells(
             return build(axis, cells)
         except ResampleError:
             continue
-    raise ResampleError(f"at {shown_sample(values)} edges meet by chance: choose another sample")
+    only = {key: value for key, value in tried[-1].items() if {t[key] for t in tried} == {value}}
+    if only and len(tried) > 1:  # no accident: nothing else was to be had
+        raise ResampleError(
+            f"over this span the assumptions leave only {shown_sample(only)}, where edges meet: "
+            "give that value (.at), or take another span"
+        )
+    raise ResampleError(
+        f"at {shown_sample(tried[-1])} edges meet by chance: choose another sample (sample=..., "
+        "on the command line --sample)"
+    )
 
 
 def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> list[Cell]:

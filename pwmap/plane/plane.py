@@ -48,7 +48,13 @@ class ParameterPlane:
     points: tuple[CodimensionTwo, ...]
 
     def at(self, across: object, along: object) -> Dynamics:
-        """The long run at a point, exactly; see :func:`pwmap.dynamics`."""
+        """The long run at a point, exactly; see :func:`pwmap.dynamics`.
+
+        Parameters
+        ----------
+        across, along
+            Values of both parameters: rationals, their texts, or algebraic numbers.
+        """
         return dynamics(self.map, {self.across: across, self.along: along})
 
     def curve(self, curve_id: str) -> PlaneCurve:
@@ -87,6 +93,8 @@ def parameter_plane(
         Rationals.
     orders
         The iterates to look at; those of orders that divide them are, too.
+    budget
+        How many pieces may be computed in all strips together.
 
     Raises
     ------

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
@@ -22,14 +21,6 @@ from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
 ORDER = 24  # up to which the graph of laps is made for a colour: its bounds differ by a hundredth
-
-
-class Colours(StrEnum):
-    """What the colours of a plane say."""
-
-    PERIOD = "period"
-    ENTROPY = "entropy"
-    BANDS = "bands"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -119,7 +119,12 @@ def organising_centres(
 ) -> tuple[OrganisingCentre, ...]:
     """All organising centres in the plane of two parameters, where the assumptions hold.
 
-    Parameters and errors are those of :func:`organising_centre`.
+    Errors are those of :func:`organising_centre`.
+
+    Parameters
+    ----------
+    map_, across, along
+        As for :func:`organising_centre`.
     """
     pieces = two_pieces(map_)
     symbols = _two_parameters(map_, across, along)

@@ -18,6 +18,11 @@ from pwmap.algebra.terms import shortened
 def farey(q_max: int) -> tuple[Fraction, ...]:
     """All reduced fractions from 0 to 1 whose denominators are at most ``q_max``, in order.
 
+    Parameters
+    ----------
+    q_max
+        The largest denominator, at least 1.
+
     Raises
     ------
     ValueError
@@ -63,6 +68,13 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
     """How often a cycle comes round for each step: the share of the letter R in its word.
 
     The word need not be rotational: cycles of overlapping maps are often not.
+
+    Parameters
+    ----------
+    word
+        Letters of the pieces that a cycle visits, such as ``"LLR"``.
+    letters
+        The letter of the left and that of the right piece.
 
     Raises
     ------

@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 
 import pytest
-from rich.console import Console
 from test_pwmap_cli import run
 
+import pwmap
 from pwmap import (
     Budget,
     BudgetError,
@@ -17,6 +17,7 @@ from pwmap import (
     cli,
     parameter_cells,
 )
+from pwmap.cli_screen import screen
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.tables import LONGEST, short
 from pwmap.maps.cylinders import WHOLE_LINE, refined
@@ -120,17 +121,17 @@ def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
 
 
 def test_the_command_says_what_is_left_out(tmp_path, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr(cli, "console", Console(width=200))
+    monkeypatch.setattr(cli, "console", screen(width=200))
     arguments = (TENT, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3,4")
     code, text = run(*arguments, "--pieces", "100", out=tmp_path)
     assert code == 0
     assert "stopped after orders 1..3: order 4 takes more than 100 pieces in all cells" in text
-    ours = cli.bifurcation_diagram
+    ours = pwmap.bifurcation_diagram
 
     def interrupted(*args: object, progress: object, **keywords: object) -> Diagram:
         return ours(*args, progress=interrupting(2), **keywords)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(cli, "bifurcation_diagram", interrupted)
+    monkeypatch.setattr(pwmap, "bifurcation_diagram", interrupted)
     code, text = run(*arguments, out=tmp_path / "again")
     assert code == 130
     assert "stopped after orders 1..2: interrupted" in text

@@ -321,6 +321,14 @@ def test_plain_networkx_reads_the_graphml(tmp_path: Path) -> None:
     back = nx.read_graphml(path, force_multigraph=True)
     assert back.nodes["A"] == {"kind": "BC", "x": -0.75}
     assert back.edges["A", "B", "b1"] == {"word": "S2 D2", "order": 1.0}
+    simple = nx.read_graphml(path)  # what networkx makes of it unless it is told, as the file says
+    assert not simple.is_multigraph()
+    assert simple.edges["A", "B"]["id"] == "b1"
+    assert "force_multigraph=True" in path.read_text(encoding="utf-8").splitlines()[1]
+    graph = small()
+    graph.add_edge("A", "B", key="b2")
+    both = nx.read_graphml(write_graph(graph, path))  # parallel edges it sees
+    assert sorted(key for *_, key in both.edges(keys=True)) == ["b1", "b2"]
 
 
 def test_gexf_shows_ids_keys_and_typed_columns(tmp_path: Path) -> None:

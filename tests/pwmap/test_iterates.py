@@ -604,6 +604,26 @@ def test_pieces_of_an_iterate_that_the_assumptions_leave_open() -> None:
         paper()("r")
 
 
+def test_a_stability_that_is_open_refuses_no_list() -> None:
+    """R is fixed for all slopes b < 1, and attracts for b > -1 only."""
+    skew = [("a*x + r", "x <= 0"), ("b*x + r", "x > 0")]
+    given = ["0 < a", "a < 1", "r > 0", "b < 0"]
+    (point,) = PiecewiseLinearMap(skew, given=given).fixed_points()
+    assert (point.word, point.stable, point.multiplier) == ("R", None, sympy.Symbol("b"))
+    for further, stable in (("b > -1", True), ("b < -1", False)):
+        (point,) = PiecewiseLinearMap(skew, given=[*given, further]).fixed_points()
+        assert point.stable is stable
+    corner = [("m*x", "x < 0"), ("n*x", "x >= 0")]  # 0 attracts if m < 1, n < 1 and m*n < 1
+    for given, stable in (
+        (["m < 1", "m > 0", "n < 1", "n > 0"], True),
+        (["m < 0", "n < 0"], None),
+        (["m < -2", "n < -1"], False),
+        (["m < 0", "n > 1"], False),
+    ):
+        found = PiecewiseLinearMap(corner, given=given).fixed_points()
+        assert [(p.x, p.at_border, p.stable) for p in found] == [(0, True, stable)], given
+
+
 def test_values_of_parameters_that_are_refused() -> None:
     map_ = paper()
     with pytest.raises(ValueError, match=r"b is no parameter of this map, it has \['a', 'r'\]"):

@@ -5,15 +5,15 @@ import json
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 from typer.testing import CliRunner
 
 from pwmap import cli, read_graph
+from pwmap.cli_screen import screen
 
 
 @pytest.fixture(autouse=True)
 def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cli, "console", Console(width=200))
+    monkeypatch.setattr(cli, "console", screen(width=200))
 
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
@@ -55,6 +55,37 @@ def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
     assert code == 0
     assert "r/(a + 1)" in text
     assert "given: a > 1" in text
+
+
+TWO = ("Piecewise((a*x + r, x <= 0), (b*x + r - 2, True))", "--parameter", "r")
+
+
+def test_two_parameters_stay_symbolic_around_a_sample(tmp_path: Path) -> None:
+    """By default around one that the assumptions admit, which is told by what is given."""
+    code, text = run(*TWO, "--given", "a > 0", "--given", "a < 1", out=tmp_path)
+    assert code == 0
+    assert "-r/(a - 1)" in text
+    code, text = run(*TWO, "--sample", "a=1/2", "--sample", "b=-13/7", out=tmp_path)
+    assert code == 0
+    assert "given: a > 0, a < 1, b < -1, a*b > -1, b > -3" in " ".join(text.split())
+    code, text = run(*TWO, "--sample", "a=1/2", out=tmp_path)
+    assert code == 2
+    assert "a sample must give values to ['a', 'b'], got ['a']" in text
+    code, text = run(*TWO, "--sample", "a", out=tmp_path)
+    assert code == 2
+    assert "--sample needs name=value, such as a=5/4, got 'a'" in text
+    code, text = run(*TWO, "--sample", "a=1", "--sample", "b=1", out=tmp_path)
+    assert code == 2
+    assert "at a = 1, b = 1 edges meet by chance: choose another sample" in text
+
+
+def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
+    """b >= a all over (-1, 5/2) needs a <= -1, and a*b < 1 there a >= -1."""
+    map_ = "Piecewise((a*x, x <= 0), (r - b*x, True))"
+    given = ("--given", "b >= a", "--given", "a*b < 1", "--span", "-1", "5/2")
+    code, text = run(map_, "--parameter", "b", *given, "--orders", "1", out=tmp_path)
+    assert code == 2
+    assert "the assumptions leave only a = -1, where edges meet: give that value" in text
 
 
 @pytest.mark.parametrize(
@@ -111,6 +142,33 @@ def test_the_long_run_lists_intervals_of_constant_entropy(tmp_path: Path) -> Non
                      ("-3", "-2", "", ""), ("-2", "-1", "0", "LR")]  # fmt: skip
     assert rows[1]["entropy"].startswith("0.48121182505960")
     assert rows[0]["open_because"].startswith("orbits of breaks are not known to the end")
+
+
+@pytest.mark.slow
+def test_a_run_leaves_nothing_of_an_earlier_one(tmp_path: Path) -> None:
+    tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
+    options = ("--parameter", "a", "--span", "5/4", "9/4", "--orders", "1")
+    assert run(tent, *options, "--attractors", "--density", "2", out=tmp_path)[0] == 0
+    before = {path.name for path in tmp_path.iterdir()}
+    code, text = run(tent, *options, out=tmp_path)
+    assert code == 0
+    after = {path.name for path in tmp_path.iterdir()}
+    assert before - after == {"attractors.csv", "crises.csv", "density_2.png"}
+    assert "removed what an earlier run wrote: attractors.csv, crises.csv, density_2.png" in text
+    record = json.loads((tmp_path / "about_analyse.json").read_text(encoding="utf-8"))
+    assert set(record["files"]) == after - {"about_analyse.json"}
+    assert (record["map"], record["span"]) == (tent, ["5/4", "9/4"])
+    assert read_graph(tmp_path / "graph.graphml").graph["map"] == tent
+
+
+def test_intervals_of_symbols_are_no_markup(tmp_path: Path) -> None:
+    """[b, ...] would be taken for an opening tag."""
+    map_ = "Piecewise((a*x + r, x < b), (r, True))"
+    code, text = run(map_, "--parameter", "r", "--orders", "1", "--given", "a > 1",
+                     out=tmp_path / "[b]")  # fmt: skip
+    assert code == 0
+    assert "r in [b, 7]" in text
+    assert f"wrote {tmp_path / '[b]' / 'diagram.png'}, " in text
 
 
 def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:

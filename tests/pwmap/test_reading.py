@@ -203,6 +203,8 @@ def test_expressions_are_bounded_as_texts_are() -> None:
         ),
         ("r - a*Abs(x)", ["a*x + r for x < 0", "-a*x + r for 0 <= x"]),
         ("Max(x, -2*x)", ["-2*x for x < 0", "x for 0 <= x"]),
+        ("r - a*abs(x)", ["a*x + r for x < 0", "-a*x + r for 0 <= x"]),
+        ("min(1, max(0, x))", ["0 for x < 0", "x for 0 <= x < 1", "1 for 1 <= x"]),
         ("Min(1, Max(0, x))", ["0 for x < 0", "x for 0 <= x < 1", "1 for 1 <= x"]),
         ("1 + Piecewise((0, x < 0), (x, True))", ["1 for x < 0", "x + 1 for 0 <= x"]),
         (
@@ -277,6 +279,18 @@ def test_breaks_between_parameters_are_ordered_by_the_assumptions() -> None:
     with pytest.raises(UndecidedError, match=r"sign of 2\*a"):
         read("Abs(a*x)")
     assert rows(read("Abs(a*x)", given=["a > 0"])) == ["-a*x for x < 0", "a*x for 0 <= x"]
+
+
+def test_parameters_meet_under_assumptions() -> None:
+    """Breaks lie where arguments meet; arguments that lose everywhere leave none."""
+    assert rows(read("Max(a*x, b*x + 1, 1 - x)", given=["a > b", "b > 0"])) == [
+        "1 - x for x < 0", "b*x + 1 for 0 <= x < 1/(a - b)", "a*x for 1/(a - b) <= x",
+    ]  # fmt: skip
+    assert rows(read("Min(x, a, b)", given=["a < b"])) == ["x for x < a", "a for a <= x"]
+    assert rows(read("Abs(a)*x + 1", given=["a < 0"])) == ["-a*x + 1 for all x"]
+    sentence = r"what Abs\(a\) is does not follow .* must say the sign of 2\*a \(given\)"
+    with pytest.raises(ValueError, match=sentence):
+        read("Abs(a)*x + 1")
 
 
 # --- Names ----------------------------------------------------------------------------------------

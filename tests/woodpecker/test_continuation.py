@@ -23,10 +23,11 @@ from woodpecker.piecewise.explorer import Explorer, Stage
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Numerics, Settings
 from woodpecker.piecewise.tasks import Worker
-from woodpecker.runs import DEFAULT, WINDOW, about, saved_diagram, settings_of
+from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 PRINTED = 5.1e-5  # reference values are known to four decimals

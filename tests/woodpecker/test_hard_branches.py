@@ -15,10 +15,10 @@ from woodpecker.piecewise.cycle_branches import PASSED_OVER
 from woodpecker.piecewise.diagrams import connected
 from woodpecker.piecewise.jump_branches import LIMIT_LOST
 from woodpecker.piecewise.settings import Settings
-from woodpecker.runs import WINDOW
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
 START = -0.53  # rad, near the stable motion
 

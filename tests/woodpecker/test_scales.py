@@ -24,9 +24,10 @@ from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.pieces import Image, Piece
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
-from woodpecker.runs import OUT_OF_DOMAIN, WINDOW
+from woodpecker.runs import OUT_OF_DOMAIN
 from woodpecker.shooting import shoot
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
 MASSES, INERTIAS = ("m_m", "m_s"), ("j_m", "j_s")
 LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")

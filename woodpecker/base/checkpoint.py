@@ -61,7 +61,7 @@ class Checkpoint:
         run = json.loads(json.dumps(run))
         if resume:
             _existing(self.path)
-        self._file: TextIO = self.path.open("a", encoding="utf-8")
+        self._file: TextIO = self.path.open("a", encoding="utf-8", newline="\n")
         try:
             _lock(self._file, self.path)
             if resume:
@@ -199,16 +199,22 @@ def _compare(old: Entry, new: Entry, path: Path) -> None:
         if key == START and _close(old.get(key), new.get(key)):
             continue
         if old.get(key) != new.get(key):
-            name, there, here = _difference(key, old.get(key), new.get(key))
-            raise ValueError(f"cannot resume {path}: there {name} is {there}, now it is {here}")
+            raise ValueError(f"cannot resume {path}: {_difference(key, old, new)}")
 
 
-def _difference(name: str, old: object, new: object) -> tuple[str, object, object]:
-    """What differs first between two values, by its name, and how; they are not the same."""
-    if not (isinstance(old, dict) and isinstance(new, dict) and old.keys() == new.keys()):
-        return name, old, new
-    key = next(key for key in old if old[key] != new[key])
-    return _difference(f"{key} of {name}", old[key], new[key])
+def _difference(key: str, old: Entry, new: Entry, within: str = "") -> str:
+    """The first value that differs, by its name, there and here."""
+    name = f"{key}{within}"
+    if key not in new:
+        return f"there {name} is {_short(old[key])}, now there is none"
+    if key not in old:
+        return f"there is no {name} there, now it is {_short(new[key])}"
+    one, other = old[key], new[key]
+    if not (isinstance(one, dict) and isinstance(other, dict)):
+        return f"there {name} is {one}, now it is {other}"
+    missing = object()
+    inner = next(k for k in {**one, **other} if one.get(k, missing) != other.get(k, missing))
+    return _difference(inner, one, other, f" of {name}")
 
 
 def _close(old: object, new: object) -> bool:

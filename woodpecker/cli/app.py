@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import logging
+import os
+from typing import Annotated
 
-import matplotlib as mpl
 import typer
 
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
-from woodpecker.cli.options import with_toy
+from woodpecker.cli.options import say, with_toy
 from woodpecker.cli.prove import check, prove
 from woodpecker.cli.regions import regions
 from woodpecker.cli.robustness import robustness
@@ -22,6 +23,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 for name, command in (
     ("simulate", simulate),
@@ -33,14 +35,29 @@ for name, command in (
     ("robustness", robustness),
     ("prove", prove),
 ):
-    app.command(name=name)(with_toy(command))
+    app.command(name=name)(with_toy(command, name))
 app.command(name="check")(check)
 
 
+def _tell_version(asked: bool) -> None:
+    if asked:
+        from woodpecker import __version__
+
+        say(f"woodpecker {__version__}")
+        raise typer.Exit
+
+
 @app.callback()
-def _without_screen() -> None:
-    """Draw into files only, before any command loads what draws."""
-    mpl.use("Agg")
+def _before(
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version and leave.", callback=_tell_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """The Woodpecker Toy: exact simulation, return map, bifurcation diagram."""
+    os.environ["MPLBACKEND"] = "Agg"  # draw into files only, said before matplotlib is loaded
 
 
 def run() -> None:

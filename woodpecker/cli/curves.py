@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from rich.table import Table
-
-from pwmap.diagrams.diagram import Diagram, PointKind
-from pwmap.diagrams.files import write_figure, write_table
-from pwmap.diagrams.graph import write_graph
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import (
     GUESS,
     CommandError,
     Out,
+    asked_for,
     console,
     motion,
     option,
@@ -23,14 +19,16 @@ from woodpecker.cli.options import (
     results_in,
     say,
 )
-from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.plane.curve import Curve
-from woodpecker.plane.graph import graph_of_curves
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pwmap import Diagram
+    from woodpecker import Curve
 
 FILES = ("curves.png", "curves.csv", "curve_points.csv", "curves.graphml", "curves.json")
 ALL = "all"
-STARTS = (PointKind.LP, PointKind.PD, PointKind.BC, PointKind.FF)
 
 From = Annotated[
     str,
@@ -59,6 +57,8 @@ def curves(
 
     Example: woodpecker curves --from A,B,C --parameters eps_n1,mu_2 --second-span 0.286 0.6
     """
+    from woodpecker import continuation
+
     first, second = two_of(parameters)
     spans = span, second_of(toy, second, second_span)
     with results_in(out) as target:
@@ -88,8 +88,11 @@ def two_of(text: str) -> tuple[str, str]:
 
 def _chosen(diagram: Diagram, text: str) -> list[str]:
     """Names or ids of the points to start from."""
+    from pwmap import PointKind
+
     if text == ALL:
-        return [point.name or point.id for point in diagram.points if point.kind in STARTS]
+        starts = (PointKind.LP, PointKind.PD, PointKind.BC, PointKind.FF)
+        return [point.name or point.id for point in diagram.points if point.kind in starts]
     wanted = [name.strip() for name in text.split(",")]
     known = [*sorted(p.name for p in diagram.points if p.name), *(p.id for p in diagram.points)]
     for name in wanted:
@@ -102,7 +105,10 @@ def _followed(
     toy: Toy, diagram: Diagram, names: list[str], over: tuple[str, str],
     spans: tuple[tuple[float, float], tuple[float, float]],
 ) -> dict[str, Curve]:  # fmt: skip
-    found, refused = dict[str, Curve](), list[str]()
+    from woodpecker import continuation
+
+    found: dict[str, Curve] = {}
+    refused: list[str] = []
     with progress() as bar:
         task = bar.add_task(", ".join(over), total=len(names))
         for name in names:
@@ -119,6 +125,10 @@ def _followed(
 
 
 def _write(found: dict[str, Curve], target: Path) -> None:
+    from pwmap import write_graph
+    from pwmap.diagrams.files import write_figure, write_table
+    from pwmap.diagrams.record import PROGRAM, attributes
+    from woodpecker import graph_of_curves
     from woodpecker.plot.plane import plot_curves
 
     first, second = next(iter(found.values())).names
@@ -145,11 +155,14 @@ def _write(found: dict[str, Curve], target: Path) -> None:
         ),
     )
     graph = graph_of_curves(list(found.values()))
+    graph.graph.update(attributes({"program": PROGRAM, **asked_for()}))
     for name in FILES[3:]:
         write_graph(graph, target / name)
 
 
 def _table(found: dict[str, Curve]) -> Table:
+    from rich.table import Table
+
     first, second = next(iter(found.values())).names
     table = Table("curve", "point", first, second, "what")
     for name, curve in found.items():

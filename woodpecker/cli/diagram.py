@@ -5,14 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
-from rich.progress import Progress as Bar
 
-from pwmap.diagrams.diagram import Diagram, PointKind
-from pwmap.diagrams.files import write_figure
-from pwmap.diagrams.tables import FILES, table_of_points, write_results
 from woodpecker.cli.options import (
     GUESS,
     INTERRUPTED,
@@ -27,17 +23,14 @@ from woodpecker.cli.options import (
     results_in,
     say,
 )
-from woodpecker.continued import continuation
-from woodpecker.diagram import find_all
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.piecewise.diagrams import Found
-from woodpecker.piecewise.explorer import Progress, Stage
-from woodpecker.piecewise.local import local_model
-from woodpecker.piecewise.settings import Settings
-from woodpecker.runs import WINDOW, saved_diagram
-from woodpecker.solutions import known_observables
-from woodpecker.solutions import observables as observed
-from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
+    from pwmap import Diagram
+    from woodpecker import Found, Stage
 
 RUN = "run.jsonl"
 PAPER = "A=0.111,-0.884 B=0.29,-0.884 C=0.185,-0.757"
@@ -105,6 +98,8 @@ def diagram(
 
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
+    from woodpecker import Settings
+
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     known_parameter(parameter)
     shows = _Shows(
@@ -148,16 +143,19 @@ class _Searched(NamedTuple):
     stopped: bool = False
 
 
-_Search = Callable[[Progress], _Searched]
+_Show = Callable[["Stage"], None]
+_Search = Callable[[_Show], _Searched]
 
 
 def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
     """How to find what hangs together with one motion."""
+    from woodpecker import continuation
+
     orbit = motion(toy, phi_s, order)
     keep = keep | {"orders": (orbit.minimal_period, *keep["orders"])}
     summary = orbit.message if orbit.minimal_period < orbit.order else ""
 
-    def search(show: Progress) -> _Searched:
+    def search(show: _Show) -> _Searched:
         span = keep["settings"].span
         return _Searched(continuation(toy, orbit, parameter, span, progress=show, **keep), summary)
 
@@ -168,9 +166,11 @@ def _of_orders(
     toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
 ) -> _Search:
     """How to find everything in the window."""
+    from woodpecker import find_all
+
     span, window = keep["settings"].span, keep["settings"].window
 
-    def search(show: Progress) -> _Searched:
+    def search(show: _Show) -> _Searched:
         everything = find_all(
             toy, parameter, span, orders, window, workers=workers, progress=show, **keep
         )
@@ -181,6 +181,8 @@ def _of_orders(
 
 def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
     """Search with a progress bar; after Ctrl-C what the run has kept."""
+    from woodpecker import saved_diagram
+
     with progress() as bar:
         try:
             return search(_shown(bar, parameter))
@@ -188,7 +190,7 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
             return _Searched(saved_diagram(run), stopped=True)
 
 
-def _shown(bar: Bar, parameter: str) -> Progress:
+def _shown(bar: Bar, parameter: str) -> _Show:
     """Shows how far a search has come."""
     task = bar.add_task(parameter, total=None)
 
@@ -205,6 +207,9 @@ def _shown(bar: Bar, parameter: str) -> Progress:
 
 def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
     """Pictures, tables and graphs; the special points on the screen too."""
+    from pwmap.diagrams.tables import FILES, table_of_points, write_results
+    from woodpecker import observables as observed
+
     shown = observed(toy, found.diagram.named(shows.places), *shows.columns)
     pictures = _draw(toy, shown, target, shows.words)
     write_results(shown, target)
@@ -216,7 +221,10 @@ def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
 
 def _draw(toy: Toy, found: Diagram, target: Path, words: bool) -> list[str]:
     """The diagram, each order on its own if there are several, and fold-flips with their models."""
+    from pwmap import PointKind
+    from pwmap.diagrams.files import write_figure
     from pwmap.plot import plot_diagram
+    from woodpecker import ToyPieces, local_model
     from woodpecker.plot.figures import plot_local
 
     names = ["diagram.png"]
@@ -261,6 +269,8 @@ def places_of(text: str) -> dict[str, tuple[float, float]]:
 
 def _columns(text: str) -> tuple[str, ...]:
     """Names of observables."""
+    from woodpecker.solutions import known_observables
+
     names = tuple(part.strip() for part in text.split(","))
     known_observables(names)
     return names

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-import numpy as np
 import typer
-from rich.table import Table
 
-from pwmap.diagrams.files import write_figure, write_table
-from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import interval
 from woodpecker.cli.options import (
     INTERRUPTED,
     CommandError,
@@ -26,8 +21,13 @@ from woodpecker.cli.options import (
     say,
 )
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plot.curve import Curve, Detail, Link
-from woodpecker.simulation.returns import CHUNK, ReturnMap, checked_starts, joined, return_map
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from woodpecker import ReturnMap
+    from woodpecker.base.arrays import Floats
+    from woodpecker.plot.curve import Curve
 
 FILES = ("return_map.png", "return_map.csv")
 COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
@@ -47,7 +47,13 @@ def draw_map(
 
     Example: woodpecker map --eps-n1 0.125 --window -1.2 -0.4
     """
+    import numpy as np
+
+    from pwmap.diagrams.files import write_figure
+    from woodpecker.base.checks import interval
+    from woodpecker.plot.curve import Link
     from woodpecker.plot.figures import plot_curve
+    from woodpecker.simulation.returns import checked_starts
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
@@ -75,7 +81,9 @@ class _Computed(NamedTuple):
 
 def _computed(toy: Toy, order: int, starts: Floats) -> _Computed:
     """The map at the starts, and its picture; after Ctrl-C as much as there is."""
+    from woodpecker import return_map
     from woodpecker.plot.figures import curves
+    from woodpecker.simulation.returns import CHUNK, joined
 
     parts: list[ReturnMap] = []
     curve, stopped = None, False
@@ -100,6 +108,8 @@ def _computed(toy: Toy, order: int, starts: Floats) -> _Computed:
 
 def _write_table(returns: ReturnMap, path: Path) -> None:
     """One row for each start."""
+    from pwmap.diagrams.files import write_table
+
     names = [reason.name.lower() for reason in returns.status]
     numbers = (
         column.tolist()
@@ -110,6 +120,8 @@ def _write_table(returns: ReturnMap, path: Path) -> None:
 
 def _outcomes(returns: ReturnMap) -> Table:
     """How many starts ended how, for the screen."""
+    from rich.table import Table
+
     table = Table("starts", "outcome", title=f"{len(set(returns.words))} words")
     for reason in dict.fromkeys(returns.status):
         table.add_row(str(returns.status.count(reason)), reason.value)
@@ -118,6 +130,8 @@ def _outcomes(returns: ReturnMap) -> Table:
 
 def _left_out(curve: Curve, order: int) -> str:
     """What the picture does not resolve."""
+    from woodpecker.plot.curve import Detail, Link
+
     return (
         f"The picture leaves open, drawn pale, whether P_{order} jumps or is only steep at "
         f"{curve.between(Link.OPEN).size} places, together {curve.open_width:.3g} rad wide: "

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from rich.table import Table
-
-from pwmap.diagrams.files import write_figure, write_table
 from woodpecker.cli.options import (
     GUESS,
     CommandError,
@@ -20,16 +17,18 @@ from woodpecker.cli.options import (
     progress,
     report,
     results_in,
+    say,
 )
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation.status import Status
-from woodpecker.simulation.trajectory import Trajectory
-from woodpecker.simulation.trajectory import simulate as run_simulation
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from woodpecker import Trajectory
 
 LISTED = 40  # events in the table on the screen
 FILES = ("time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv")
 SPEEDS = ("dy", "dphi_m", "dphi_s")
-GAVE_UP = (Status.EVENT_LIMIT, Status.CONTACT_NO_SOLUTION, Status.CONTACT_AMBIGUOUS)
 
 
 def simulate(
@@ -43,6 +42,8 @@ def simulate(
 
     Example: woodpecker simulate --eps-n1 0.3 --phi-s -0.6 --t-end 0.5
     """
+    from pwmap.diagrams.files import write_figure
+    from woodpecker import simulate as run_simulation
     from woodpecker.plot.figures import plot_phase_portraits, plot_time_history
 
     with results_in(out) as target:
@@ -71,6 +72,7 @@ def animate(
 
     Example: woodpecker animate --eps-n1 0.3 --slow 60
     """
+    from woodpecker import simulate as run_simulation
     from woodpecker.plot import drawing
 
     with results_in(out) as target:
@@ -83,7 +85,7 @@ def animate(
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
     console.print(f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}")
-    report(target, file)
+    say(f"wrote {target / file}")
     _complete(trajectory)
 
 
@@ -102,6 +104,8 @@ def _start_and_end(
 
 def _write_tables(trajectory: Trajectory, target: Path) -> None:
     """Samples and events as CSV."""
+    from pwmap.diagrams.files import write_table
+
     write_table(
         target / "trajectory.csv",
         ("t", "y", "phi_m", "phi_s", *SPEEDS),
@@ -119,6 +123,8 @@ def _write_tables(trajectory: Trajectory, target: Path) -> None:
 
 def _events(trajectory: Trajectory) -> Table:
     """The first events, for the screen."""
+    from rich.table import Table
+
     title = f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}"
     table = Table("t [s]", "event", title=title)
     for event in trajectory.events[:LISTED]:
@@ -130,7 +136,10 @@ def _events(trajectory: Trajectory) -> Table:
 
 def _complete(trajectory: Trajectory) -> None:
     """CommandError if the motion could not be followed as far as it goes."""
-    if trajectory.status in GAVE_UP:
+    from woodpecker import Status
+
+    gave_up = (Status.EVENT_LIMIT, Status.CONTACT_NO_SOLUTION, Status.CONTACT_AMBIGUOUS)
+    if trajectory.status in gave_up:
         raise CommandError(
             f"the motion was followed to t = {trajectory.t_end:.9g} s only, after "
             f"{len(trajectory.events)} events: {trajectory.status.value}"

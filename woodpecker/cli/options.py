@@ -4,24 +4,34 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from pwmap.cli_screen import bar_on, screen, tell_written
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
-from woodpecker.shooting import PeriodicOrbit, shoot
 
-console = Console()
-errors = Console(stderr=True)
+if TYPE_CHECKING:  # help and refusals come before what computes is loaded
+    from rich.progress import Progress
+
+    from woodpecker import PeriodicOrbit
+
+console = screen()
+errors = screen(stderr=True)
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
+OUT = "out"  # the option that says where, not what
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
+
+
+# the command that runs, and what it was asked for: its files say so
+_asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
 
 
 class CommandError(Exception):
@@ -33,7 +43,12 @@ def option(text: str, *names: str, **keywords: Any) -> Any:
     return typer.Option(*names, help=escape(text), **keywords)
 
 
-Out = Annotated[Path, option("Folder for the results; made if it is missing.")]
+Out = Annotated[
+    Path,
+    option(
+        "Folder for the results, made if it is missing; about_<command>.json says what made them."
+    ),
+]
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
@@ -41,10 +56,10 @@ Start = Annotated[
 Window = Annotated[tuple[float, float], option("Interval of phi_S [rad].")]
 
 
-def with_toy(command: Callable[..., None]) -> Callable[..., None]:
+def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
     """Give a command one option for each field of the toy, and turn errors into sentences.
 
-    The command receives the toy as its first argument.
+    The command receives the toy as its first argument. Its files are recorded under its name.
     """
     hints = get_type_hints(command, include_extras=True)
     own = [
@@ -56,6 +71,8 @@ def with_toy(command: Callable[..., None]) -> Callable[..., None]:
     def wrapped(**values: Any) -> None:
         try:
             toy = Toy(**{each.name: values.pop(each.name) for each in of_toy})
+            options = {name: value for name, value in values.items() if name != OUT}
+            _asked.set((named, {"toy": asdict(toy), "options": options}))
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {error}")
@@ -101,6 +118,8 @@ def _toy_options() -> list[inspect.Parameter]:
 
 def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     """The periodic motion near a guess [rad]; CommandError if there is none."""
+    from woodpecker import shoot
+
     orbit = shoot(toy, guess, order)
     if not orbit.success:
         raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
@@ -127,10 +146,7 @@ def results_in(out: Path) -> Iterator[Path]:
 
 def progress() -> Progress:
     """A progress bar that leaves nothing behind."""
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), console=errors,
-        transient=True,
-    )  # fmt: skip
+    return bar_on(errors)
 
 
 def in_mm(length: float) -> str:
@@ -138,16 +154,28 @@ def in_mm(length: float) -> str:
     return "without end" if math.isinf(length) else f"{1e3 * length:.4f} mm"
 
 
+def asked_for() -> Mapping[str, object]:
+    """What the command that runs was asked for: the toy and its own options."""
+    return _asked.get()[1]
+
+
 def report(where: Path, *names: str) -> None:
-    """Say which files were written."""
-    say("wrote " + ", ".join(str(where / name) for name in names))
+    """Say which files were written, to the user and in a record that lies beside them.
+
+    What an earlier run of the command has left there, and this one did not write, is removed.
+    """
+    from pwmap.diagrams.record import keep_record, record_of
+
+    command, asked = _asked.get()
+    gone = keep_record(where, command, names, asked)
+    tell_written(console, where, (*names, record_of(command)), gone)
 
 
 def say(sentence: str) -> None:
     """A sentence, brackets and all."""
-    console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+    console.print(sentence, highlight=False, soft_wrap=True)
 
 
 def complain(sentence: str) -> None:
     """A sentence about what went wrong."""
-    errors.print(sentence, style="red", markup=False, highlight=False, soft_wrap=True)
+    errors.print(sentence, style="red", highlight=False, soft_wrap=True)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import (
     GUESS,
@@ -18,18 +17,14 @@ from woodpecker.cli.options import (
     motion,
     option,
     progress,
-    report,
     results_in,
     say,
 )
-from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proving import check_certificate
-from woodpecker.proving import prove as proved
-from woodpecker.shooting import PeriodicOrbit
-from woodpecker.undecided import Undecided
 
 if TYPE_CHECKING:
+    from pwmap import Diagram, SpecialPoint
+    from woodpecker import PeriodicOrbit
     from woodpecker.proofs.certificates import Certificate
 
 FILE = "certificate.json"
@@ -54,6 +49,9 @@ def prove(
 
     Example: woodpecker prove --eps-n1 0.5 --out results
     """
+    from woodpecker import Undecided
+    from woodpecker import prove as proved
+
     if span is not None and point:
         raise ValueError("either a span or a point can be proved, not both")
     with results_in(out) as target:
@@ -69,16 +67,21 @@ def prove(
             raise CommandError(f"undecided: {answer}") from None
         certificate.save(target / FILE)
     say(certificate.statement)
-    report(target, FILE)
+    say(f"wrote {target / FILE}")
 
 
 def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
     """What is connected to the motion, with the paper's names."""
+    from woodpecker import continuation
+
     return continuation(toy, orbit).named(places_of(PAPER))
 
 
 def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certificate:
     """The branch of the motion over an interval, with a bar."""
+    from pwmap import BranchKind
+    from woodpecker import prove as proved
+
     hits = (
         hit.branch
         for hit in _diagram(toy, orbit).at(toy.eps_n1)
@@ -94,6 +97,8 @@ def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certif
 
 def _point(diagram: Diagram, name: str) -> SpecialPoint:
     """A point of the diagram by its name."""
+    from pwmap import PointKind
+
     try:
         return diagram.point(name)
     except KeyError:
@@ -110,6 +115,8 @@ def check(
 
     Example: woodpecker check results/certificate.json
     """
+    from woodpecker import check_certificate
+
     failed = False
     for file in files:
         try:

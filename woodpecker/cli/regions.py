@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from rich.table import Table
-
-from pwmap.diagrams.files import write_figure, write_table
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of
 from woodpecker.cli.diagram import orders_of
 from woodpecker.cli.options import (
@@ -21,10 +18,13 @@ from woodpecker.cli.options import (
     say,
 )
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plane.curve import Curve
-from woodpecker.plane.regions import Regions, Survey
-from woodpecker.runs import WINDOW
-from woodpecker.toyregions import parameter_regions
+from woodpecker.plane.survey import Survey
+from woodpecker.window import WINDOW
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from woodpecker import Curve, Regions
 
 FILES = ("regions.png", "regions.csv", "region_borders.csv")
 
@@ -48,6 +48,8 @@ def regions(
 
     Example: woodpecker regions --second-span 0.29 0.34 --window -0.9 -0.45
     """
+    from woodpecker import parameter_regions
+
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
     with results_in(out) as target:
@@ -72,6 +74,7 @@ def regions(
 
 
 def _write(found: Regions, target: Path) -> None:
+    from pwmap.diagrams.files import write_figure, write_table
     from woodpecker.plot.regions import plot_regions
 
     write_figure(target / FILES[0], plot_regions(found).figure)
@@ -101,6 +104,8 @@ def _write(found: Regions, target: Path) -> None:
 
 
 def _table(found: Regions) -> Table:
+    from rich.table import Table
+
     from woodpecker.plot.regions import described
 
     table = Table("region", "share", *found.names, "lives there", "orbits come to")

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from rich.table import Table
-
-from pwmap.diagrams.files import write_table
-from woodpecker import robustness as measured
 from woodpecker.cli.options import GUESS, Out, console, motion, option, report, results_in
 from woodpecker.mechanics.toy import Toy
-from woodpecker.trouble.found import Limit, Robustness, Trouble
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from woodpecker import Limit, Robustness, Trouble
 
 FILES = ("robustness.csv", "limits.csv")
 SHOWN = 5  # changes of a row that are printed, the largest; the table on disk has them all
@@ -31,6 +31,8 @@ def robustness(
 
     Example: woodpecker robustness --eps-n1 0.5 --out results
     """
+    from woodpecker import robustness as measured
+
     names = [name.strip() for name in parameters.split(",")] if parameters else None
     with results_in(out) as target:
         found = measured(toy, motion(toy, phi_s), names)
@@ -41,6 +43,8 @@ def robustness(
 
 
 def _write(found: Robustness, target: Path) -> None:
+    from pwmap.diagrams.files import write_table
+
     rows = (*found.troubles, *found.harmless)
     names = list(rows[0].changes) if rows else []
     write_table(
@@ -65,6 +69,8 @@ def _write(found: Robustness, target: Path) -> None:
 
 
 def _troubles(found: Robustness) -> Table:
+    from rich.table import Table
+
     table = Table("what", "size", "largest changes", "confirmed", title="All parameters at once")
     for row in (*found.troubles, *found.harmless):
         seen = "yes" if row.confirmed else "open"
@@ -80,6 +86,8 @@ def _largest(row: Trouble) -> str:
 
 
 def _limits(found: Robustness) -> Table:
+    from rich.table import Table
+
     table = Table("parameter", "change", "value", "what", title="One parameter at a time")
     for each in found.limits:
         if math.isfinite(each.percent):

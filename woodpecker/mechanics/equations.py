@@ -92,6 +92,11 @@ def equilibrium(toy: Toy) -> Equilibrium:
     """Equilibrium angles [rad] on the jammed sleeve; it exists if mu_2 >= ``jam_limit(toy)``.
 
     The spring carries the bird's weight: c_phi d = -m_S g l_G [Leine2001, Results].
+
+    Parameters
+    ----------
+    toy
+        The toy.
     """
     phi_m = -toy.phi_m_max
     return Equilibrium(phi_m, phi_m - toy.m_s * toy.g * toy.l_g / toy.c_phi)
@@ -101,6 +106,11 @@ def jam_limit(toy: Toy) -> float:
     """Smallest mu_2 [-] that holds the toy at its equilibrium: |lambda_T2| / lambda_N2.
 
     Infinite if the pole pulls on the sleeve there (lambda_N2 <= 0).
+
+    Parameters
+    ----------
+    toy
+        The toy; its own mu_2 does not matter.
     """
     d = -toy.m_s * toy.g * toy.l_g / toy.c_phi
     h = np.array(force_at_rest(toy)) + np.array(force_per_stretch(toy)) * d
@@ -110,13 +120,27 @@ def jam_limit(toy: Toy) -> float:
 
 
 def free_frequency(toy: Toy) -> float:
-    """Eigenfrequency [Hz] of sleeve, spring and bird without contact."""
+    """Eigenfrequency [Hz] of sleeve, spring and bird without contact.
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    """
     acceleration = np.linalg.solve(np.array(mass_matrix(toy)), np.array(force_per_stretch(toy)))
     return math.sqrt(acceleration[1] - acceleration[2]) / (2.0 * math.pi)
 
 
 def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
-    """Kinetic and potential energy [J] of states q, u of shape (..., 3)."""
+    """Kinetic and potential energy [J] of states q, u of shape (..., 3).
+
+    Parameters
+    ----------
+    toy
+        The toy.
+    q, u
+        Coordinates (y, phi_M, phi_S) and velocities [m, rad, m/s, rad/s], shape (..., 3).
+    """
     q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
     kinetic = 0.5 * np.einsum("...i,ij,...j->...", u, np.array(mass_matrix(toy)), u)
     stretch = q[..., 2] - q[..., 1]

@@ -56,7 +56,13 @@ class Smooth:
                 raise TypeError(f"{name} must be a function of x and p, got {given!r}")
 
     def at(self, x: float, p: float) -> tuple[float, float, float]:
-        """Value and derivatives in x and p; nan where there is no real value."""
+        """Value and derivatives in x and p; nan where there is no real value.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+        """
         if self.dx is not None and self.dp is not None:
             try:
                 return float(self.value(x, p)), float(self.dx(x, p)), float(self.dp(x, p))
@@ -170,7 +176,13 @@ class FormulaPiece:
         return self.word
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point, also outside."""
+        """The image of a point, also outside.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+        """
         value, slope, d_parameter = self.map.at(x, p)
         flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
         rows = np.array(flat).reshape(-1, 3)
@@ -263,7 +275,13 @@ class FormulaMap:
         object.__setattr__(self, "pieces", tuple(self.pieces))
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point under the piece that holds it."""
+        """The image of a point under the piece that holds it.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+        """
         for piece in self.pieces:
             if piece.holds(x, p):
                 return piece.at(x, p)

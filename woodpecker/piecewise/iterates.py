@@ -49,7 +49,13 @@ class Iterate:
         object.__setattr__(self, "order", whole("order", self.order))
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point; it has none if one of the returns has none."""
+        """The image of a point; it has none if one of the returns has none.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+        """
         return _composed([lambda x: self.map.at(x, p)] * self.order, x)
 
 

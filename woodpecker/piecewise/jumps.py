@@ -126,6 +126,13 @@ class Jump:
 
         As the piece inside says it, if the one beyond begins a little further on: one in between is
         too thin to be seen.
+
+        Parameters
+        ----------
+        inner
+            Whether the piece inside says it.
+        settings
+            Its tolerances.
         """
         k, own = self.closing.index, Margin(self.closing.index, self.code(inner))
         if inner:

@@ -85,7 +85,13 @@ class Piece(Protocol):
         """Its name for people, such as a sequence of events."""
 
     def at(self, x: float, p: float) -> Image:
-        """Its image of a point, also where the map takes another piece."""
+        """Its image of a point, also where the map takes another piece.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+        """
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
@@ -95,7 +101,13 @@ class PiecewiseMap(Protocol):
     """A map of the line, made of pieces."""
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point under the piece that the map takes there."""
+        """The image of a point under the piece that the map takes there.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+        """
 
 
 @runtime_checkable

@@ -17,8 +17,7 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, real_array, whole
-from woodpecker.piecewise.orbits import Closed, Coordinate, newton_step, orbit_of, solve
-from woodpecker.piecewise.orbits import Orbit as Cycle
+from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, newton_step, orbit_of, solve
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.piecewise.settings import Settings
 
@@ -60,7 +59,7 @@ def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: float) -> Swept:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Orbit:
+class SettledOrbit:
     """The end of one orbit at one parameter.
 
     Attributes
@@ -94,7 +93,7 @@ class OrbitDiagram:
         How many did not: they fell, or left the window.
     """
 
-    orbits: tuple[Orbit, ...]
+    orbits: tuple[SettledOrbit, ...]
     lost: int
 
     def points(self) -> tuple[Floats, Floats]:
@@ -139,7 +138,7 @@ def orbit_diagram(
     keep, transient = whole("keep", keep), whole("transient", transient, least=0)
     window = interval("window", window)
     first = np.atleast_1d(real_array("starts", starts))
-    found: list[Orbit] = []
+    found: list[SettledOrbit] = []
     values = np.atleast_1d(real_array("parameters", parameters)).tolist()
     for p in values:
         found += _settled(map_, p, first, window, transient, keep, settings or Settings())
@@ -154,7 +153,7 @@ def _settled(
     transient: int,
     keep: int,
     settings: Settings,
-) -> list[Orbit]:
+) -> list[SettledOrbit]:
     """The orbits at one parameter that stay in the window."""
     alive, x = np.arange(len(starts)), starts.copy()
     kept, stretch = np.empty((len(starts), keep)), np.zeros(len(starts))
@@ -169,7 +168,7 @@ def _settled(
         if not len(alive):
             break
     return [
-        Orbit(
+        SettledOrbit(
             p=p, start=float(starts[i]), x=kept[i], exponent=float(stretch[i]) / keep,
             period=period_of(kept[i], settings),
         )
@@ -189,7 +188,7 @@ def period_of(x: Floats, settings: Settings) -> int:
 def unexplained(
     orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float = 1e-3,
     settings: Settings | None = None,
-) -> list[Orbit]:  # fmt: skip
+) -> list[SettledOrbit]:  # fmt: skip
     """Orbits that end on a cycle of which the diagram has no stable branch.
 
     The cycle is solved for. A branch passes through it if one Newton step leads there from where
@@ -227,18 +226,18 @@ def unexplained(
     return left
 
 
-def _cycle(map_: PiecewiseMap, orbit: Orbit, settings: Settings) -> Cycle | None:
+def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit | None:
     """The cycle on which an orbit has settled; None if Newton's method does not find it there."""
     x = orbit.x[-orbit.period :]
     images = tuple(map_.at(each, orbit.p) for each in x.tolist())
-    start = Cycle(x, orbit.p, images)
+    start = Orbit(x, orbit.p, images)
     if not start.defined:
         return None
     found = solve(start, (Closed(), Coordinate(-1, orbit.p)), settings)
     return found.orbit if found.converged else None
 
 
-def _passes(points: Floats, cycle: Cycle, distance: float, settings: Settings) -> bool:
+def _passes(points: Floats, cycle: Orbit, distance: float, settings: Settings) -> bool:
     """Whether points of branches stand for a cycle: one Newton step leads from them to it."""
     if not len(points):
         return False

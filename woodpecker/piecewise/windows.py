@@ -92,7 +92,13 @@ def _ahead(image: Image, side: int, settings: Settings) -> int:
 
 
 def crosses(border: Border) -> bool:
-    """Whether a map jumps over the diagonal at a border: its limits lie on different sides."""
+    """Whether a map jumps over the diagonal at a border: its limits lie on different sides.
+
+    Parameters
+    ----------
+    border
+        A border with the images on both sides of it.
+    """
     return (border.inner.value - border.x) * (border.outer.value - border.x) < 0.0
 
 

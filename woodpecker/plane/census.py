@@ -11,7 +11,7 @@ import numpy as np
 
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.settled import Orbit, orbit_diagram
+from woodpecker.piecewise.settled import SettledOrbit, orbit_diagram
 from woodpecker.piecewise.slices import slices_at
 
 NEUTRAL = 1e-6  # of 1 - |multiplier|: below this rounding decides on stability. So do ends of
@@ -126,7 +126,7 @@ def attractors_at(
     return tuple(sorted(kinds, key=lambda each: (list(Settles).index(each.kind), each.period)))
 
 
-def _attractor(orbit: Orbit) -> Attractor:
+def _attractor(orbit: SettledOrbit) -> Attractor:
     if orbit.period == 1 and abs(orbit.exponent) <= STEADY:
         return Attractor(Settles.REST)
     if orbit.period:

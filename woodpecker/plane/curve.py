@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
-from pwmap.plane.kinds import PlaneKind
+from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import BorderKind
 from woodpecker.plane.families import Pair
@@ -181,7 +181,15 @@ class Curve:
         return found
 
     def crossings(self, axis: int, value: float) -> list[Pair]:
-        """Where the curve has a value of one of its parameters, by the straight line in between."""
+        """Where the curve has a value of one of its parameters, by the straight line in between.
+
+        Parameters
+        ----------
+        axis
+            0 for the first parameter, 1 for the second.
+        value
+            Its value.
+        """
         found = []
         along = self.values[:, axis] - value
         for k in range(len(self) - 1):

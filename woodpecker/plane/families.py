@@ -39,10 +39,25 @@ class Family(Protocol):
         """The map over the parameter of an axis, 0 or 1, the other one held at its value.
 
         Where the family has no map with these values, that map has no images.
+
+        Parameters
+        ----------
+        axis
+            Which parameter the map is over, 0 or 1.
+        values
+            Values of both; that of the axis does not matter.
         """
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
-        """The piece of one of its maps that is the same as one of another."""
+        """The piece of one of its maps that is the same as one of another.
+
+        Parameters
+        ----------
+        piece
+            A piece of one of the maps.
+        map_
+            The other map.
+        """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,13 +81,29 @@ class SymbolicFamily:
         return str(self.symbols[1]), str(self.symbols[2])
 
     def over(self, axis: int, values: Pair) -> FormulaMap:
-        """The map over one of the parameters."""
+        """The map over one of the parameters.
+
+        Parameters
+        ----------
+        axis
+            Which parameter the map is over, 0 or 1.
+        values
+            Values of both; that of the axis does not matter.
+        """
         x, *parameters = self.symbols
         first, held = Symbols(x, parameters[axis]), ((parameters[1 - axis], values[1 - axis]),)
         return FormulaMap([replace(piece, symbols=first, held=held) for piece in self.pieces])
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
-        """The piece of that name."""
+        """The piece of that name.
+
+        Parameters
+        ----------
+        piece
+            A piece of one of the maps.
+        map_
+            The other map.
+        """
         assert isinstance(map_, FormulaMap)
         return map_.piece(piece.word)
 

@@ -43,6 +43,7 @@ from woodpecker.plane.cutting import (
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
+from woodpecker.plane.survey import Survey
 
 TRIES = (
     3  # to find the curve between a place that disagrees with others of its face and the nearest
@@ -50,53 +51,6 @@ TRIES = (
 PROBES = 9  # places of a curve that must lie on another one of which it is a part
 
 Progress = Callable[[Curve], None]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Survey:
-    """How to look for regions.
-
-    Attributes
-    ----------
-    checks
-        Random places at which cycles are counted; if none of n disagrees, what is wrong takes less
-        than 3/n of the rectangle, with a probability of 95 %.
-    curves
-        How many curves are followed at most.
-    finest
-        Part of the spans between two places that disagree, from which on a diagram looks for what
-        lies between.
-    beside
-        Part of the spans: places closer to a border are not compared, for curves are drawn as
-        straight lines between their samples.
-    thin
-        Part of the spans: faces that are narrower are not looked at, and belong to a neighbour.
-    samples
-        Of a curve, each way.
-    starts, transient, keep
-        Orbits that show attractors: how many, how many iterates are cut, and how many are kept.
-    seed
-        Of the random places.
-    """
-
-    checks: int = 60
-    curves: int = 100
-    finest: float = 2.0**-11
-    beside: float = 2.0**-9
-    thin: float = 2.0**-9
-    samples: int = 1500
-    starts: int = 24
-    transient: int = 400
-    keep: int = 128
-    seed: int = 1
-
-    def __post_init__(self) -> None:
-        for name in ("checks", "curves", "samples", "starts", "transient", "keep"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
-        for name in ("finest", "beside", "thin"):
-            if not 0.0 < getattr(self, name) < 1.0:
-                raise ValueError(f"{name} must lie in (0, 1), got {getattr(self, name)}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -168,6 +122,11 @@ class Regions:
 
     def at(self, first: float, second: float) -> Region:
         """The region in which two parameters lie.
+
+        Parameters
+        ----------
+        first, second
+            Values of the parameters.
 
         Raises
         ------

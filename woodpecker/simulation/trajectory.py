@@ -49,7 +49,15 @@ class State:
 
     @classmethod
     def on_section(cls, toy: Toy, phi_s: float) -> State:
-        """At rest with the sleeve on its lower contact."""
+        """At rest with the sleeve on its lower contact.
+
+        Parameters
+        ----------
+        toy
+            The toy; phi_M is its lower limit.
+        phi_s
+            Angle of the woodpecker [rad].
+        """
         return cls(phi_m=-toy.phi_m_max, phi_s=phi_s)
 
 
@@ -117,7 +125,14 @@ class Trajectory:
     def at(self, t: npt.ArrayLike, *, left: bool = False) -> tuple[Floats, Floats]:
         """Exact coordinates and velocities, shapes (..., 3), at times in [0, t_end].
 
-        At an event the velocities after it, or before it if ``left``.
+        At an event the velocities are those after it.
+
+        Parameters
+        ----------
+        t
+            Times [s], of any shape.
+        left
+            Whether an event shows its velocities before it.
 
         Raises
         ------
@@ -248,6 +263,11 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
 
     Sliding friction is integrated by Gauss quadrature of lambda_T g_T; an impact phase does the
     work Lambda (g_before + g_after) / 2.
+
+    Parameters
+    ----------
+    trajectory
+        The motion.
     """
     toy, end = trajectory.toy, trajectory.t_end
     q, u = trajectory.at(np.array([0.0, end]))

@@ -13,12 +13,12 @@ import numpy as np
 
 from woodpecker.mechanics.toy import Toy, known_parameter, parameters
 from woodpecker.piecewise.settings import Settings
-from woodpecker.runs import WINDOW
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.trouble.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.trouble.found import ENDS, Effect, Limit, Robustness, Trouble
 from woodpecker.trouble.meeting import Key, Met, met_along
 from woodpecker.trouble.nearest import LEVEL, first_guesses, keep, nearest
+from woodpecker.window import WINDOW
 
 STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
 # lies between two of them is known from margins

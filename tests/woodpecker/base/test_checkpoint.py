@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import multiprocessing
+import re
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
@@ -64,6 +65,30 @@ def test_half_a_line_is_forgotten(tmp_path: Path) -> None:
     assert entries(path) == [ONE]
     opened(path, resume=True).close()
     assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("there", "now", "sentence"),
+    [
+        ({"toy": {"mu": 0.3}}, {"toy": {"mu": 0.31}}, "there mu of toy is 0.3, now it is 0.31"),
+        ({"at": 0.5}, {}, "there at is 0.5, now there is none"),
+        ({}, {"search": {"slices": 63}}, 'there is no search there, now it is {"slices": 63}'),
+        ({"toy": {"a": 1, "b": 2}}, {"toy": {"a": 1}}, "there b of toy is 2, now there is none"),
+        (
+            {"settings": {"n": {"x": 1.0}}},
+            {"settings": {"n": {"x": 1.0, "y": 2.0}}},
+            "there is no y of n of settings there, now it is 2.0",
+        ),
+        ({"toy": {"mu": 0.3}}, {"toy": None}, "there toy is {'mu': 0.3}, now it is None"),
+    ],
+)
+def test_the_one_value_that_differs_is_named(
+    there: Entry, now: Entry, sentence: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.jsonl"
+    opened(path, ABOUT | there).close()
+    with pytest.raises(ValueError, match=re.escape(f"cannot resume {path}: {sentence}") + "$"):
+        opened(path, ABOUT | now, resume=True)
 
 
 def test_an_old_run_is_kept_when_a_new_one_starts(tmp_path: Path) -> None:

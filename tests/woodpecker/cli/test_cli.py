@@ -1,6 +1,7 @@
 """The commands: results, help, and one clear sentence for a wrong value."""
 
 import csv
+import json
 import os
 import re
 import signal
@@ -18,12 +19,13 @@ import typer
 from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
+import woodpecker
 from pwmap import read_graph
 from pwmap.cli import app as pwmap_app
 from woodpecker.base.compiled import COMPILED
-from woodpecker.cli import maps as cli_map
+from woodpecker.cli import options as options_module
 from woodpecker.cli.app import app
-from woodpecker.mechanics.toy import Toy, description, parameters
+from woodpecker.mechanics.toy import ExpansionFriction, Toy, description, parameters
 from woodpecker.plot import figures as plot
 from woodpecker.plot.curve import Curve, Detail
 from woodpecker.simulation.returns import first_return, return_map
@@ -115,7 +117,7 @@ def test_units_of_the_toy_are_those_of_the_readme() -> None:
 
 @pytest.mark.slow
 def test_the_command_runs_as_a_module(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "woodpecker.cli", "simulate", "--out", str(tmp_path)]
+    command = [sys.executable, "-m", "woodpecker", "simulate", "--out", str(tmp_path)]
     result = subprocess.run([*command, "--m-s", "-1"], capture_output=True, text=True)
     assert result.returncode == 2
     assert result.stderr == "Error: m_s must be positive and finite, got -1.0\n"
@@ -134,7 +136,7 @@ def test_the_command_runs_as_a_module(tmp_path: Path) -> None:
         (["--mu-2", "nan"], "mu_2 must be at least 0 and finite, got nan"),
         (["--pole", "0"], "pole must be positive, got 0.0"),
         (["--expansion-friction", "both"], "'both' is not one of 'summed', 'separate'"),
-        (["--out", "/dev/null/x"], "/dev/null/x"),
+        (["--out", f"{__file__}/x"], "test_cli.py"),  # a file is no folder
     ],
 )
 @pytest.mark.parametrize("command", ["simulate", "map", "diagram"])
@@ -258,7 +260,8 @@ def test_simulate_writes_two_periods(tmp_path: Path) -> None:
     assert status == 0
     assert "D2" in text
     assert {path.name for path in tmp_path.iterdir()} == {
-        *("time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv")
+        *("time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv"),
+        "about_simulate.json",
     }
     events = rows(tmp_path / "events.csv")
     assert len(events) == 22  # two periods of 11 events
@@ -266,6 +269,37 @@ def test_simulate_writes_two_periods(tmp_path: Path) -> None:
     last = rows(tmp_path / "trajectory.csv")[-1]
     assert float(last["t"]) == pytest.approx(2 * 0.14597607, abs=2e-8)
     assert float(last["y"]) == pytest.approx(-2 * 19.4454e-3, abs=2e-7)
+
+
+def test_files_say_what_made_them(tmp_path: Path) -> None:
+    """A record beside the tables, which stay as every reader expects them."""
+    arguments = ("map", "--points", "2", "--window", "-2.5", "-2.49", "--eps-n1", "0.3")
+    assert run(*arguments, "--expansion-friction", "separate", "--out", str(tmp_path))[0] == 0
+    record = json.loads((tmp_path / "about_map.json").read_text(encoding="utf-8"))
+    assert record["program"] == f"woodpecker-toy {woodpecker.__version__}"
+    assert record["command"] == "map"
+    assert record["options"] == {"order": 1, "window": [-2.5, -2.49], "points": 2}
+    toy = Toy(eps_n1=0.3, expansion_friction=ExpansionFriction.SEPARATE)
+    kept = {name: float(record["toy"].pop(name)) for name in parameters()}
+    assert kept == {name: getattr(toy, name) for name in parameters()}
+    assert record["toy"] == {"expansion_friction": "separate"}
+    assert list(record["files"]) == ["return_map.png", "return_map.csv"]
+    table = np.genfromtxt(tmp_path / "return_map.csv", delimiter=",", names=True, usecols=(0, 1))
+    assert table["phi_s_start"].tolist() == [-2.5, -2.49]
+
+
+def test_brackets_are_no_markup(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(options_module.console, "width", 200)
+    folder = tmp_path / "[b]bold[" / ":smile:"
+    status, text = run("simulate", "--t-end", "0.05", "--out", str(folder))
+    assert status == 0
+    assert f"wrote {folder / 'time_history.png'}, " in text
+    assert re.search(r"t \[s\] +. event", text)
+    wrong = tmp_path / "[red]file"
+    wrong.write_text("", encoding="utf-8")
+    status, text = run("simulate", "--out", str(wrong))
+    assert status == 2
+    assert "[red]file" in text
 
 
 def test_map_writes_the_map(tmp_path: Path) -> None:
@@ -350,7 +384,7 @@ def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_pa
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli_map, "return_map", interrupted)
+    monkeypatch.setattr(woodpecker, "return_map", interrupted)
     status, text = run("map", "--points", "50", "--out", str(tmp_path))
     assert status == 1
     assert "Failed: interrupted before the first returns were there" in text
@@ -359,13 +393,14 @@ def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
 @pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="the first starts take long without numba")
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C is sent to a whole console there")
 def test_an_interrupted_map_keeps_what_there_is(tmp_path: Path) -> None:
     """Ctrl-C as a terminal sends it, while a million starts would take minutes.
 
     The command runs elsewhere, so that it takes the package that was compiled here.
     """
     return_map(Toy(), np.linspace(-1.0, -0.9, 1024))  # compiles, if that was not done before
-    command = [sys.executable, "-m", "woodpecker.cli", "map", "--order", "10"]
+    command = [sys.executable, "-m", "woodpecker", "map", "--order", "10"]
     folder = tmp_path / "out"
     process = subprocess.Popen(
         [*command, "--points", "1000000", "--out", str(folder)],
@@ -391,12 +426,14 @@ def test_an_interrupted_map_keeps_what_there_is(tmp_path: Path) -> None:
     assert 0 < len(table) == int(kept[1]) < 1_000_000
     assert float(table[0]["phi_s_start"]) == -2.5
     assert (folder / "return_map.png").stat().st_size > 10_000
-    assert {path.name for path in folder.iterdir()} == {"return_map.png", "return_map.csv"}
+    names = {"return_map.png", "return_map.csv"}
+    assert {path.name for path in folder.iterdir()} == {*names, "about_map.json"}
 
 
 @pytest.mark.slow
 def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
-    status, text = run("diagram", "--span", "0.4", "0.7", "--out", str(tmp_path))
+    arguments = ("--span", "0.4", "0.7", "--step", "0.01", "--out", str(tmp_path))
+    status, text = run("diagram", *arguments)
     assert status == 0
     assert "flip" in text
     first, second = (read_graph(tmp_path / name) for name in ("graph.graphml", "graph.json"))
@@ -405,6 +442,9 @@ def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
     assert {row["id"] for row in points} == set(first.nodes)
     flips = [float(row["eps_n1"]) for row in points if row["kind"] == "PD"]
     assert flips == pytest.approx([0.6485492], abs=1e-6)
+    assert first.graph["program"] == f"woodpecker-toy {woodpecker.__version__}"
+    assert json.loads(first.graph["toy"])["expansion_friction"] == "summed"
+    assert json.loads(first.graph["settings"]) == {"max_step": 0.01}
     assert len({row["id"] for row in rows(tmp_path / "branches.csv")}) == len(first.edges)
     assert (tmp_path / "diagram.png").stat().st_size > 10_000
 
@@ -435,6 +475,12 @@ def test_the_doubled_branch_is_followed_too(tmp_path: Path) -> None:
     graph = read_graph(tmp_path / "graph.graphml")
     assert sorted(order for *_, order in graph.edges(flip, data="order")) == [1, 1, 2, 2]
     assert {"order_1.png", "order_2.png"} <= {path.name for path in tmp_path.glob("*.png")}
+    own = tmp_path / "order_9.png"  # nothing that this program wrote
+    own.write_bytes(b"")
+    status, text = run("diagram", "--span", "0.45", "0.52", "--out", str(tmp_path))
+    assert status == 0, text
+    assert {path.name for path in tmp_path.glob("*.png")} == {"diagram.png", "order_9.png"}
+    assert "removed what an earlier run wrote: order_1.png, order_2.png" in text
 
 
 @pytest.mark.slow
@@ -478,7 +524,7 @@ def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:
     assert again == text
     status, text = run(*arguments[:3], "0.6", *arguments[4:], "--resume")
     assert status == 2
-    assert "cannot resume" in " ".join(text.split())
+    assert "there span is [0.1, 0.5], now it is [0.1, 0.6]" in " ".join(text.split())
 
 
 @pytest.mark.slow

@@ -29,7 +29,7 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
     code, output = run("--from", "A,C", *NEAR_A, "--out", str(tmp_path))
     assert code == 0
     assert "jump closes" in output  # on the curve of C both limits lie on the diagonal once
-    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(FILES)
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted([*FILES, "about_curves.json"])
     with (tmp_path / "curves.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
     assert {row["curve"] for row in rows} == {"A", "C"}
@@ -37,6 +37,8 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
     assert near < 1e-12  # the last digit of the reference
     graph = read_graph(tmp_path / "curves.graphml")
     assert graph.number_of_edges() >= 2
+    assert "expansion_friction" in graph.graph["toy"]
+    assert graph.graph["program"].startswith("woodpecker-toy ")
     assert "JC" in {kind for _, kind in graph.nodes(data="kind")}
 
 

@@ -25,7 +25,9 @@ BESIDE_THE_FLIP = (
 def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, [*BESIDE_THE_FLIP, "--out", str(tmp_path)])
     assert found.exit_code == 0
-    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(FILES)
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
+        [*FILES, "about_regions.json"]
+    )
     with (tmp_path / "regions.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
     lives = {(row["stable_1"], row["unstable_1"]) for row in rows}

@@ -7,7 +7,6 @@ import json
 import math
 import multiprocessing
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -31,8 +30,10 @@ from woodpecker import (
     Search,
     Settings,
     Toy,
+    __version__,
     bifurcation_diagram,
     find_all,
+    parameters,
     saved_diagram,
     whole_diagram,
 )
@@ -353,6 +354,16 @@ def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
     saved = saved_diagram(str(path))
     assert to_the_last_bit(saved) == to_the_last_bit(found)
     assert saved.given == found.given
+    assert saved.about == found.about
+    assert saved.about["program"] == f"woodpecker-toy {__version__}"
+    assert saved.about["span"] == list(SPAN)
+    toy: Any = saved.about["toy"]
+    assert toy.pop("expansion_friction") == "summed"
+    assert set(toy) == set(parameters()) - {"eps_n1"}
+    assert {name: float(value) for name, value in toy.items()} == {
+        n: getattr(Toy(), n) for n in toy
+    }
+    assert saved.about["settings"] == {"window": list(WINDOW)}
     assert saved.given[0] == "friction in the expansion: summed"
 
 
@@ -373,7 +384,7 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     while process.poll() is None:
         time.sleep(0.05)
         if path.exists() and path.read_bytes().count(b"\n") > 3:
-            process.send_signal(signal.SIGKILL)
+            process.kill()
     process.wait()
     kept = saved_diagram(path)
     assert len(kept.branches) >= 1

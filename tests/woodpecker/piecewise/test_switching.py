@@ -42,8 +42,9 @@ from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import orbit_of
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
-from woodpecker.runs import WINDOW, saved_diagram
+from woodpecker.runs import saved_diagram
 from woodpecker.toypieces import ToyPieces
+from woodpecker.window import WINDOW
 
 # A branch point is a regular root of its own equations, so it is located to rounding of them.
 # Beside it rounding of what a cycle is off by, 1e-16, is divided by its distance from the branch

@@ -1,4 +1,4 @@
-"""``python -m woodpecker.cli``: the command ``woodpecker`` without its script."""
+"""``python -m woodpecker``: the command ``woodpecker`` without its script."""
 
 from woodpecker.cli.app import run
 

@@ -1,0 +1,106 @@
+"""What a command wrote into a folder, and from what: kept beside the files, as JSON.
+
+CSV files stay as every reader expects them, without lines of comment: what made them stands in
+``about_<command>.json``. It names the files of the command, too, so that those of an earlier run
+which a new one does not write are removed, instead of lying among the new ones as if they belonged.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from pwmap.diagrams.files import write_whole
+from pwmap.version import __version__
+
+PROGRAM = f"woodpecker-toy {__version__}"
+FILES = "files"  # in a record: the digest of each
+
+
+def record_of(command: str) -> str:
+    """The name of the file that says what a command wrote."""
+    return f"about_{command}.json"
+
+
+def keep_record(
+    folder: Path, command: str, names: Iterable[str], about: Mapping[str, object]
+) -> tuple[str, ...]:
+    """Say what a command wrote into a folder, and remove what is left of its earlier run.
+
+    Only files that the earlier record names are removed, and only while they are, byte for byte,
+    what was written then.
+
+    Parameters
+    ----------
+    folder
+        Where the files are.
+    command
+        Its name.
+    names
+        The files that it has written just now, all of them in the folder itself.
+    about
+        What it was asked for; see :func:`plain`.
+
+    Returns
+    -------
+    tuple of str
+        The names of the files that were removed.
+    """
+    path, written = folder / record_of(command), list(names)
+    stale = [
+        name
+        for name, digest in _files_of(path).items()
+        if name not in written and _is_as_written(folder, name, digest)
+    ]
+    for name in stale:
+        (folder / name).unlink()
+    digests = {name: _digest(folder / name) for name in written}
+    content = {"program": PROGRAM, "command": command, **plain(about), FILES: digests}
+    write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
+    return tuple(stale)
+
+
+def plain(value: object) -> Any:
+    """What was asked for as JSON says it: enums by their values, infinite numbers as text."""
+    if isinstance(value, Mapping):
+        return {str(name): plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, str | int | None):
+        return value
+    if isinstance(value, float) and value - value == 0.0:  # finite
+        return value
+    return str(value)
+
+
+def attributes(about: Mapping[str, object]) -> dict[str, str | float]:
+    """The same as attributes of a graph: numbers, texts, and JSON for what is neither."""
+    return {
+        name: value if isinstance(value, str | float) else json.dumps(value)
+        for name, value in plain(about).items()
+    }
+
+
+def _files_of(path: Path) -> dict[str, str]:
+    """The files of a record with their digests; none if there is no record that can be read."""
+    try:
+        found = json.loads(path.read_bytes())[FILES]
+        return {name: digest for name, digest in found.items() if isinstance(digest, str)}
+    except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        return {}
+
+
+def _is_as_written(folder: Path, name: str, digest: str) -> bool:
+    path = folder / name
+    inside = name == path.name and not path.is_symlink() and path.is_file()
+    return inside and _digest(path) == digest
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
