@@ -1,9 +1,9 @@
-"""The numbers of the README, written from the results of the studies.
+"""The numbers of ``studies/results/README.md``, written from the results of the studies.
 
     python -m studies.readme
 
 Blocks between ``<!-- results: NAME -->`` and ``<!-- end -->`` are made from
-``studies/results/*.json``; a test fails if the README says anything else.
+``studies/results/*.json``; a test fails if the page says anything else.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from studies.common.record import ROOT, Results
+from studies.common.record import Results
 from studies.run_all import RESULTS, STUDIES
 from studies.sensitivities import PAPER_PERIOD
 
-README = ROOT / "README.md"
+PAGE = RESULTS / "README.md"
 BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
 All = Mapping[str, Results]
 SPAN = "(0.012, 1)"
@@ -37,8 +37,8 @@ SAME = 1e-6  # in eps_N1: a named point
 
 
 def main() -> None:
-    """Rewrite the blocks of the README."""
-    README.write_text(filled(README.read_text(encoding="utf-8"), load(RESULTS)), encoding="utf-8")
+    """Rewrite the blocks of the page."""
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), load(RESULTS)), encoding="utf-8")
 
 
 def load(folder: Path) -> dict[str, Results]:
@@ -505,7 +505,7 @@ BLOCKS: dict[str, Callable[[All], str]] = {
 
 
 def unexplained(text: str, allowed: Sequence[str]) -> list[str]:
-    """Decimal numbers of a README that stand neither in a block, nor in code, nor on a list."""
+    """Decimal numbers of a page that stand neither in a block, nor in code, nor on a list."""
     bare = re.sub(r"```.*?```", "", BLOCK.sub("", text), flags=re.DOTALL)
     bare = re.sub(r"^    .*$", "", re.sub(r"`[^`]*`", "", bare), flags=re.MULTILINE)
     bare = re.sub(r"\]\([^)]*\)", "]", bare)
