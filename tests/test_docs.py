@@ -1,11 +1,20 @@
 """Every block of Python in the pages runs, and every link leads to what exists."""
 
+import ast
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import pages
 import pytest
+from needs import NEEDS_NUMBA
 from pages import DOCS, ROOT
+
+import pwmap
+import woodpecker
 
 PAGES = pages.written()
 WITH_CODE = [page for page in PAGES if page != ROOT / "README.md" and any(pages.blocks(page))]
@@ -57,3 +66,103 @@ def test_works_that_are_cited_are_in_the_list(page: Path) -> None:
     )
     cited = re.findall(r"\b[A-Z][a-z]\w+\d{4}\b", page.read_text(encoding="utf-8"))
     assert set(cited) <= known
+
+
+# --- Equations ------------------------------------------------------------------------------------
+
+EQUATIONS = [
+    line.strip("| \n").split(" | ")
+    for line in (DOCS / "reference" / "equations.md").read_text(encoding="utf-8").splitlines()
+    if re.match(r"\| \(\d+\) \|", line)
+]
+
+
+def test_every_equation_of_the_paper_has_a_row() -> None:
+    assert [row[0] for row in EQUATIONS] == [f"({number})" for number in range(1, 16)]
+
+
+@pytest.mark.parametrize("row", EQUATIONS, ids=lambda row: row[0])
+def test_an_equation_has_code_and_a_test(row: list[str]) -> None:
+    _, what, code, test = row
+    assert what
+    for column, start in ((code, ("pwmap/", "woodpecker/")), (test, ("tests/",))):
+        named = re.findall(r"`([\w/.]+)::(\w+)`", column)
+        assert named
+        assert column.count("`") == 2 * len(named)
+        for path, function in named:
+            assert path.startswith(start)
+            assert function in functions(ROOT / path), f"{path} has no {function}"
+
+
+def functions(path: Path) -> set[str]:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+
+
+# --- Reference ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("package", [pwmap, woodpecker], ids=["pwmap", "woodpecker"])
+def test_the_reference_has_every_public_name_once(package: ModuleType) -> None:
+    page = DOCS / "reference" / f"{package.__name__}.md"
+    listed = re.findall(r"^   (\w+)$", page.read_text(encoding="utf-8"), flags=re.M)
+    elsewhere = {"PlaneKind"} if package is woodpecker else set()  # it is pwmap's
+    assert len(listed) == len(set(listed))
+    assert set(listed) == set(package.__all__) - elsewhere
+
+
+def test_every_page_is_reached_from_the_index() -> None:
+    """Sphinx says so too; here it takes no build."""
+    reached, new = set(), {DOCS / "index.md"}
+    while new:
+        page = new.pop()
+        reached.add(page)
+        for tree in re.findall(r"```\{toctree\}\n(.*?)```", page.read_text("utf-8"), flags=re.S):
+            targets = {page.parent / f"{name}.md" for name in tree.split()}
+            new |= {target for target in targets if target.is_file()} - reached
+    assert {page for page in PAGES if DOCS in page.parents} == reached
+
+
+# --- Tutorials ------------------------------------------------------------------------------------
+
+TUTORIALS = {  # what each prints, among other things
+    "1_the_toy": [
+        "phi_S -0.5294719671 rad, period 0.1459760651 s",
+        "FF2  FF  0.1119709145 -0.88477334",
+        "7 special points, 6 branches",
+    ],
+    "2_your_own_map": [
+        "J1  jump         L / R  ('BC1', 'BC2')",
+        "BC2  +1.000000000000 +0.000000000000  persistence x = 0",
+        "10 branches, 9 special points",
+    ],
+    "3_two_parameters": [
+        "PD3: a**2*b + 1 = 0,  LLR",
+        "flip-border collision (-1/2 + sqrt(5)/2, -3/2 - sqrt(5)/2) ('PD3', 'BC1')",
+        "JC  0.183213538 0.298813727 jump closes",
+    ],
+    "4_p1l": [
+        "R r/(a + 1) multiplier -a stable: False",
+        "RR  a**2*x - a*r + r  for 0 < x < r/a",
+        "(0, 2, 2*a**2/(a**2 - a + 1), 2*a/(a - 1))",
+        "FF fold at r = 0 ((), ('F2', 'J1', 'J2'))",
+    ],
+}
+
+
+def test_every_tutorial_is_tested() -> None:
+    assert {path.stem for path in (DOCS / "tutorials").glob("*.py")} == set(TUTORIALS)
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("name", TUTORIALS)
+def test_a_tutorial_prints_its_numbers(name: str, tmp_path: Path) -> None:
+    script = DOCS / "tutorials" / f"{name}.py"
+    path = os.pathsep.join(filter(None, [str(ROOT), *sys.path]))
+    ran = subprocess.run(
+        [sys.executable, "-W", "error", str(script)], cwd=tmp_path, capture_output=True, text=True,
+        env={**os.environ, "PYTHONPATH": path, "MPLBACKEND": "Agg"},
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    assert [line for line in TUTORIALS[name] if line not in ran.stdout] == []

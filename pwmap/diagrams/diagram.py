@@ -215,7 +215,7 @@ class Branch:
 
     @property
     def stable(self) -> BoolArray:
-        """Shape (n,): whether |multiplier| < 1, or ``attracts``; False all along a jump branch."""
+        """Shape (n,): whether abs(multiplier) < 1, or ``attracts``; False on a jump branch."""
         if self.attracts is not None:
             return np.full(len(self), self.attracts)
         return np.asarray(np.abs(self.multiplier) < 1.0)

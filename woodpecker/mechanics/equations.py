@@ -98,7 +98,7 @@ def equilibrium(toy: Toy) -> Equilibrium:
 
 
 def jam_limit(toy: Toy) -> float:
-    """Smallest mu_2 [-] that holds the toy at its equilibrium: |lambda_T2| / lambda_N2.
+    """Smallest mu_2 [-] that holds the toy at its equilibrium: abs(lambda_T2) / lambda_N2.
 
     Infinite if the pole pulls on the sleeve there (lambda_N2 <= 0).
     """

@@ -168,7 +168,7 @@ class Toy:
 
     @property
     def phi_m_max(self) -> float:
-        """Largest |phi_M| [rad]: (r_M - r_0)/h_M."""
+        """Largest abs(phi_M) [rad]: (r_M - r_0)/h_M."""
         return (self.r_m - self.r_0) / self.h_m
 
     @property

@@ -173,8 +173,8 @@ class Numerics:
         Part by which a multiplier changes beyond a border only if the slopes differ: over the
         distance of a restart it changes by some 1e-4.
     fastest
-        |dx/dp|, scaled, at most, of a branch beyond a place where borders accumulate: a steeper one
-        is another branch.
+        abs(dx/dp), scaled, at most, of a branch beyond a place where borders accumulate: a steeper
+        one is another branch.
     repeats
         In x, a part of the window: an orbit that has settled repeats itself so closely.
     longest

@@ -70,7 +70,7 @@ class Orbit:
     x
         The points that were kept, in order.
     exponent
-        Lyapunov exponent: mean of log |slope| over these; -inf for a superstable orbit.
+        Lyapunov exponent: mean of log(abs(slope)) over these; -inf for a superstable orbit.
     period
         Smallest shift that repeats the kept points, or 0 if there is none of those looked for.
     """
