@@ -43,6 +43,7 @@ for point in curve.points:
     print(f"{point.kind!s:3}", *(f"{value:.9f}" for value in point.values), point.cause)
 fig, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
 ax = plot_curves({"C": curve}, ax)
+ax.locator_params(axis="x", nbins=6)
 
 # %%
 # On its way the jump closes (JC), and the multiplier right at the border passes -1 (PDB): points

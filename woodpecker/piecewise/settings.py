@@ -187,6 +187,13 @@ class Numerics:
     ------
     ValueError
         If a number is not positive, or a part is not less than 1, a factor not more.
+
+    Examples
+    --------
+    >>> from woodpecker import Numerics, Settings
+    >>> Numerics().bisections
+    12
+    >>> settings = Settings(numerics=Numerics(bisections=200))
     """
 
     contraction: float = 2.0
@@ -364,6 +371,17 @@ class Settings:
         If span or window are no two ascending numbers, or a number is not positive.
     TypeError
         If ``numerics`` are none.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> settings = Settings(span=(-1, 2), window=(-3, 3), max_step=0.2)
+    >>> [point.parameter for point in connected(lines, -1.0, -0.5, settings).points]
+    [-1.0, 0.0, 1.0, 2.0]
     """
 
     span: tuple[float, float] = (0.0, 1.0)
