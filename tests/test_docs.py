@@ -10,11 +10,14 @@ from types import ModuleType
 
 import pages
 import pytest
+import typer
 from needs import NEEDS_NUMBA
 from pages import DOCS, ROOT
 
 import pwmap
 import woodpecker
+from pwmap.cli import app as pwmap_app
+from woodpecker.cli.app import app as woodpecker_app
 
 PAGES = pages.written()
 WITH_CODE = [page for page in PAGES if page != ROOT / "README.md" and any(pages.blocks(page))]
@@ -166,3 +169,41 @@ def test_a_tutorial_prints_its_numbers(name: str, tmp_path: Path) -> None:
     )  # fmt: skip
     assert ran.returncode == 0, ran.stderr
     assert [line for line in TUTORIALS[name] if line not in ran.stdout] == []
+
+
+# --- Commands -------------------------------------------------------------------------------------
+
+COMMAND = re.compile(r"(?:`|^    |&& )((?:woodpecker|pwmap) [a-z][^`\n]*)", flags=re.MULTILINE)
+SHOWN = sorted(
+    {
+        tuple(found.split())
+        for page in PAGES
+        if page.name != "CHANGELOG.md"
+        for found in COMMAND.findall(page.read_text(encoding="utf-8"))
+    }
+)
+
+
+@pytest.mark.parametrize("words", SHOWN, ids=" ".join)
+def test_a_command_that_is_shown_exists_with_its_options(words: tuple[str, ...]) -> None:
+    application = {"woodpecker": woodpecker_app, "pwmap": pwmap_app}[words[0]]
+    group = typer.main.get_command(application)
+    assert isinstance(group, typer.core.TyperGroup)
+    command = group.commands[words[1]]
+    known = {option for parameter in command.params for option in parameter.opts}
+    known |= {option for parameter in command.params for option in parameter.secondary_opts}
+    assert {word for word in words[2:] if word.startswith("--")} <= known | {"--help"}
+
+
+def test_commands_are_shown() -> None:
+    assert ("woodpecker", "diagram") in SHOWN
+    assert len(SHOWN) >= 12
+
+
+# --- Works ----------------------------------------------------------------------------------------
+
+
+def test_every_entry_of_the_list_of_works_ends_before_the_next() -> None:
+    text = (ROOT / "references.bib").read_text(encoding="utf-8")
+    for entry in re.split(r"^(?=@)", text, flags=re.M)[1:]:
+        assert entry.count("{") == entry.count("}"), entry.splitlines()[0]
