@@ -53,6 +53,18 @@ class Certificate:
         What :func:`pwmap.check_certificate` says of its file.
     content
         All of it, as it is written.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, prove
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> certificate = prove(p1)
+    >>> print(certificate.statement[:58])
+    For the map with the pieces L: -1 for x <= 0; R: -5/4 x +
+    >>> len(certificate.content["fixed points"])
+    2
+    >>> certificate.save("map.json").name
+    'map.json'
     """
 
     statement: str
@@ -109,7 +121,7 @@ def prove(
     >>> from pwmap import PiecewiseLinearMap, prove
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((2*x, x <= 1/2), (2 - 2*x, True))")
     >>> print(prove(tent).statement[:71])
-    For the map with the pieces L: 2 x + 0 for x <= 1/2; R: -2 x + 2 for 1/
+    For the map with the pieces L: 2 x for x <= 1/2; R: -2 x + 2 for 1/2 <
     """
     if isinstance(what, PiecewiseLinearMap):
         if map_ is not None or orders is not None:

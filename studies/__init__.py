@@ -5,7 +5,7 @@ Each is a module of this folder, which is not installed, and runs from the folde
     python -m studies.figures.fig08_return_map [--fast] [--out DIR]
 
 Its ``main(fast, out)`` returns the numbers that it prints. :mod:`studies.run_all` runs all of them
-and keeps numbers and pictures in ``results/``, from which :mod:`studies.readme` fills the README.
+and keeps numbers and pictures in ``results/``, from which :mod:`studies.readme` fills its page.
 Folders import what stands above them, and scripts beside the folders import any. In folders:
 
 ``common/``
@@ -28,6 +28,8 @@ Folders import what stands above them, and scripts beside the folders import any
 
 and beside them:
 
+``jump_crossing``
+    what a jump crossing is, in one picture
 ``main_job``
     what hangs together with the stable motion
 ``paper_numbers``

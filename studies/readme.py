@@ -1,9 +1,9 @@
-"""The numbers of the README, written from the results of the studies.
+"""The numbers of ``studies/results/README.md`` and other pages, written from the results of studies.
 
     python -m studies.readme
 
 Blocks between ``<!-- results: NAME -->`` and ``<!-- end -->`` are made from
-``studies/results/*.json``; a test fails if the README says anything else.
+``studies/results/*.json``; a test fails if a page says anything else.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from studies.common.record import ROOT, Results
 from studies.run_all import RESULTS, STUDIES
 from studies.sensitivities import PAPER_PERIOD
 
-README = ROOT / "README.md"
+PAGES = (RESULTS / "README.md", ROOT / "docs" / "comparison.md")
 BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
 All = Mapping[str, Results]
 SPAN = "(0.012, 1)"
@@ -37,8 +37,10 @@ SAME = 1e-6  # in eps_N1: a named point
 
 
 def main() -> None:
-    """Rewrite the blocks of the README."""
-    README.write_text(filled(README.read_text(encoding="utf-8"), load(RESULTS)), encoding="utf-8")
+    """Rewrite the blocks of the pages."""
+    results = load(RESULTS)
+    for page in PAGES:
+        page.write_text(filled(page.read_text(encoding="utf-8"), results), encoding="utf-8")
 
 
 def load(folder: Path) -> dict[str, Results]:
@@ -285,6 +287,24 @@ def siconos(results: All) -> str:
     )
 
 
+def peers(results: All) -> str:
+    """One return of the cycle and a simulated second by programs that step, and by the kernel."""
+    stepped, moreau = results["peer_siconos"], results["peer_moreau"]["theta, lcp"]
+    measured, period = results["benchmark"], results["sensitivities"]["period"]
+    lines = []
+    for step, found in stepped["cycle"].items():
+        error = stepped["return"][step]["error"]
+        lines.append(["Siconos", f"{step} s", number(error), seconds(found["seconds_per_second"])])
+    for step, error, cpu in zip(moreau["step"], moreau["error"], moreau["cpu_ms"], strict=True):
+        if step in (1e-4, 1e-6):
+            name = "Moreau's scheme for this toy alone, compiled"
+            lines.append([name, f"{step:.0e} s", number(error), seconds(cpu / 1e3 / period)])
+    unit = measured["timings"]["one return, compiled kernel"]["cpu_median"]
+    lines.append(["woodpecker", "none", number(measured["error_kernel"]), seconds(unit / period)])
+    header = ["program", "step", "error of a return [rad]", "time for a simulated second"]
+    return rows(header, lines)
+
+
 def orders(results: All) -> str:
     """Expected and fitted orders."""
     lines = [
@@ -498,14 +518,14 @@ def proofs(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, orders, failures, reductions, kernel, diagrams, symbolic,
+        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, orders, failures, reductions, kernel, diagrams, symbolic,
         ground, long_run, proofs, machine,
     )
 }  # fmt: skip
 
 
 def unexplained(text: str, allowed: Sequence[str]) -> list[str]:
-    """Decimal numbers of a README that stand neither in a block, nor in code, nor on a list."""
+    """Decimal numbers of a page that stand neither in a block, nor in code, nor on a list."""
     bare = re.sub(r"```.*?```", "", BLOCK.sub("", text), flags=re.DOTALL)
     bare = re.sub(r"^    .*$", "", re.sub(r"`[^`]*`", "", bare), flags=re.MULTILINE)
     bare = re.sub(r"\]\([^)]*\)", "]", bare)

@@ -3,8 +3,8 @@
     python -m studies.run_all [--fast] [--out DIR] [--only NAME ...]
 
 The full run writes numbers (JSON, with machine, versions and commit) and pictures to
-``studies/results/``, from which the README takes its own; the fast one takes some minutes and
-writes nothing unless it is told where.
+``studies/results/``, whose page is filled from them; the fast one takes some minutes and writes
+nothing unless it is told where.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "fig05_phase_woodpecker": "studies.figures.fig05_phase_woodpecker",
     "fig06_phase_others": "studies.figures.fig06_phase_others",
     "fig07_frames": "studies.figures.fig07_frames",
+    "jump_crossing": "studies.jump_crossing",
     "main_job": "studies.main_job",
     "two_parameters": "studies.two_parameters",
     "regions": "studies.regions",

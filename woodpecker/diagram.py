@@ -82,6 +82,14 @@ def bifurcation_diagram(
         is no such run to resume.
     TypeError
         If the parameter is unknown, or the settings are no :class:`Settings`.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, Search, bifurcation_diagram
+    >>> few = Search(slices=6)
+    >>> top = bifurcation_diagram(Toy(), "eps_n1", (0.33, 0.4), (1,), (-1.2, -0.7), search=few)
+    >>> [(str(p.kind), round(p.parameter, 9)) for p in top.points if str(p.kind) != "EP"]
+    [('FF', 0.388349589), ('BC', 0.341923454)]
     """
     return find_all(
         toy, parameter, span, orders, window, settings=settings, search=search, progress=progress,
@@ -122,6 +130,14 @@ def find_all(
     ------
     ValueError, TypeError
         As there.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, Search, find_all
+    >>> few = Search(slices=6)
+    >>> found = find_all(Toy(), "eps_n1", (0.33, 0.4), (1,), (-1.2, -0.7), search=few)
+    >>> len(found.diagram.branches), len(found.slices) >= 6
+    (3, True)
     """
     map_ = ToyPieces(toy, parameter)
     wanted, looked = interval("span", span, finite=True), search or Search()

@@ -73,8 +73,8 @@ def prove(
 
     Examples
     --------
-    >>> toy = Toy(eps_n1=0.5)
-    >>> certificate = prove(shoot(toy, -0.53))
+    >>> from woodpecker import Toy, prove, shoot
+    >>> certificate = prove(shoot(Toy(eps_n1=0.5), -0.53))
     >>> certificate.content["multiplier"]
     ['-0.839155653047586127', '-0.839155653047585639']
     """
@@ -115,6 +115,13 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     ValueError
         If the certificate does not hold (``woodpecker.checking.certificate.Refused``); the sentence
         says why.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, check_certificate, prove, shoot
+    >>> prove(shoot(Toy(), -0.53)).save("orbit.json")
+    >>> check_certificate("orbit.json")[:72]
+    'The Woodpecker Toy (expansion friction summed) with eps_n1 = 0.5 has exa'
     """
     from woodpecker.checking.certificate import check_certificate as checked
 

@@ -73,6 +73,14 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     ------
     ValueError
         If the file is not that of such a run.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, continuation, saved_diagram, shoot
+    >>> toy = Toy()
+    >>> diagram = continuation(toy, shoot(toy, -0.53), span=(0.45, 0.55), run="run.jsonl")
+    >>> len(saved_diagram("run.jsonl").branches)
+    1
     """
     run_of, entries = read_record(run)
     try:

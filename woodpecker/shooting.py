@@ -31,7 +31,16 @@ DEFAULT = Settings()
 
 
 class ShootingStatus(Enum):
-    """How shooting ended; the value is the sentence for a user."""
+    """How shooting ended; the value is the sentence for a user.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ShootingStatus, shoot
+    >>> shoot(Toy(), -0.53).status is ShootingStatus.CONVERGED
+    True
+    >>> ShootingStatus.AT_JUMP.value
+    'the return map jumps across the diagonal here: there is no periodic solution'
+    """
 
     CONVERGED = "a periodic solution was found"
     CENTRE = (
@@ -70,6 +79,15 @@ class PeriodicOrbit:
     status, success, message
         How shooting ended, whether it found a solution that can be followed, and the sentence that
         says it: why not, or how often a solution of a smaller period is passed.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, shoot
+    >>> orbit = shoot(Toy(), -0.53)
+    >>> orbit.success, orbit.stable, orbit.word
+    (True, True, 'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2')
+    >>> round(orbit.phi_s, 9), round(orbit.period, 9), round(orbit.multiplier, 6)
+    (-0.529471967, 0.145976065, -0.839156)
     """
 
     toy: Toy
@@ -123,6 +141,16 @@ def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAUL
     ------
     ValueError
         If the guess or the order is out of range.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, shoot
+    >>> orbit = shoot(Toy(), -0.53)
+    >>> print(f"{orbit.phi_s:.10f} rad, {orbit.period:.10f} s, {orbit.multiplier:.6f}")
+    -0.5294719671 rad, 0.1459760651 s, -0.839156
+    >>> print(shoot(Toy(), -0.2235).message)
+    the sleeve stays jammed: the toy rests, or swings without falling, in one of a band of centres,
+    none of which can be followed
     """
     start, order = first_return(toy, guess, order), whole("order", order)
     map_, p = ToyPieces(toy), toy.eps_n1

@@ -28,7 +28,17 @@ from woodpecker.toypieces import ToyPieces
 
 
 class OnBranch(NamedTuple):
-    """A periodic solution of the toy, and the branch it lies on."""
+    """A periodic solution of the toy, and the branch it lies on.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, continuation, shoot, solutions
+    >>> toy = Toy()
+    >>> diagram = continuation(toy, shoot(toy, -0.53), span=(0.45, 0.55))
+    >>> one, = solutions(toy, diagram, 0.48)
+    >>> one.branch.id, round(one.orbit.phi_s, 9)
+    ('F1', -0.532395917)
+    """
 
     branch: Branch
     orbit: PeriodicOrbit
@@ -62,6 +72,14 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
         If the diagram's parameter is none of the toy.
     ValueError
         If the toy cannot have this value.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, continuation, shoot, solutions
+    >>> toy = Toy()
+    >>> diagram = continuation(toy, shoot(toy, -0.53), span=(0.45, 0.55))
+    >>> [(one.branch.id, round(one.orbit.phi_s, 9)) for one in solutions(toy, diagram, 0.48)]
+    [('F1', -0.532395917)]
     """
     there = toy.replace(**{diagram.parameter_name: float(value)})
     map_ = ToyPieces(there, diagram.parameter_name)
@@ -187,6 +205,15 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
         If a name is unknown.
     TypeError
         If the diagram's parameter is none of the toy.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, continuation, observables, shoot
+    >>> toy = Toy()
+    >>> diagram = continuation(toy, shoot(toy, -0.53), span=(0.49, 0.51))
+    >>> branch = observables(toy, diagram, "period", "drop").branches[0]
+    >>> sorted(branch.columns), [f"{period:.6f}" for period in branch.columns["period"][[0, -1]]]
+    (['drop', 'period'], ['0.147560', '0.144450'])
     """
     known_observables(names)
     branches = tuple(

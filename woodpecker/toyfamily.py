@@ -27,6 +27,14 @@ class ToyFamily:
         If a parameter is unknown.
     ValueError
         If there are not two different ones.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyFamily
+    >>> family = ToyFamily(Toy(), ("eps_n1", "mu_2"))
+    >>> over_mu_2 = family.over(1, (0.4, 0.3))  # with eps_n1 = 0.4
+    >>> round(over_mu_2.at(-0.53, 0.3).value, 9)
+    -0.563805677
     """
 
     toy: Toy

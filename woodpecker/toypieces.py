@@ -172,6 +172,16 @@ class ToyPieces:
     ------
     TypeError
         If the parameter is unknown.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyPieces
+    >>> map_ = ToyPieces(Toy(), "eps_n1")
+    >>> image = map_.at(-0.53, 0.5)
+    >>> round(image.value, 9), round(image.slope, 6), round(image.d_parameter, 6)
+    (-0.529030292, -0.833817, 0.250721)
+    >>> image.piece.word
+    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
     """
 
     toy: Toy

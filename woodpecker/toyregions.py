@@ -67,6 +67,16 @@ def parameter_regions(
         window is not finite, or curves are over other parameters.
     TypeError
         If a parameter is unknown, or the settings are no :class:`Settings`.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, Survey, parameter_regions
+    >>> small = Survey(checks=4)
+    >>> span = ((0.45, 0.5), (0.3, 0.31))
+    >>> names, window = ("eps_n1", "mu_2"), (-0.7, -0.45)
+    >>> found = parameter_regions(Toy(), names, span, survey=small, window=window)
+    >>> [region.census for region in found.regions]
+    [(Count(period=1, stable=1, unstable=0),)]
     """
     family = ToyFamily(toy, parameters)
     one, other = (

@@ -2,4 +2,16 @@
 
 
 class Undecided(Exception):  # noqa: N818  (no error: an answer)
-    """What ball arithmetic could not decide over a box; the text says what."""
+    """What ball arithmetic could not decide over a box; the text says what.
+
+    Examples
+    --------
+    >>> from pwmap import SpecialPoint
+    >>> from woodpecker import Undecided, prove
+    >>> nowhere = SpecialPoint(id="A", kind="FF", parameter=0.3, x=-0.8)
+    >>> try:
+    ...     prove(nowhere)
+    ... except Undecided as error:
+    ...     print(error)
+    no two gaps close at once here
+    """

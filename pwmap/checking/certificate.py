@@ -108,7 +108,10 @@ def check_certificate(path: str | Path) -> str:
 
     Examples
     --------
-    >>> check_certificate("certificate.json")  # doctest: +SKIP
-    'For the map with the pieces L: ...'
+    >>> from pwmap import PiecewiseLinearMap, check_certificate, prove
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> path = prove(p1, order=2).save("certificate.json")
+    >>> check_certificate(path)[-56:]
+    'ly on both sides of it: 4/5 (from 1 to -1, words RR|RL).'
     """
     return check(read(path))

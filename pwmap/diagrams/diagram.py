@@ -28,7 +28,18 @@ BoolArray = npt.NDArray[np.bool_]
 
 
 class BranchKind(StrEnum):
-    """What a branch is a curve of."""
+    """What a branch is a curve of.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, BranchKind, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [branch.id for branch in diagram.branches if branch.kind is BranchKind.FIXED_POINT]
+    ['F1', 'F2']
+    >>> print(BranchKind.JUMP)
+    jump
+    """
 
     FIXED_POINT = "fixed-point"
     JUMP = "jump"
@@ -36,7 +47,18 @@ class BranchKind(StrEnum):
 
 
 class PointKind(StrEnum):
-    """What ends or marks branches; the value is the code used in tables and graphs."""
+    """What ends or marks branches; the value is the code used in tables and graphs.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, PointKind, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [point.parameter for point in diagram.points if point.kind is PointKind.BC]
+    [0.0, 1.0]
+    >>> print(PointKind.FF, PointKind.FF.label)
+    FF fold-flip
+    """
 
     LP = "LP"
     PD = "PD"
@@ -75,7 +97,14 @@ _MEANINGS = {
 
 
 class PointStatus(StrEnum):
-    """How well the place of a special point is known."""
+    """How well the place of a special point is known.
+
+    Examples
+    --------
+    >>> from pwmap import PointStatus
+    >>> [(status.name, status.value) for status in PointStatus]
+    [('LOCATED', 'located'), ('OPEN', 'open')]
+    """
 
     LOCATED = "located"
     OPEN = "open"
@@ -114,6 +143,16 @@ class Stretch:
         A sentence on what happens where it begins; empty at the start of a branch.
     exact
         Exact sympy expressions by name, e.g. ``{"x": r/(a + 1)}``; empty for the toy.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> diagram = bifurcation_diagram(p1.at({"a": "5/4"}), "r", (-1, 12), orders=(4,))
+    >>> [stretch.word for stretch in diagram.branch("J1").words]
+    ['RRRR|RRRL']
     """
 
     first: int
@@ -150,6 +189,16 @@ class Branch:
         Its stretches in order, by default one; the first has ``word`` and ``exact``.
     columns
         What else was observed at each sample, arrays (n,) by name.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> branch = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).branch("J1")
+    >>> branch.word, branch.ends, branch.x.tolist()
+    ('L|R', ('BC1', 'BC2'), [0.0, 0.0])
+    >>> branch.exact["interval"]
+    Interval.open(0, 1)
     """
 
     id: str
@@ -216,7 +265,7 @@ class Branch:
 
     @property
     def stable(self) -> BoolArray:
-        """Shape (n,): whether |multiplier| < 1, or ``attracts``; False all along a jump branch."""
+        """Shape (n,): whether abs(multiplier) < 1, or ``attracts``; False on a jump branch."""
         if self.attracts is not None:
             return np.full(len(self), self.attracts)
         return np.asarray(np.abs(self.multiplier) < 1.0)
@@ -262,6 +311,16 @@ class SpecialPoint:
     ValueError
         If the id is no text without ``:``, kind or status is unknown, the precision is negative, or
         the interval does not hold the parameter.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> point = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).point("BC2")
+    >>> point.kind.label, point.note, point.parameter, point.x
+    ('border collision', 'persistence', 1.0, 0.0)
+    >>> point.branches
+    ('J1', 'F2')
     """
 
     id: str
@@ -336,6 +395,21 @@ class Diagram:
     about
         What made the diagram: the program with its version and, for the toy, its parameters, law of
         impact and the settings that are not the default. Values that JSON can say, by name.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [(point.id, point.note) for point in diagram.points]
+    [('EP1', 'end of the span'), ('BC1', 'persistence'), ('BC2', 'persistence'), ('EP2', 'end of the
+    span')]
+    >>> diagram.sides("BC1")  # branches on the left and on the right
+    (('F1',), ('J1',))
+    >>> [(hit.branch.id, hit.x) for hit in diagram.at("1/2")]
+    [('J1', 0.0)]
+    >>> diagram.graph().number_of_edges()
+    3
     """
 
     parameter_name: str

@@ -120,6 +120,14 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
         If the graph does not suit the formats, or the suffix is unknown.
     FileNotFoundError
         If the folder does not exist.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, write_graph
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [write_graph(diagram.graph(), f"lines.{suffix}").name for suffix in ("graphml", "dot")]
+    ['lines.graphml', 'lines.dot']
     """
     path = Path(path)
     form = _format(path)
@@ -148,6 +156,15 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
         If the suffix is unknown or the file does not hold such a graph.
     FileNotFoundError
         If there is no such file.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, read_graph, write_graph
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> path = write_graph(diagram.graph(), "lines.json")
+    >>> read_graph(path).nodes["BC2"]["parameter"]
+    1.0
     """
     path = Path(path)
     decode = _format(path).decode

@@ -56,6 +56,18 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     ------
     ValueError
         If the two are over different parameters.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram
+    >>> from pwmap import with_attractors
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> diagram = bifurcation_diagram(tent, "a", ("4/3", "3/2"), orders=(1,))
+    >>> both = with_attractors(diagram, attractor_diagram(tent, "a", ("4/3", "3/2"), 1))
+    >>> len(diagram.branches), len(both.branches)
+    (2, 5)
+    >>> [(point.id, point.exact["parameter"]) for point in both.points if point.kind.name == "MC"]
+    [('MC1', sqrt(2))]
     """
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(

@@ -57,7 +57,14 @@ DEGREE = 24  # of an algebraic number at which the entropy is computed, at most
 
 
 class GapCause(Enum):
-    """Why an interval is left out; the value says it in words."""
+    """Why an interval is left out; the value says it in words.
+
+    Examples
+    --------
+    >>> from pwmap import GapCause
+    >>> GapCause.NARROW.value
+    'it is narrower than the tolerance'
+    """
 
     EXPANDS = "every piece expands, so that nothing attracts, and orbits of breaks go on"
     OPEN = "orbits of breaks are not known to the end after as many steps"
@@ -83,6 +90,15 @@ class ConstantEntropy:
         Rational values inside from which it was proved, from left to right.
     cycles
         Words of the attracting cycles at these samples, each once.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, constant_entropy
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
+    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
+    >>> interval = found.intervals[0]
+    >>> interval.lower, interval.upper, interval.entropy.value, interval.cycles
+    (-4, -3, log(1/2 + sqrt(5)/2), ('LLR',))
     """
 
     lower: sympy.Expr
@@ -103,6 +119,15 @@ class EntropyGap:
         Exact ends.
     causes
         Why, each once.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, constant_entropy
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
+    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
+    >>> gap = found.gaps[0]
+    >>> gap.lower, gap.upper, [cause.name for cause in gap.causes]
+    (-3, -2, ['OPEN'])
     """
 
     lower: sympy.Expr
@@ -122,6 +147,14 @@ class EntropyIntervals:
         Apart, or touching with different entropies, from left to right.
     gaps
         What is between them, from left to right.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, constant_entropy
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
+    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
+    >>> len(found.intervals), len(found.gaps), found.share
+    (2, 1, 0.6666666666666666)
     """
 
     parameter: sympy.Symbol

@@ -82,6 +82,14 @@ class AttractorCell:
         The map at the sample.
     is_open
         Whether something is not known there; then crises may have been missed in the cell.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
+    >>> [(str(cell.lower), str(cell.upper), len(cell.bands[0])) for cell in found.cells]
+    [('4/3', 'sqrt(2)', 2), ('sqrt(2)', '3/2', 1)]
     """
 
     lower: sympy.Expr
@@ -109,6 +117,15 @@ class Meeting(NamedTuple):
         The word along which it goes.
     cycle
         The word of the cycle from that point on.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram, meeting_curve
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> crisis, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
+    >>> meeting = crisis.meetings[0]
+    >>> meeting.image, meeting.cycle
+    ('LRLRRRRR', 'R')
     """
 
     number: int
@@ -133,6 +150,14 @@ class Crisis:
         Images of breaks that meet repelling cycles there.
     width
         Of the interval in which it lies; zero if it is exact.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> merging, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
+    >>> print(merging.kind, merging.parameter, merging.bands)  # two bands become one
+    MC sqrt(2) (2, 1)
     """
 
     parameter: sympy.Expr
@@ -169,6 +194,16 @@ class AttractorDiagram:
     crises
         Of chaotic attractors, from left to right. Other bifurcations of attracting cycles separate
         cells, too; they are in :func:`pwmap.bifurcation_diagram`.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
+    >>> [(str(crisis.kind), crisis.parameter) for crisis in found.crises]
+    [('MC', sqrt(2))]
+    >>> [(str(cell.lower), str(cell.upper)) for cell in found.cells]
+    [('4/3', 'sqrt(2)'), ('sqrt(2)', '3/2')]
     """
 
     map: PiecewiseLinearMap
@@ -257,6 +292,14 @@ def attractor_diagram(
     ------
     ValueError
         If the map has other parameters, or is an iterate, or the span is no interval.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> for crisis in attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises:
+    ...     print(crisis.kind, crisis.parameter, crisis.bands)
+    MC sqrt(2) (2, 1)
     """
     order = checked_order(order)
     name = str(own_name(parameter, map_.parameters))

@@ -40,6 +40,14 @@ class FoundCycle:
         Its multiplier; None if no points beside it follow its pieces.
     at_break
         Whether it has a point on a break: then it attracts as both sides of it do.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, cycles
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> found = cycles(skew, {"a": "1/2", "b": -4}, 3)
+    >>> [(cycle.word, cycle.exact_points, cycle.multiplier) for cycle in found.of_period(3)]
+    [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
     """
 
     line: Line
@@ -92,6 +100,14 @@ class FoundCycles:
         How many words were looked at.
     left_out
         A sentence on what is missing; empty if nothing is.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, cycles
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> found = cycles(skew, {"a": 2, "b": "-3/2"}, 6)
+    >>> len(found), [len(found.of_period(n)) for n in range(1, 7)]
+    (9, [2, 1, 1, 1, 2, 2])
     """
 
     cycles: tuple[FoundCycle, ...]
@@ -164,7 +180,7 @@ def cycles(
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> found = cycles(tent, {"a": "7/4"}, 5)
     >>> [cycle.word for cycle in found]
-    ['L', 'R', 'LR', 'LLR', 'LRR', 'LRRR', 'LLRRR', 'LRRRR', 'LRRLR']
+    ['L', 'R', 'LR', 'LLR', 'LRR', 'LRRR', 'LLRRR', 'LLRLR', 'LRRLR', 'LRRRR']
     """
     order = checked_order(order)
     line = line_of(map_, values)

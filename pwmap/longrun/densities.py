@@ -73,6 +73,16 @@ class Density:
         Between two places; zero between bands. If it is not exact they are close to it.
     error
         How far the density is from these values at most; zero if it is exact.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> density = dynamics(tent, {"a": 2}).attractors[0].density  # it is uniform
+    >>> [(str(low), str(high), str(value)) for low, high, value in density.steps()]
+    [('0', '1', '1')]
+    >>> density.exact, density.exponent
+    (True, log(2))
     """
 
     line: Line

@@ -23,7 +23,14 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
 class Extremum(Enum):
-    """What the iterate of a map is at one side of a break; the value is its symbol."""
+    """What the iterate of a map is at one side of a break; the value is its symbol.
+
+    Examples
+    --------
+    >>> from pwmap import Extremum
+    >>> [(kind.name, kind.value) for kind in Extremum]
+    [('MAXIMUM', 'M'), ('MINIMUM', 'm'), ('CONSTANT', 'c')]
+    """
 
     MAXIMUM = "M"
     MINIMUM = "m"
@@ -47,6 +54,15 @@ class MinMax:
     start
         The number of the first that comes again and again with all that follow; None if that is not
         known.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> kneading, *_ = dynamics(tent, {"a": (1 + sqrt(5))/2}).kneading
+    >>> print(kneading.minmax)
+    (M^R m^L m^R)
     """
 
     symbols: tuple[tuple[Extremum, str], ...]
@@ -80,6 +96,15 @@ class Kneading:
         How many of the last ones come again and again; 0 if none are known to.
     minmax
         Whether limits of the iterates are maxima or minima of their branches, with addresses.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> kneading, *_ = dynamics(tent, {"a": (1 + sqrt(5))/2}).kneading
+    >>> kneading.x, kneading.side, kneading.word, kneading.fate
+    (1/2, -1, 'L(RLR)', 'periodic after a while')
     """
 
     x: sympy.Expr
@@ -101,6 +126,17 @@ class Attractor:
         The map.
     core
         The cycle or the bands, in exact numbers.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> bands, = dynamics(tent, {"a": "7/5"}).attractors
+    >>> print(bands, bands.is_chaotic, bands.basin[0])
+    2 bands: [21/50, 721/1250], [147/250, 7/10] True Interval.open(0, 1)
+    >>> cycle, = dynamics(tent, {"a": "1/2"}).attractors
+    >>> cycle.points, cycle.multiplier, cycle.is_chaotic
+    ((0,), 1/2, False)
     """
 
     line: Line
@@ -236,6 +272,16 @@ class Dynamics:
         The map there, in exact numbers.
     orders
         Up to which the graph of laps is made for bounds of the entropy, one after the other.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = dynamics(tent, {"a": 2})
+    >>> found.entropy.value, found.absorbing, found.laps(4)
+    (log(2), Interval(0, 1), [2, 4, 8, 16])
+    >>> print(*found.attractors)
+    1 band: [0, 1]
     """
 
     line: Line

@@ -53,6 +53,18 @@ class Entropy:
         The logarithm of an algebraic number, if it is known exactly; else None.
     order
         Up to which order nodes were found.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> entropy = dynamics(tent, {"a": (1 + sqrt(5))/2}).entropy
+    >>> entropy.value, entropy.is_exact
+    (log(1/2 + sqrt(5)/2), True)
+    >>> found = dynamics(tent, {"a": "7/5"}).entropy  # bounds, where critical orbits do not end
+    >>> found.is_exact, found.high - found.low < 1e-12
+    (False, True)
     """
 
     low: float

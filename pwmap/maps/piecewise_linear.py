@@ -51,6 +51,16 @@ class Piece:
     """One affine piece of a map: ``slope x + intercept`` on an interval or at a point.
 
     The exact values are computed when they are asked for.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> left, right = p1.pieces
+    >>> right.word, right.expression, right.interval
+    ('R', 1 - 5*x/4, Interval.open(0, oo))
+    >>> right.slope, right.lower_closed
+    (-5/4, False)
     """
 
     cylinder: Cylinder
@@ -152,6 +162,15 @@ class FixedPoint:
         does not follow from the assumptions on the parameters.
     at_border
         Whether it lies at an end of a piece.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> for point in p1.fixed_points():
+    ...     print(point.x, point.word, point.multiplier, point.stable)
+    -1 L 0 True
+    4/9 R -5/4 False
     """
 
     x: sympy.Expr
@@ -166,7 +185,16 @@ class FixedPoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedInterval:
-    """A piece of an iterate that is the identity: every point of it is fixed."""
+    """A piece of an iterate that is the identity: every point of it is fixed.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> mirror = PiecewiseLinearMap.from_sympy("Piecewise((-x, x <= 1), (x - 2, True))")
+    >>> band, *_ = mirror.iterate(2).fixed_intervals()
+    >>> band.interval, band.word, band.period
+    (Interval(-1, 1), 'LL', 2)
+    """
 
     interval: sympy.Set
     word: str
@@ -176,7 +204,16 @@ class FixedInterval:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Jump:
-    """A discontinuity: the one-sided limits, and the value at the point itself."""
+    """A discontinuity: the one-sided limits, and the value at the point itself.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> jump, = p1.jumps()
+    >>> jump
+    Jump(x=0, left=-1, value=-1, right=1)
+    """
 
     x: sympy.Expr
     left: sympy.Expr
@@ -186,7 +223,16 @@ class Jump:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
-    """A discontinuity whose one-sided limits lie strictly on opposite sides of the diagonal."""
+    """A discontinuity whose one-sided limits lie strictly on opposite sides of the diagonal.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> crossing, = p1.iterate(2).jump_crossings()
+    >>> crossing.x, crossing.left, crossing.right, crossing.left_word, crossing.right_word
+    (4/5, 1, -1, 'RR', 'RL')
+    """
 
     x: sympy.Expr
     left: sympy.Expr
@@ -210,6 +256,18 @@ class Cycle:
         Product of the slopes of the pieces visited; ``nan`` if one of them is a single point.
     conditions
         What must hold for the cycle to exist: each point in its piece.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> cycle = p1.cycle("RL")
+    >>> cycle.points, cycle.multiplier
+    ((r - 2, -a*r + 2*a + r), 0)
+    >>> cycle.conditions
+    (r - 2 > 0, -a*r + 2*a + r <= 0)
     """
 
     word: str
@@ -268,6 +326,29 @@ class PiecewiseLinearMap:
     ValueError, TypeError
         For gaps, overlaps, pieces that are not affine, floats, unknown symbols, or breaks whose
         order the assumptions leave open.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> print(p1.iterate(2))
+    LL  -1             for x <= 0
+    RR  25*x/16 - 1/4  for 0 < x < 4/5
+    RL  -1             for 4/5 <= x
+    >>> [point.x for point in p1.fixed_points()]
+    [-1, 4/9]
+    >>> [jump.x for jump in p1.iterate(2).jump_crossings()]
+    [4/5]
+
+    Parameters may stay symbols, if what is assumed of them decides every sign:
+
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1", "r > 0", "r < 2"]
+    ... )
+    >>> [point.x for point in p1.fixed_points()]
+    [r - 2, r/(a + 1)]
+    >>> p1.at({"a": 2, "r": 1}).iterate(3).jump_crossings()[0].x
+    1/4
     """
 
     def __init__(

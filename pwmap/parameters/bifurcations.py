@@ -99,6 +99,17 @@ def bifurcation_diagram(
     ------
     ValueError, TypeError
         As :func:`pwmap.parameter_cells`. A ``BudgetError`` if no order was completed.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> for branch in diagram.branches:
+    ...     print(branch.id, branch.kind, branch.exact["x"], branch.exact["interval"])
+    F1 fixed-point 2*p Interval(-1, 0)
+    J1 jump 0 Interval.open(0, 1)
+    F2 fixed-point 3*p/2 - 3/2 Interval.Lopen(1, 2)
     """
     orders = checked_orders(orders, budget)
     studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))

@@ -275,6 +275,18 @@ class ParameterCell:
         ``fixed_points()`` and ``jump_crossings()`` are formulas in the parameters, for the orders
         the cells were cut for. What else is asked of it is answered if that holds throughout the
         cell; if it does not, or that is not proved, :class:`UndecidedError` names the orders.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_cells
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> edge = parameter_cells(p1, "r", orders=(1, 2)).cells[1]
+    >>> edge.lower, edge.upper, edge.is_edge
+    (0, 0, True)
+    >>> [point.x for point in edge.map.fixed_points()]
+    [r - 2]
     """
 
     lower: sympy.Expr
@@ -297,6 +309,18 @@ class ParameterCells:
     ----------
     given
         Under which conditions on the other parameters this list holds.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_cells
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> cells = parameter_cells(p1, "r", orders=(1, 2))
+    >>> cells.edges
+    (0, 2, 2*a/(a - 1))
+    >>> [len(cell.map.fixed_points()) for cell in cells]
+    [1, 1, 2, 2, 1, 1, 1]
     """
 
     parameter: sympy.Symbol
@@ -350,6 +374,15 @@ def parameter_cells(
     ValueError
         If the parameter is unknown, or with other parameters symbolic a decision is not of degree
         one in it.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_cells
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> parameter_cells(p1, "r", orders=(1, 2, 3)).edges
+    (0, 2, 2*a**2/(a**2 - a + 1), 2*a/(a - 1))
     """
     orders = checked_orders(orders)
     return with_cells(

@@ -6,7 +6,14 @@ from enum import StrEnum
 
 
 class Colours(StrEnum):
-    """What the colours of a plane say."""
+    """What the colours of a plane say.
+
+    Examples
+    --------
+    >>> from pwmap import Colours
+    >>> [(colours.name, colours.value) for colours in Colours]
+    [('PERIOD', 'period'), ('ENTROPY', 'entropy'), ('BANDS', 'bands')]
+    """
 
     PERIOD = "period"
     ENTROPY = "entropy"

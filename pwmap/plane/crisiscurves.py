@@ -67,6 +67,15 @@ def with_crises(
     ------
     ValueError
         If there is no column.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane, with_crises
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("19/20", 1), ("-17/10", "-8/5"), orders=(1,))
+    >>> more = with_crises(plane, order=1, columns=1)
+    >>> [(curve.kind.label, str(curve.polynomial)) for curve in more.curves]
+    [('merging crisis', 'a*b**2 - a + b')]
     """
     if columns < 1:
         raise ValueError(f"crises are looked for at one value at least, got {columns}")

@@ -6,7 +6,16 @@ from enum import StrEnum
 
 
 class PlaneKind(StrEnum):
-    """A special point of codimension two, or why a curve ends; the value is its code."""
+    """A special point of codimension two, or why a curve ends; the value is its code.
+
+    Examples
+    --------
+    >>> from pwmap import PlaneKind
+    >>> print(PlaneKind.FLIP_BORDER, PlaneKind.FLIP_BORDER.label)
+    PDB flip-border collision
+    >>> PlaneKind("JC") is PlaneKind.JUMP_CLOSES
+    True
+    """
 
     CUSP = "CP"
     GENERALISED_FLIP = "GPD"

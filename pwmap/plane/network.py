@@ -102,6 +102,15 @@ class PlaneCurve:
     ends
         Names of the points in which it begins and ends; empty at an end of a span, or if it is
         closed.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> curve = plane.curve("PD1")
+    >>> curve.kind.label, curve.words, curve.polynomial
+    ('flip', ('LR',), a*b + 1)
     """
 
     id: str
@@ -141,6 +150,15 @@ class CodimensionTwo:
         Values of both parameters, the one across first.
     curves
         Names of the curves that pass or end here.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2, 3))
+    >>> point, = plane.points
+    >>> point.kind.label, point.values, point.curves
+    ('flip-border collision', (-1/2 + sqrt(5)/2, -3/2 - sqrt(5)/2), ('PD3', 'BC1'))
     """
 
     id: str

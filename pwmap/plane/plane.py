@@ -36,6 +36,16 @@ class ParameterPlane:
         On which cycles of the orders that were looked at bifurcate.
     points
         Of codimension two, in which curves meet or end.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> [(curve.id, str(curve.polynomial)) for curve in plane.curves]
+    [('PD1', 'a*b + 1'), ('PD2', 'b + 1')]
+    >>> print(*plane.at("1/2", "-3/2").attractors)
+    cycle LR through -2/7
     """
 
     map: PiecewiseLinearMap
@@ -108,8 +118,8 @@ def parameter_plane(
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
     >>> for curve in plane.curves:
     ...     print(curve.id, *curve.words, curve.polynomial)
-    PD1 R b + 1
-    PD2 LR a*b + 1
+    PD1 LR a*b + 1
+    PD2 R b + 1
     """
     across, along = (own_name(name, map_.parameters) for name in (across, along))
     names = {str(symbol): symbol for symbol in map_.parameters}

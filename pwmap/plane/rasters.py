@@ -39,6 +39,16 @@ class PlaneRaster:
         A double below the topological entropy.
     open
         Whether something is not known there.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane, plane_raster
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> raster = plane_raster(plane, 3, 2)
+    >>> raster.periods
+    array([[0, 3, 0],
+           [2, 2, 0]])
     """
 
     across: tuple[Number, ...]
@@ -71,6 +81,15 @@ def plane_raster(
     ------
     ValueError
         If there is no column or row.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane, plane_raster
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> plane_raster(plane, 3, 2).bands
+    array([[1, 0, 1],
+           [0, 0, 4]])
     """
     if min(columns, rows) < 1:
         raise ValueError(f"a raster needs a column and a row, got {columns} and {rows}")

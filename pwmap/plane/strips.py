@@ -35,6 +35,14 @@ class Strip:
         Where cycles bifurcate.
     upright
         Coefficients of polynomials in the first parameter alone that decided something.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> [(strip.lower, strip.upper, len(strip.cells)) for strip in plane.strips]
+    [(1/4, 3/4, 5)]
     """
 
     column: Column

@@ -46,7 +46,17 @@ from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
 
 
 class CentreKind(Enum):
-    """What is to be found around an organising centre."""
+    """What is to be found around an organising centre.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, CentreKind, organising_centre
+    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
+    >>> organising_centre(jump, "r", "a").kind is CentreKind.INCREMENTING
+    True
+    >>> CentreKind.ADDING.value
+    'period adding: between two neighbours is a cycle with the points of both'
+    """
 
     ADDING = "period adding: between two neighbours is a cycle with the points of both"
     INCREMENTING = "period incrementing: adjacent cycles of n and n + 1 points coexist"
@@ -75,6 +85,16 @@ class OrganisingCentre:
     patterns
         Words of cycles around it, for :func:`pwmap.word_family`: both families that lead towards
         the fixed points for period adding, the one there is for period incrementing.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, organising_centre
+    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
+    >>> centre = organising_centre(jump, "r", "a")
+    >>> centre.values, centre.x, centre.slopes
+    ((1/2, 4/3), 1, (1/2, -1/3))
+    >>> centre.kind.name, centre.patterns
+    ('INCREMENTING', ('R L^n',))
     """
 
     across: sympy.Symbol
@@ -104,6 +124,13 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
         or there is not exactly one centre where the assumptions hold.
     UndecidedError
         If the assumptions on other parameters leave open what is there.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, organising_centre
+    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
+    >>> organising_centre(jump, "r", "a").values
+    (1/2, 4/3)
     """
     found = organising_centres(map_, across, along)
     if len(found) != 1:
@@ -125,6 +152,13 @@ def organising_centres(
     ----------
     map_, across, along
         As for :func:`organising_centre`.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, organising_centres
+    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
+    >>> [(centre.values, centre.kind.name) for centre in organising_centres(jump, "r", "a")]
+    [((1/2, 4/3), 'INCREMENTING')]
     """
     pieces = two_pieces(map_)
     symbols = _two_parameters(map_, across, along)

@@ -89,6 +89,18 @@ class WordFamily:
         Of the cycle.
     conditions
         Those that bind: together they say for every n that each point lies in its piece.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, word_family
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> family = word_family(p1, "L R^n")
+    >>> family.word(3), family.multiplier
+    ('LRRR', 0)
+    >>> family.thresholds("r")[0]
+    2*(-a)**n*(a + 1)/(a*(-a)**n + 1)
     """
 
     pattern: str
@@ -199,6 +211,18 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
         n or a piece that is a single point, or the multiplier of the words is 1 for every n.
     UndecidedError
         If the assumptions do not say which sign the slope of a repeated word has.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, word_family
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> family = word_family(p1, "L R^n")
+    >>> family.thresholds("r")[0]
+    2*(-a)**n*(a + 1)/(a*(-a)**n + 1)
+    >>> family.at(2).conditions
+    (a**2*r - 2*a**2 - a*r + r <= 0, r - 2 > 0, -a*r + 2*a + r > 0)
     """
     layout = checked_map(map_)
     for letter in dict.fromkeys(layout.slots):

@@ -40,6 +40,14 @@ class RotationNumber:
         It lies between them, ends included.
     iterates
         How many iterates that took.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, rotation_number_at
+    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+    >>> number = rotation_number_at(circle.at({"d": "5/7"}))
+    >>> number.lower, number.upper, number.exact
+    (Fraction(1, 2), Fraction(1, 2), True)
     """
 
     lower: Fraction
@@ -54,7 +62,16 @@ class RotationNumber:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationInterval:
-    """The smallest and the largest rotation number of a map's orbits."""
+    """The smallest and the largest rotation number of a map's orbits.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, rotation_interval
+    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+    >>> found = rotation_interval(circle.at({"d": "5/7"}))
+    >>> found.least.lower, found.greatest.upper
+    (Fraction(1, 2), Fraction(1, 2))
+    """
 
     least: RotationNumber
     greatest: RotationNumber
@@ -98,6 +115,13 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
         As :func:`rotation_interval`, and if the pieces overlap and have several rotation numbers.
     UndecidedError
         If the map has parameters.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, rotation_number_at
+    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+    >>> rotation_number_at(circle.at({"d": "3/5"})).lower
+    Fraction(1, 3)
     """
     found = rotation_interval(map_, iterates)
     least, greatest = found.least, found.greatest
@@ -128,6 +152,14 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
     TypeError, ValueError
         If the map has not two increasing pieces and one break, has parameters, or maps no interval
         around the break into itself; if ``iterates`` is no integer of at least 1.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, rotation_interval
+    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+    >>> least = rotation_interval(circle.at({"d": "3/5"})).least
+    >>> least.lower, least.exact
+    (Fraction(1, 3), True)
     """
     steps = checked_count(iterates, "the number of iterates")
     lines = _lines(map_)

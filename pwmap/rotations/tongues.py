@@ -52,6 +52,14 @@ class Tongue:
         smallest on the right. A fixed point has one of them only.
     multiplier
         Of the cycle.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, tongues
+    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+    >>> half = tongues(circle, 2)[1]
+    >>> half.rotation, half.word, half.values, half.multiplier
+    (Fraction(1, 2), 'LR', Interval.Ropen(2/3, 5/6), 1/4)
     """
 
     rotation: Fraction
@@ -134,6 +142,16 @@ def tongues(map_: PiecewiseLinearMap, q_max: int) -> tuple[Tongue, ...]:
         least 1.
     UndecidedError
         If the assumptions do not say whether the pieces increase.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, tongues
+    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+    >>> for tongue in tongues(circle, 3)[1:-1]:
+    ...     print(tongue.rotation, tongue.word, tongue.values)
+    1/3 LLR Interval.Ropen(4/7, 9/14)
+    1/2 LR Interval.Ropen(2/3, 5/6)
+    2/3 LRR Interval.Ropen(6/7, 13/14)
     """
     pieces = increasing_pieces(map_)
     letters = "".join(map_.letters)

@@ -27,6 +27,12 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
     ------
     ValueError
         Unless ``q_max`` is an integer of at least 1.
+
+    Examples
+    --------
+    >>> from pwmap import farey
+    >>> print(*farey(4))
+    0 1/4 1/3 1/2 2/3 3/4 1
     """
     last = checked_count(q_max, "the largest denominator")
     found = [Fraction(0)]
@@ -58,6 +64,13 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
         If the rotation is a float, or no number.
     ValueError
         If it lies outside of [0, 1], or there are not two different letters.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> from pwmap import rotational_word
+    >>> rotational_word(Fraction(2, 5)), rotational_word(Fraction(1, 3), letters="ab")
+    ('LLRLR', 'aab')
     """
     left, right = _two(letters)
     p, q = checked_rotation(rotation).as_integer_ratio()
@@ -80,6 +93,12 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
     ------
     ValueError
         If the word is empty or has other letters, or there are not two different letters.
+
+    Examples
+    --------
+    >>> from pwmap import rotation_number
+    >>> rotation_number("LLRLR")
+    Fraction(2, 5)
     """
     left, right = _two(letters)
     if not word or set(word) - {left, right}:

@@ -1,4 +1,4 @@
-"""All studies run in their small versions, and the README says what their results say."""
+"""All studies run in their small versions, and the pages of results say what they say."""
 
 import json
 from pathlib import Path
@@ -12,6 +12,7 @@ from studies.common import record
 from studies.common.record import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = [page.read_text(encoding="utf-8") for page in readme.PAGES]
 GIVEN = ("3.11", "0.5")  # the version of Python, the eps_N1 of the paper's data set
 
 
@@ -40,15 +41,19 @@ def test_an_unknown_study_is_refused() -> None:
         run_all.run_all(True, None, ["fig99"])
 
 
-def test_the_readme_says_what_the_results_say() -> None:
+def test_the_pages_say_what_the_results_say() -> None:
     """Every block is written from studies/results by `python -m studies.readme`."""
     results = readme.load(run_all.RESULTS)
-    assert readme.filled(README, results) == README
-    assert all(f"<!-- results: {name} -->" in README for name in readme.BLOCKS)
+    for text in PAGES:
+        assert readme.filled(text, results) == text
+    named = [name for text in PAGES for _, name, _ in readme.BLOCK.findall(text)]
+    assert sorted(named) == sorted(readme.BLOCKS)
 
 
-def test_no_number_of_the_readme_is_typed() -> None:
+def test_no_number_is_typed() -> None:
     assert readme.unexplained(README, GIVEN) == []
+    for text in PAGES:
+        assert readme.unexplained(text, GIVEN) == []
     assert readme.unexplained("It takes 36 s, 0.25 of it idle.", GIVEN) == ["36", "0.25"]
 
 

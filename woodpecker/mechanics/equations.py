@@ -82,7 +82,15 @@ def tangential_directions(toy: Any) -> tuple[Vector, Vector, Vector]:
 
 
 class Equilibrium(NamedTuple):
-    """The bird hangs backward on the jammed sleeve."""
+    """The bird hangs backward on the jammed sleeve.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, equilibrium
+    >>> rest = equilibrium(Toy())
+    >>> round(rest.phi_m, 6), round(rest.phi_s, 6)
+    (-0.103448, -0.221694)
+    """
 
     phi_m: float  # rad
     phi_s: float  # rad
@@ -97,13 +105,19 @@ def equilibrium(toy: Toy) -> Equilibrium:
     ----------
     toy
         The toy.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, equilibrium
+    >>> print(f"{equilibrium(Toy()).phi_s:.9f} rad")
+    -0.221693812 rad
     """
     phi_m = -toy.phi_m_max
     return Equilibrium(phi_m, phi_m - toy.m_s * toy.g * toy.l_g / toy.c_phi)
 
 
 def jam_limit(toy: Toy) -> float:
-    """Smallest mu_2 [-] that holds the toy at its equilibrium: |lambda_T2| / lambda_N2.
+    """Smallest mu_2 [-] that holds the toy at its equilibrium: abs(lambda_T2) / lambda_N2.
 
     Infinite if the pole pulls on the sleeve there (lambda_N2 <= 0).
 
@@ -111,6 +125,12 @@ def jam_limit(toy: Toy) -> float:
     ----------
     toy
         The toy; its own mu_2 does not matter.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, jam_limit
+    >>> print(f"{jam_limit(Toy()):.7f}")
+    0.2851875
     """
     d = -toy.m_s * toy.g * toy.l_g / toy.c_phi
     h = np.array(force_at_rest(toy)) + np.array(force_per_stretch(toy)) * d
@@ -126,6 +146,12 @@ def free_frequency(toy: Toy) -> float:
     ----------
     toy
         The toy.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, free_frequency
+    >>> print(f"{free_frequency(Toy()):.6f} Hz")
+    72.908498 Hz
     """
     acceleration = np.linalg.solve(np.array(mass_matrix(toy)), np.array(force_per_stretch(toy)))
     return math.sqrt(acceleration[1] - acceleration[2]) / (2.0 * math.pi)
@@ -140,6 +166,13 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
         The toy.
     q, u
         Coordinates (y, phi_M, phi_S) and velocities [m, rad, m/s, rad/s], shape (..., 3).
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, energy
+    >>> kinetic, potential = energy(Toy(), [0.0, -0.1, -0.5], [0.0, 0.0, 2.0])  # y, phi_M, phi_S
+    >>> f"{1e6 * kinetic:.6f} {1e6 * potential:.6f}"  # micro-joule
+    '3.425000 72.767500'
     """
     q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
     kinetic = 0.5 * np.einsum("...i,ij,...j->...", u, np.array(mass_matrix(toy)), u)

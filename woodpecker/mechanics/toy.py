@@ -53,6 +53,14 @@ class ExpansionFriction(StrEnum):
 
     The paper prints no contact problem. That its program used the sum is inferred: the paper's
     Figures 8 to 11 follow from it, and not from Coulomb's law contact by contact.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ExpansionFriction, first_return
+    >>> for law in ExpansionFriction:
+    ...     print(law.value, round(first_return(Toy(expansion_friction=law), -0.85).phi_s, 9))
+    summed -0.466299821
+    separate -0.304460616
     """
 
     SUMMED = "summed"  # |Lambda_TE,i| <= mu_i (Lambda_NE,1 + Lambda_NE,k), equality where i slides
@@ -100,6 +108,19 @@ class Toy:
         If a value is not a real number.
     ValueError
         If a value is out of range; the sentence names the value and the range.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, first_return
+    >>> toy = Toy(mu_2=0.31)  # the paper's data, but for one
+    >>> toy.replace(eps_n1=0.4).eps_n1
+    0.4
+    >>> round(toy.phi_m_max, 6), round(toy.phi_s_max, 6)  # rad
+    (0.103448, 0.12)
+    >>> Toy(m_s=-1.0)
+    Traceback (most recent call last):
+        ...
+    ValueError: m_s must be positive and finite, got -1.0
     """
 
     m_m: float = _number(0.0003, "mass of the sleeve", "kg")
@@ -168,7 +189,7 @@ class Toy:
 
     @property
     def phi_m_max(self) -> float:
-        """Largest |phi_M| [rad]: (r_M - r_0)/h_M."""
+        """Largest abs(phi_M) [rad]: (r_M - r_0)/h_M."""
         return (self.r_m - self.r_0) / self.h_m
 
     @property
@@ -185,7 +206,14 @@ _DESCRIPTIONS: dict[str, Description] = {
 
 
 def parameters() -> tuple[str, ...]:
-    """Names of the toy's parameters: all of its numbers."""
+    """Names of the toy's parameters: all of its numbers.
+
+    Examples
+    --------
+    >>> from woodpecker import parameters
+    >>> parameters()[:4], len(parameters())
+    (('m_m', 'j_m', 'm_s', 'j_s'), 20)
+    """
     return tuple(_DESCRIPTIONS)
 
 

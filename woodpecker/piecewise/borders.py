@@ -12,7 +12,19 @@ from woodpecker.piecewise.settings import Numerics, Settings
 
 
 class BorderKind(Enum):
-    """What a map does at a border of two of its pieces."""
+    """What a map does at a border of two of its pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, borders_in, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> border, = borders_in(lines, 0.5, (-2, 2))
+    >>> border.kind(Settings()).value
+    'the values differ'
+    """
 
     JUMP = "the values differ"
     KINK = "the values agree, the slopes differ"
@@ -36,6 +48,19 @@ class Border:
     outer, outer_code
         The image at the border under the piece beyond, and its margin that vanishes; -1 if it is
         not known.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import borders_in, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> border, = borders_in(lines, 0.5, (-2, 2))
+    >>> border.x, border.inner.value, border.outer.value
+    (0.0, 0.5, -0.5)
+    >>> border.jump, border.cause
+    (-1.0, 'x = 0')
     """
 
     x: float

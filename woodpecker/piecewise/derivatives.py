@@ -38,6 +38,16 @@ def check_derivatives(
         the map has no value at a point, or there is none.
     TypeError
         If the map has no pieces.
+
+    Examples
+    --------
+    >>> from woodpecker import FormulaMap, FormulaPiece, Smooth, check_derivatives
+    >>> wrong = Smooth(lambda x, p: p - x*x, dx=lambda x, p: -x, dp=lambda x, p: 1.0)
+    >>> check_derivatives(FormulaMap([FormulaPiece("A", wrong, {})]), [(0.5, 0.2)])
+    Traceback (most recent call last):
+        ...
+    ValueError: the derivative in x of the value of piece 'A' at x = 0.5, p = 0.2 is given as -0.5,
+    but differences of values say -1
     """
     positive("tolerance", tolerance)
     map_of_pieces(map_)

@@ -35,6 +35,18 @@ class Found:
     evaluations
         How often the map was evaluated in this run, by slices and in following branches; if it
         does not count its pieces, how often it was asked for one.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Search, Settings, whole_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
+    >>> found = whole_diagram(lines, settings, search=Search(slices=4))
+    >>> len(found.diagram.branches), len(found.slices) >= 4
+    (3, True)
     """
 
     diagram: Diagram
@@ -62,6 +74,17 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
         If the method does not converge.
     TypeError
         If the map has no pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, cycle_near, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> orbit = cycle_near(lines, -0.9, -0.5, Settings(span=(-1, 2), window=(-3, 3)))
+    >>> orbit.x.tolist(), orbit.p
+    ([-1.0], -0.5)
     """
     points = np.atleast_1d(np.asarray(x, dtype=float))
     pieces = [map_of_pieces(map_).at(float(each), p).piece for each in points]
@@ -109,6 +132,17 @@ def connected(
         If there is no cycle near the guess, or its period is none of the orders.
     TypeError
         If the map has no pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> diagram = connected(lines, -1.0, -0.5, Settings(span=(-1, 2), window=(-3, 3)))
+    >>> [(branch.id, branch.word, branch.ends) for branch in diagram.branches]
+    [('F1', 'L', ('EP1', 'BC1')), ('J1', 'L / R', ('BC1', 'BC2')), ('F2', 'R', ('BC2', 'EP2'))]
     """
     start = once(cycle_near(map_, x, p, settings), settings)
     wanted = orders_with(start, orders)
@@ -188,6 +222,18 @@ def whole_diagram(
         If an order is not at least 1, or the window is not finite.
     TypeError
         If the map has no pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Search, Settings, whole_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
+    >>> found = whole_diagram(lines, settings, orders=(1, 2), search=Search(slices=4))
+    >>> [(branch.id, branch.order) for branch in found.diagram.branches]
+    [('F1', 1), ('J1', 1), ('J2', 2), ('F2', 1), ('J3', 2), ('F3', 2), ('F4', 2), ('J4', 2)]
     """
     map_of_pieces(map_)
     wanted = iterates(orders)

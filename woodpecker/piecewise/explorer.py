@@ -37,6 +37,19 @@ class Stage(NamedTuple):
         How many were taken; 0 if none are.
     branches
         How many are known.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Search, Settings, Stage, whole_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> seen = []
+    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
+    >>> found = whole_diagram(lines, settings, search=Search(slices=4), progress=seen.append)
+    >>> seen[-1].branches, isinstance(seen[-1], Stage)
+    (3, True)
     """
 
     parameter: float
@@ -65,6 +78,18 @@ class Seen(NamedTuple):
         How often the map was evaluated for it.
     then
         Where more slices were called for after it.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Search, Settings, whole_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
+    >>> found = whole_diagram(lines, settings, search=Search(slices=4))
+    >>> [(seen.p, seen.new, seen.unresolved) for seen in found.slices][:2]
+    [(-0.99925, (1,), 0), (1.99925, (), 0)]
     """
 
     p: float

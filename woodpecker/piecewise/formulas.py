@@ -43,6 +43,15 @@ class Smooth:
     ------
     TypeError
         If one of them cannot be called; when it is called, if it returns no number.
+
+    Examples
+    --------
+    >>> from math import sqrt
+    >>> from woodpecker import Smooth
+    >>> root = Smooth(lambda x, p: sqrt(x - p), dx=lambda x, p: 0.5 / sqrt(x - p))
+    >>> value, dx, dp = root.at(4.0, 0.0)
+    >>> value, dx, round(dp, 9)  # the last by differences
+    (2.0, 0.25, -0.25)
     """
 
     value: Formula
@@ -145,6 +154,13 @@ class FormulaPiece:
     ------
     ValueError, TypeError
         If the name is empty or no text, or a function is no :class:`Smooth`.
+
+    Examples
+    --------
+    >>> from woodpecker import FormulaPiece, Smooth
+    >>> left = FormulaPiece("L", Smooth(lambda x, p: p + x/2), {"x = 0": Smooth(lambda x, p: -x)})
+    >>> left.at(-1.0, 0.25).value, left.holds(-1.0, 0.25), left.holds(1.0, 0.25)
+    (-0.25, True, False)
     """
 
     word: str
@@ -256,6 +272,17 @@ class FormulaMap:
         If there is no piece, or two of one name.
     TypeError
         If something else is given than pieces.
+
+    Examples
+    --------
+    >>> from woodpecker import FormulaMap, FormulaPiece, Smooth
+    >>> low, high = Smooth(lambda x, p: p + x/2), Smooth(lambda x, p: p - 1 + x/3)
+    >>> left = FormulaPiece("L", low, {"x = 0": Smooth(lambda x, p: -x)})
+    >>> right = FormulaPiece("R", high, {"x = 0": Smooth(lambda x, p: x)})
+    >>> lines = FormulaMap([left, right])
+    >>> image = lines.at(-1.0, 0.25)
+    >>> image.value, image.piece.word, lines.at(3.0, 0.25).piece.word
+    (-0.25, 'L', 'R')
     """
 
     pieces: Sequence[BoundedPiece]

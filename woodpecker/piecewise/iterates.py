@@ -39,6 +39,16 @@ class Iterate:
         If the order is no whole number of at least 1.
     TypeError
         If the map has no pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Iterate, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> Iterate(lines, 2).at(-1.0, 0.25).value, lines.at(lines.at(-1.0, 0.25).value, 0.25).value
+    (0.125, 0.125)
     """
 
     map: PiecewiseMap

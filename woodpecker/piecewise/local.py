@@ -43,6 +43,20 @@ class Start:
         +1 if it lies at larger parameters, -1 at smaller ones.
     slope
         dx/dp at the collision.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import family_from_sympy, local_model
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0, orders=(1, 2))
+    >>> for start in model.starts:
+    ...     print(start.kind, start.order, start.word, f"{start.slope:.3f}")
+    fixed-point 1 R 0.444
+    jump 1 L|R 0.000
+    jump 2 RR|RL 0.800
     """
 
     kind: BranchKind
@@ -71,6 +85,20 @@ class LocalModel:
     starts
         The branches that end there and are local: their orbits stay next to the jump, but for the
         last step on one side of it. Where an orbit goes that has left, two lines do not know.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import family_from_sympy, local_model
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0)  # P1^L at r = 0
+    >>> print(model.point.kind, model.point.note)
+    FF fold
+    >>> [(str(start.kind), start.order, round(start.slope, 6)) for start in model.starts]
+    [('fixed-point', 1, 0.444444), ('jump', 1, 0.0), ('jump', 2, 0.8), ('jump', 3, 0.16), ('jump',
+    4, 0.672)]
     """
 
     border: Border
@@ -134,6 +162,15 @@ def local_model(
         If the map does not jump at x, or neither limit lies on the diagonal there.
     TypeError
         If the map has no pieces, see :class:`woodpecker.PiecewiseMap`.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyPieces, local_model
+    >>> a = local_model(ToyPieces(Toy()), -0.8847733440, 0.1119709145, orders=(1, 2))
+    >>> print(a.point.kind, a.point.note, f"slope {a.right.slope:.6f}")
+    FF fold slope -1.304911
+    >>> [(str(start.kind), start.order, round(start.slope, 3)) for start in a.starts]
+    [('fixed-point', 1, 2.444), ('jump', 1, 0.0), ('jump', 2, 4.316)]
     """
     chosen = settings if settings is not None else Settings()
     border = _collision(map_of_pieces(map_), number("x", x), number("p", p), chosen)

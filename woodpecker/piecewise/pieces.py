@@ -36,6 +36,17 @@ class Image(NamedTuple):
         The piece, ready to be continued from this point.
     reason
         Why there is no value; empty if there is one.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> image = lines.at(-1.0, 0.25)
+    >>> image.value, image.slope, image.d_parameter, image.piece.word
+    (-0.25, 0.5, 1.0, 'L')
     """
 
     value: float
@@ -98,7 +109,21 @@ class Piece(Protocol):
 
 
 class PiecewiseMap(Protocol):
-    """A map of the line, made of pieces."""
+    """A map of the line, made of pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import PiecewiseMap, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> def value(map_: PiecewiseMap, x: float, p: float) -> float:
+    ...     # whatever has a method at(x, p) with images will do
+    ...     return map_.at(x, p).value
+    >>> value(lines, -1.0, 0.25)
+    -0.25
+    """
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point under the piece that the map takes there.

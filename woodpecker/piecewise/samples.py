@@ -54,6 +54,15 @@ class BranchState(NamedTuple):
         Of the cycle; nan for a jump.
     word
         The words of the pieces.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, continuation, shoot
+    >>> flips = lambda state: state.multiplier < -0.9  # state is a BranchState
+    >>> toy = Toy()
+    >>> diagram = continuation(toy, shoot(toy, -0.53), span=(0.48, 0.7), stop=flips)
+    >>> [(round(point.parameter, 9), point.note) for point in diagram.points]
+    [(0.48, 'end of the parameter span'), (0.636607185, 'stopped as asked')]
     """
 
     kind: BranchKind

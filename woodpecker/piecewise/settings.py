@@ -173,8 +173,8 @@ class Numerics:
         Part by which a multiplier changes beyond a border only if the slopes differ: over the
         distance of a restart it changes by some 1e-4.
     fastest
-        |dx/dp|, scaled, at most, of a branch beyond a place where borders accumulate: a steeper one
-        is another branch.
+        abs(dx/dp), scaled, at most, of a branch beyond a place where borders accumulate: a steeper
+        one is another branch.
     repeats
         In x, a part of the window: an orbit that has settled repeats itself so closely.
     longest
@@ -187,6 +187,13 @@ class Numerics:
     ------
     ValueError
         If a number is not positive, or a part is not less than 1, a factor not more.
+
+    Examples
+    --------
+    >>> from woodpecker import Numerics, Settings
+    >>> Numerics().bisections
+    12
+    >>> settings = Settings(numerics=Numerics(bisections=200))
     """
 
     contraction: float = 2.0
@@ -364,6 +371,17 @@ class Settings:
         If span or window are no two ascending numbers, or a number is not positive.
     TypeError
         If ``numerics`` are none.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> settings = Settings(span=(-1, 2), window=(-3, 3), max_step=0.2)
+    >>> [point.parameter for point in connected(lines, -1.0, -0.5, settings).points]
+    [-1.0, 0.0, 1.0, 2.0]
     """
 
     span: tuple[float, float] = (0.0, 1.0)

@@ -69,9 +69,20 @@ class SettledOrbit:
     x
         The points that were kept, in order.
     exponent
-        Lyapunov exponent: mean of log |slope| over these; -inf for a superstable orbit.
+        Lyapunov exponent: mean of log(abs(slope)) over these; -inf for a superstable orbit.
     period
         Smallest shift that repeats the kept points, or 0 if there is none of those looked for.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> orbit, = orbit_diagram(lines, [-0.5], [0.3], (-3, 3), transient=100, keep=8).orbits
+    >>> orbit.period, round(float(orbit.x[-1]), 12), round(orbit.exponent, 6)
+    (1, -1.0, -0.693147)
     """
 
     p: float
@@ -91,6 +102,17 @@ class OrbitDiagram:
         One for each parameter and start that stayed in the window.
     lost
         How many did not: they fell, or left the window.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3, -0.4], (-3, 3), transient=100, keep=8)
+    >>> [(orbit.p, orbit.period) for orbit in found.orbits], found.lost
+    ([(-0.5, 1), (-0.5, 1), (0.5, 2), (0.5, 2)], 0)
     """
 
     orbits: tuple[SettledOrbit, ...]
@@ -134,6 +156,17 @@ def orbit_diagram(
     ValueError
         If nothing is to be kept, the window is no two ascending numbers, or parameters or starts
         are no real numbers.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3, -0.4], (-3, 3), transient=100, keep=8)
+    >>> [(orbit.p, orbit.start, orbit.period) for orbit in found.orbits]
+    [(-0.5, 0.3, 1), (-0.5, -0.4, 1), (0.5, 0.3, 2), (0.5, -0.4, 2)]
     """
     keep, transient = whole("keep", keep), whole("transient", transient, least=0)
     window = interval("window", window)
@@ -205,6 +238,18 @@ def unexplained(
         How far a branch may stray from the line between two of its samples.
     settings
         Tolerances.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, orbit_diagram, unexplained, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> orbits = orbit_diagram(lines, [-0.5, 1.5], [0.3], (-3, 3), transient=100, keep=8)
+    >>> left = connected(lines, -1.0, -0.5, Settings(span=(-1, 0), window=(-3, 3)))  # ends at p = 0
+    >>> [(orbit.p, orbit.period) for orbit in unexplained(orbits, left, lines)]
+    [(1.5, 1)]
     """
     chosen = settings or Settings()
     held = {branch.order for branch in diagram.branches}

@@ -49,6 +49,17 @@ class Slice:
         Its jumps that cross the diagonal.
     unresolved
         Total length of intervals in which there are more pieces of P_1 than were looked for.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, slices_at, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> one, = slices_at(lines, 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
+    >>> one.order, len(one.cycles), len(one.jumps)
+    (1, 0, 1)
     """
 
     p: float
@@ -71,6 +82,18 @@ def slices_at(
         The iterates.
     settings
         The window, finite; orbits of which a point leaves it do not count.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, slices_at, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> for one in slices_at(lines, 0.5, (1, 2), Settings(span=(-1, 2), window=(-3, 3))):
+    ...     print(one.order, len(one.cycles), len(one.jumps))
+    1 0 1
+    2 1 1
     """
     side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
     pieces = partition(map_, p, settings.window, settings, side)

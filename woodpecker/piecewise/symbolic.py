@@ -210,6 +210,17 @@ def from_sympy(
     ValueError, TypeError
         For text, unknown symbols, functions that are not smooth, conditions with Or, Not, == or !=,
         and overlaps with an earlier condition of several relations: write such conditions out.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> image = lines.at(-1.0, 0.25)
+    >>> image.value, image.slope, image.piece.word
+    (-0.25, 0.5, 'L')
     """
     symbols = known_symbols(x=x, p=p)
     return FormulaMap(pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words))
@@ -340,6 +351,15 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
         If the map has other parameters than this one.
     TypeError
         If it is no map of pwmap.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from woodpecker import from_pwmap
+    >>> exact = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> image = from_pwmap(exact, "p").at(-1.0, 0.25)
+    >>> image.value, image.slope, image.piece.word
+    (-0.25, 0.5, 'L')
     """
     return FormulaMap(pieces_from_pwmap(map_, (str(parameter),)))
 

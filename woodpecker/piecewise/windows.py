@@ -40,6 +40,14 @@ def borders_in(
         If the window is no two finite, ascending numbers.
     TypeError
         If the map has no pieces.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyPieces, borders_in
+    >>> for border in borders_in(ToyPieces(Toy(), "eps_n1"), 0.15, (-0.9, -0.88)):
+    ...     print(f"{border.x:.9f} {border.jump:+.6f} {border.cause}")
+    -0.884773344 +0.305658 the beak and the upper sleeve strike at once
+    -0.882395391 -0.000000 the upper sleeve only just sticks in the compression
     """
     ends = interval("window", window, finite=True)
     chosen = settings if settings is not None else Settings(window=ends)
@@ -67,6 +75,18 @@ def nearest_border(
         If the map has no value at the point, or the distance is not positive.
     TypeError
         If the map has no pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import nearest_border, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> nearest_border(lines, 0.3, 0.5, within=1.0).x
+    0.0
+    >>> nearest_border(lines, 2.5, 0.5, within=1.0) is None
+    True
     """
     x, p, within = number("x", x), number("p", p), positive("within", within)
     chosen = settings if settings is not None else Settings()
@@ -98,6 +118,16 @@ def crosses(border: Border) -> bool:
     ----------
     border
         A border with the images on both sides of it.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import borders_in, crosses, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> [[crosses(border) for border in borders_in(lines, p, (-2, 2))] for p in (-0.5, 0.5)]
+    [[False], [True]]
     """
     return (border.inner.value - border.x) * (border.outer.value - border.x) < 0.0
 

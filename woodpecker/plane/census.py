@@ -28,6 +28,12 @@ class Count(NamedTuple):
         Their minimal period.
     stable, unstable
         How many attract, and how many do not.
+
+    Examples
+    --------
+    >>> from woodpecker import Count
+    >>> Count(2, stable=1, unstable=3)
+    Count(period=2, stable=1, unstable=3)
     """
 
     period: int
@@ -40,7 +46,14 @@ Census = tuple[Count, ...]
 
 
 class Settles(StrEnum):
-    """What orbits come to."""
+    """What orbits come to.
+
+    Examples
+    --------
+    >>> from woodpecker import Settles
+    >>> [(settles.name, settles.value) for settles in Settles][:3]
+    [('CYCLE', 'cycle'), ('REST', 'rest'), ('CHAOS', 'chaos')]
+    """
 
     CYCLE = "cycle"
     REST = "rest"
@@ -61,7 +74,14 @@ class Settles(StrEnum):
 
 
 class Attractor(NamedTuple):
-    """What orbits come to; the period of a cycle, else 0."""
+    """What orbits come to; the period of a cycle, else 0.
+
+    Examples
+    --------
+    >>> from woodpecker import Attractor, Settles
+    >>> print(Attractor(Settles.CYCLE, 2), "and", Attractor(Settles.CHAOS, 0))
+    period 2 and chaos
+    """
 
     kind: Settles
     period: int = 0

@@ -30,6 +30,19 @@ class PlaneStretch:
         Where a border is met, the word of the piece beyond it; else empty.
     cause
         A sentence on what happens where it begins; empty at the start of a curve.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
+    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (1.1, 2)), settings=settings)
+    >>> [(stretch.word, stretch.beyond) for stretch in curve.words]
+    [('R', 'L')]
     """
 
     first: int
@@ -62,6 +75,22 @@ class PlanePoint:
         Whether it was located, or the curve was given up here.
     starts
         Kinds of other curves that start here, for :func:`woodpecker.continuation` to follow.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
+    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (0.5, 2)), settings=settings)
+    >>> for each in curve.points:
+    ...     print(each.kind.label, *(f"{value:.9f}" for value in each.values))
+    end point 0.000000000 0.500000000
+    flip-border collision 0.000000000 1.000000000
+    end point 0.000000000 2.000000000
     """
 
     id: str
@@ -115,6 +144,19 @@ class Curve:
         At a border, what happens there.
     given
         Under which conditions it holds.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
+    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (1.1, 2)), settings=settings)
+    >>> curve.names, [tuple(round(value, 9) for value in end.values) for end in curve.ends]
+    (('r', 'a'), [(0.0, 1.1), (0.0, 2.0)])
     """
 
     kind: PointKind

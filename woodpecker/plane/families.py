@@ -29,7 +29,20 @@ Pair = tuple[float, float]
 
 @runtime_checkable
 class Family(Protocol):
-    """A piecewise-smooth map of the line with two parameters."""
+    """A piecewise-smooth map of the line with two parameters.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Family, family_from_sympy
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> family.names
+    ('r', 'a')
+    >>> family.over(0, (0.0, 1.25)).at(0.4, 1.0).value  # the map over r, with a = 1.25
+    0.5
+    """
 
     @property
     def names(self) -> tuple[str, str]:
@@ -128,6 +141,16 @@ def family_from_sympy(
     ------
     ValueError, TypeError
         As :func:`woodpecker.from_sympy` does; ValueError unless there are two parameters.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import family_from_sympy
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> family.names, family.over(1, (1.0, 1.25)).at(0.4, 1.25).value  # over a, with r = 1
+    (('r', 'a'), 0.5)
     """
     p, q = _two(parameters)
     symbols = known_symbols(x=x, p=p, q=q)
@@ -156,6 +179,17 @@ def family_from_pwmap(
         If these are not the parameters of the map.
     TypeError
         If it is no map of pwmap.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from woodpecker import family_from_pwmap
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> family = family_from_pwmap(p1, ("r", "a"))
+    >>> family.names, family.over(0, (0.0, 1.25)).at(0.4, 1.0).value
+    (('r', 'a'), 0.5)
     """
     wanted = tuple(str(each) for each in _two(parameters))
     pieces = pieces_from_pwmap(map_, wanted)

@@ -89,6 +89,19 @@ def curve_through(
     ------
     ValueError
         If there is no such point, or the spans do not hold it.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
+    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (1.1, 2)), settings=settings)
+    >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
+    ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """
     spans = [interval("span", each, finite=True) for each in span]
     plane = Plane(family, (replace(settings, span=spans[0]), replace(settings, span=spans[1])))

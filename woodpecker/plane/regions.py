@@ -74,6 +74,19 @@ class Region:
         periods, and where an attractor meets the border of its basin.
     agree
         At how many random places inside it the same cycles were counted.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> span = ((-1, 1), (1.1, 2))
+    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
+    >>> [(round(region.share, 6), len(region.census)) for region in found.regions]
+    [(0.5, 1), (0.5, 1)]
     """
 
     outline: Floats
@@ -104,6 +117,19 @@ class Regions:
     open
         Places that disagree with their region, with what was counted there: there a curve is
         missing.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> span = ((-1, 1), (1.1, 2))
+    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
+    >>> found.names, len(found.curves), len(found.regions)
+    (('r', 'a'), 1, 2)
     """
 
     names: tuple[str, str]
@@ -190,6 +216,19 @@ def regions_of(
     ValueError
         If an order is not at least 1, the window is not finite, or curves are over other
         parameters.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> span = ((-1, 1), (1.1, 2))
+    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
+    >>> len(found.regions), round(sum(region.share for region in found.regions), 9)
+    (2, 1.0)
     """
     finite_window(settings)
     one, other = (interval("span", each, finite=True) for each in span)

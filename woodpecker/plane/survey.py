@@ -30,6 +30,13 @@ class Survey:
         Orbits that show attractors: how many, how many iterates are cut, and how many are kept.
     seed
         Of the random places.
+
+    Examples
+    --------
+    >>> from woodpecker import Survey
+    >>> survey = Survey(checks=20, seed=1)  # 20 random places; the same each time
+    >>> survey.checks
+    20
     """
 
     checks: int = 60

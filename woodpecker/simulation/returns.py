@@ -45,6 +45,15 @@ class Return:
         Sequence of events.
     status
         Why the run ended.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, first_return
+    >>> back = first_return(Toy(), -0.53)
+    >>> round(back.phi_s, 12), round(back.slope, 9), round(1e3 * back.drop, 6)  # rad, -, mm
+    (-0.529030291969, -0.833817237, 19.309963)
+    >>> back.word
+    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
     """
 
     phi_s: float
@@ -58,7 +67,17 @@ class Return:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReturnMap:
-    """Returns of many starts; arrays of shape (n,) with the meaning of :class:`Return`."""
+    """Returns of many starts; arrays of shape (n,) with the meaning of :class:`Return`.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, return_map
+    >>> found = return_map(Toy(), [-1.0, -0.8, -0.6])
+    >>> found.phi_s.round(9).tolist()
+    [-0.364324882, -0.491027576, -0.479415128]
+    >>> [status.success for status in found.status], len(set(found.words))
+    ([True, True, True], 3)
+    """
 
     start: Floats
     phi_s: Floats
@@ -87,6 +106,16 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     ValueError
         If phi_s is not one number, not finite or beyond the beak's contact, or the order is no
         whole number of at least 1.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, first_return
+    >>> back = first_return(Toy(), -0.53)
+    >>> print(f"{back.phi_s:.12f} rad, slope {back.slope:.6f}, {back.word}")
+    -0.529030291969 rad, slope -0.833817, S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2
+    >>> twice = first_return(Toy(), -0.53, order=2)
+    >>> print(f"{twice.phi_s:.9f} rad, {twice.slope:.6f}")
+    -0.529843646 rad, 0.703689
     """
     start = np.array([number("phi_s", phi_s)])
     many = _chunk(toy, checked_starts(toy, start), whole("order", order))
@@ -116,6 +145,15 @@ def return_map(
     ------
     ValueError
         As :func:`first_return`, or if starts are no real numbers.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, return_map
+    >>> found = return_map(Toy(), [-1.0, -0.8, -0.6])
+    >>> found.phi_s.round(9).tolist()
+    [-0.364324882, -0.491027576, -0.479415128]
+    >>> found.slope.round(6).tolist()
+    [-0.901261, -0.54036, -0.635028]
     """
     starts, order = checked_starts(toy, phi_s), whole("order", order)
     parts = [starts[k : k + CHUNK] for k in range(0, len(starts), CHUNK)] or [starts]

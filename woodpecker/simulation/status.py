@@ -17,7 +17,16 @@ from woodpecker.simulation.codes import (
 
 
 class Status(Enum):
-    """How a run ended; the value is the sentence for a user."""
+    """How a run ended; the value is the sentence for a user.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, Status, first_return
+    >>> first_return(Toy(), -0.53).status is Status.RETURNED
+    True
+    >>> Status.FREE_FALL.value, Status.FREE_FALL.success
+    ('free fall: the toy slides or falls along the pole for ever', False)
+    """
 
     RETURNED = "the toy returned to the section"
     RETURNED_INDETERMINATE = (

@@ -38,7 +38,18 @@ GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class State:
-    """A state of the toy: angles [rad], displacement [m] and velocities [rad/s, m/s]."""
+    """A state of the toy: angles [rad], displacement [m] and velocities [rad/s, m/s].
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, State, simulate
+    >>> toy = Toy()
+    >>> State.on_section(toy, -0.53)
+    State(phi_m=-0.10344827586206895, phi_s=-0.53, y=0.0, dy=0.0, dphi_m=0.0, dphi_s=0.0)
+    >>> motion = simulate(toy, State(phi_m=0.0, phi_s=-0.2), t_end=0.05)  # let go of in the air
+    >>> motion.events[0].symbol
+    'I2s'
+    """
 
     phi_m: float
     phi_s: float
@@ -63,7 +74,15 @@ class State:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Impulse:
-    """Impulses [N s] at one contact, normal and tangential, in compression and expansion."""
+    """Impulses [N s] at one contact, normal and tangential, in compression and expansion.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> beak = simulate(Toy(), -0.53, t_end=0.1).events[4].impulses[0]
+    >>> beak.contact, round(beak.normal_expansion / beak.normal_compression, 12)  # eps_N1
+    (1, 0.5)
+    """
 
     contact: int
     normal_compression: float
@@ -77,6 +96,13 @@ class Event:
     """What happened at one instant.
 
     Velocities are (dy [m/s], dphi_M [rad/s], dphi_S [rad/s]); they differ only at impacts.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> event = simulate(Toy(), -0.53, t_end=0.1).events[2]
+    >>> event.symbol, event.contacts, round(event.time, 9)
+    ('I3', (3,), 0.045077325)
     """
 
     symbol: str
@@ -109,6 +135,16 @@ class Trajectory:
         Time at which it ended [s].
     drop
         Distance fallen [m]; infinite if the toy falls for ever.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> motion = simulate(Toy(), -0.53, t_end=0.15)
+    >>> motion.word
+    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
+    >>> q, u = motion.at(0.05)  # exact at any time
+    >>> q.round(9).tolist()  # y, phi_M, phi_S
+    [-0.002904165, 0.103448276, 0.107294589]
     """
 
     toy: Toy
@@ -178,6 +214,15 @@ def simulate(
     ValueError
         If the start is neither a number nor a state or penetrates a contact, t_end is not positive
         and finite, or there are fewer than 2 samples or no events to be followed.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> motion = simulate(Toy(), -0.53, t_end=0.15)
+    >>> motion.word
+    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
+    >>> print(f"the beak strikes after {1e3 * motion.events[4].time:.6f} ms")
+    the beak strikes after 48.187190 ms
     """
     t_end = positive("t_end", t_end)
     samples, max_events = whole("samples", samples, 2), whole("max_events", max_events)
@@ -244,7 +289,17 @@ def _sampled(toy: Toy, found: _Followed, samples: int) -> tuple[Floats, Floats, 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EnergyBalance:
-    """Where the energy went [J]; ``residual`` is what the balance misses, zero but for rounding."""
+    """Where the energy went [J]; ``residual`` is what the balance misses, zero but for rounding.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, energy_balance, simulate
+    >>> balance = energy_balance(simulate(Toy(), -0.53, t_end=0.1))
+    >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
+    '83.2612 125.1273'
+    >>> abs(balance.residual) < 1e-12 * balance.largest
+    True
+    """
 
     initial: float
     final: float
@@ -268,6 +323,13 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     ----------
     trajectory
         The motion.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, energy_balance, simulate
+    >>> balance = energy_balance(simulate(Toy(), -0.53, t_end=0.1))
+    >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
+    '83.2612 125.1273'
     """
     toy, end = trajectory.toy, trajectory.t_end
     q, u = trajectory.at(np.array([0.0, end]))

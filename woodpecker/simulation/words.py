@@ -33,7 +33,17 @@ SEPARATOR = "|"
 
 
 class EventKind(Enum):
-    """What happens at an event; the value is the letter of its symbol."""
+    """What happens at an event; the value is the letter of its symbol.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, EventKind, simulate
+    >>> motion = simulate(Toy(), -0.53, t_end=0.15)
+    >>> [event.symbol for event in motion.events if event.kind is EventKind.IMPACT]
+    ['I3', 'I1', 'I3', 'I2', 'I2']
+    >>> EventKind.STICK.value
+    'J'
+    """
 
     IMPACT = "I"
     DETACH = "D"

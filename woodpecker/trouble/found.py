@@ -11,7 +11,14 @@ from woodpecker.shooting import PeriodicOrbit
 
 
 class Effect(Enum):
-    """What becomes of a periodic motion."""
+    """What becomes of a periodic motion.
+
+    Examples
+    --------
+    >>> from woodpecker import Effect
+    >>> [(effect.name, effect.value) for effect in Effect][:2]
+    [('DESTROYED', 'destroyed'), ('DESTABILISED', 'unstable beyond')]
+    """
 
     DESTROYED = "destroyed"
     DESTABILISED = "unstable beyond"
@@ -52,6 +59,14 @@ class Trouble:
         Whether toys on both sides behave as the row says.
     evidence
         What was seen on both sides, in a sentence.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, robustness, shoot
+    >>> toy = Toy()
+    >>> nearest = robustness(toy, shoot(toy, -0.53), ["eps_n1"]).nearest
+    >>> nearest.effect.name, str(nearest.kind), f"{nearest.toy.eps_n1:.9f}", nearest.confirmed
+    ('DESTABILISED', 'PD', '0.648549200', True)
     """
 
     effect: Effect
@@ -80,6 +95,14 @@ class Limit:
         Where the motion ends, and the change; nan if it does not as far as was looked.
     effect, kind, cause
         What happens there.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, robustness, shoot
+    >>> toy = Toy()
+    >>> down, up = robustness(toy, shoot(toy, -0.53), ["eps_n1"]).limits
+    >>> [(limit.direction, round(limit.value, 9), str(limit.kind)) for limit in (down, up)]
+    [(-1, 0.185126951, 'BC'), (1, 0.6485492, 'PD')]
     """
 
     parameter: str
@@ -105,6 +128,15 @@ class Robustness:
         Borders on the way at which it only gets another word or multiplier, nearest first.
     limits
         Each parameter alone, down and up.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, robustness, shoot
+    >>> toy = Toy()
+    >>> found = robustness(toy, shoot(toy, -0.53), ["eps_n1"])
+    >>> nearest = found.nearest
+    >>> len(found.troubles), str(nearest.kind), f"{100 * nearest.size:.4f} %", nearest.cause
+    (2, 'PD', '29.7098 %', 'the multiplier is -1')
     """
 
     orbit: PeriodicOrbit

@@ -14,7 +14,7 @@ from woodpecker.mechanics.toy import ExpansionFriction
 from woodpecker.simulation.paths import Along, Follower, Path, Watch, cause_of
 
 LAWS = tuple(ExpansionFriction)
-C_JUMP = -0.7577872573415617  # rad; the jump of P_1 at C, in README's table of facts
+C_JUMP = -0.7577872573415617  # rad; the jump of P_1 at C, in docs/guide/woodpecker.md
 
 
 def follower(eps_n1: float, law: ExpansionFriction = ExpansionFriction.SUMMED) -> Follower:

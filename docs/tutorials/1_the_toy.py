@@ -1,0 +1,88 @@
+"""
+The toy, from one motion to its diagram
+=======================================
+
+The Woodpecker Toy is a sleeve on a pole, a spring, and a bird. We follow one motion, reduce
+motions to a map of the line, find a periodic one and follow it over a parameter. Start with the
+data of the paper; every parameter has a name, its unit is SI.
+"""
+
+# %%
+# One motion
+# ----------
+# A motion starts at rest with the sleeve jammed and the bird at an angle phi_S. Between events it
+# is known in closed form, and events are roots of known functions: there is no step size.
+
+from woodpecker import Toy, simulate
+from woodpecker.plot import figures
+
+toy = Toy()
+motion = simulate(toy, -0.53, t_end=0.3)
+for event in motion.events[:8]:
+    print(f"{1e3 * event.time:9.5f} ms   {event.symbol}")
+axes = figures.plot_time_history(motion)
+
+# %%
+# The symbols say what happened at which contact, 1 the beak, 2 the lower edge of the sleeve, 3
+# its upper edge: ``S2`` it begins to slip, ``D2`` it detaches, ``I3`` an impact, ``J2`` the
+# sleeve jams. Their sequence is the *word* of a motion.
+#
+# The return map
+# --------------
+# When the bird is at its lowest again while the sleeve jams, the toy is back on the section: one
+# number, phi_S, says all. The map from one to the next has exact derivatives.
+
+from woodpecker import first_return
+
+back = first_return(toy, -0.53)
+print(f"P({-0.53}) = {back.phi_s:.12f}, slope {back.slope:.6f}, after {1e3 * back.period:.4f} ms")
+print(back.word)
+
+# %%
+# It has jumps where two impacts change their order. There it is no use to integrate more
+# precisely: both limits are right. The picture looks closer wherever neighbouring values lie far
+# apart.
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from woodpecker import return_map
+
+fig, ax = plt.subplots(figsize=(6.4, 5.2), layout="constrained")
+ax = figures.plot_return_map(toy, return_map(toy, np.linspace(-1.1, -0.24, 300)), ax)
+
+# %%
+# A periodic motion
+# -----------------
+# Its multiplier, the slope of the map there, is smaller than one in size: it attracts.
+
+from woodpecker import shoot
+
+orbit = shoot(toy, -0.53)
+print(f"phi_S {orbit.phi_s:.10f} rad, period {orbit.period:.10f} s")
+print(f"multiplier {orbit.multiplier:.6f}")
+
+# %%
+# Over a parameter
+# ----------------
+# ``continuation`` follows it over the restitution coefficient of the beak, and all that hangs
+# together with it: stable and unstable motions, and *jump crossings*, along which a jump of the
+# map lies across the diagonal.
+
+from pwmap.plot import plot_diagram
+from woodpecker import continuation
+
+diagram = continuation(toy, orbit, "eps_n1", span=(0.10, 0.70))
+for point in diagram.points:
+    print(f"{point.id:4} {point.kind!s:3} {point.parameter:.10f} {point.x:+.8f}  {point.cause}")
+fig, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
+ax = plot_diagram(diagram, ax)
+
+# %%
+# Read it from the right: the stable motion ends at 0.185127 in a jump, turns back as a jump
+# crossing, turns again into an unstable motion, which leads to the paper's point A at 0.111971.
+# There it turns into the crossing that leads to 0.291522, where a second stable motion begins.
+# The graph of the branches can be used by itself:
+
+graph = diagram.graph()
+print(graph.number_of_nodes(), "special points,", graph.number_of_edges(), "branches")

@@ -1,0 +1,51 @@
+"""
+Two parameters
+==============
+
+Bifurcations of one parameter lie on curves of two. For piecewise-linear maps these are
+polynomials, and ``pwmap`` finds them; for any other map they are followed in doubles.
+"""
+
+# %%
+# An exact plane
+# --------------
+# Both slopes of a skew tent map. Every cell of the rectangle has one answer; the curves between
+# them have polynomials, and the points in which they meet are exact.
+
+import matplotlib.pyplot as plt
+
+from pwmap import PiecewiseLinearMap, parameter_plane
+from pwmap.plot_plane import plot_plane
+
+tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+plane = parameter_plane(tent, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2, 3))
+for curve in plane.curves:
+    print(f"{curve.id}: {curve.polynomial} = 0,  {' '.join(curve.words)}")
+for point in plane.points:
+    print(point.kind.label, point.values, point.curves)
+fig, ax = plt.subplots(figsize=(6.4, 4.8), layout="constrained")
+ax = plot_plane(plane, ax)
+
+# %%
+# The toy over two of its parameters
+# ----------------------------------
+# The same verb that follows a motion over one parameter follows a special point over two. Point C
+# of the paper, over the restitution coefficient of the beak and the friction at the lower edge:
+
+from woodpecker import Toy, continuation, shoot
+from woodpecker.plot.plane import plot_curves
+
+toy = Toy()
+diagram = continuation(toy, shoot(toy, -0.53), span=(0.15, 0.5))
+c = next(point for point in diagram.points if abs(point.parameter - 0.185127) < 1e-6)
+curve = continuation(toy, c, ("eps_n1", "mu_2"), span=((0, 1), (0.295, 0.35)))
+for point in curve.points:
+    print(f"{point.kind!s:3}", *(f"{value:.9f}" for value in point.values), point.cause)
+fig, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
+ax = plot_curves({"C": curve}, ax)
+ax.locator_params(axis="x", nbins=6)
+
+# %%
+# On its way the jump closes (JC), and the multiplier right at the border passes -1 (PDB): points
+# of codimension two. Where curves of another kind begin, ``point.starts`` names them, and the
+# same verb follows them from there.

@@ -1,0 +1,62 @@
+"""Every public name has an example in its docstring, and all examples print what they say."""
+
+import doctest
+import inspect
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from needs import NEEDS_NUMBA
+from pages import OPTIONS
+
+import pwmap
+import woodpecker
+
+NAMES = [(package, name) for package in (pwmap, woodpecker) for name in package.__all__]
+COMPUTES = re.compile(  # thousands of returns of the toy
+    r"\b(continuation|bifurcation_diagram|find_all|robustness|parameter_regions)\((Toy\(|toy\b)"
+)
+CUTS = re.compile(r"\b(attractor_diagram|with_crises|prove)\(")  # a second, about
+
+
+def text_of(package: object, name: str) -> str:
+    return inspect.getdoc(getattr(package, name)) or ""
+
+
+def cases() -> list[object]:
+    found = []
+    for package, name in NAMES:
+        text = text_of(package, name)
+        marks = [NEEDS_NUMBA, pytest.mark.slow] if COMPUTES.search(text) else []
+        marks += [pytest.mark.slow] if CUTS.search(text) else []
+        found.append(pytest.param(package, name, id=f"{package.__name__}.{name}", marks=marks))
+    return found
+
+
+@pytest.mark.parametrize(("package", "name"), cases())
+def test_an_example_prints_what_it_says(
+    package: object, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It imports all that it takes, shows something, and leaves its files where it runs."""
+    text = text_of(package, name)
+    if package is woodpecker and "prove" in text and find_spec("flint") is None:
+        pytest.skip("proofs need python-flint")
+    monkeypatch.chdir(tmp_path)
+    parser, report = doctest.DocTestParser(), list[str]()
+    test = parser.get_doctest(text, {}, name, None, 0)
+    assert any(example.want for example in test.examples), f"{name} has no example with a result"
+    assert not any(doctest.SKIP in example.options for example in test.examples)
+    runner = doctest.DocTestRunner(optionflags=OPTIONS)
+    runner.run(test, out=report.append)
+    assert "".join(report) == ""
+
+
+@pytest.mark.parametrize(
+    ("package", "name"), NAMES, ids=lambda value: getattr(value, "__name__", value)
+)
+def test_an_example_has_its_place(package: object, name: str) -> None:
+    """One section, the last of a docstring, as numpydoc has it."""
+    text = text_of(package, name)
+    assert text.count("Examples\n--------\n") == 1
+    assert not re.search(r"^\w+\n-+$", text.partition("Examples\n--------\n")[2], flags=re.M)
