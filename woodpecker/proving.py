@@ -76,7 +76,7 @@ def prove(
     >>> from woodpecker import Toy, prove, shoot
     >>> certificate = prove(shoot(Toy(eps_n1=0.5), -0.53))
     >>> certificate.content["multiplier"]
-    ['-0.839155653047586127', '-0.839155653047585639']
+    ['-0.839155653047586083', '-0.839155653047585683']
     """
     try:
         from woodpecker.proofs import statements
