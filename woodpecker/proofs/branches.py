@@ -215,17 +215,19 @@ class _Walk:
             return
         self._ease = max(self._ease / 1.5, 1e-3)
         parts = self._about_flip(planned) if reason == MAY_FLIP else None
-        if parts is not None:
-            self._plan[:1] = parts
+        if parts is None and self._creeps(planned):
+            self._plan = [self._next_line()]
             return
-        first, second = (
-            planned._replace(line=part_of(line, *ends))
-            for ends in ((-line.half, Fraction(0)), (Fraction(0), line.half))
-        )
-        if any(each.flips for each in self._plan):
-            self._plan[:1] = [first, second]
-        else:  # what comes after is planned anew there
-            self._plan = [first]
+        if parts is None:
+            ends = ((-line.half, Fraction(0)), (Fraction(0), line.half))
+            parts = [planned._replace(line=part_of(line, *each)) for each in ends]
+        self._plan[:1] = parts
+
+    def _creeps(self, planned: Planned) -> bool:
+        """Whether a plan that knows of no plateau comes so near to one that pieces are short."""
+        short = planned.line.interval.length < self._march.pause
+        known = planned.plateaus or any(each.flips for each in self._plan)
+        return short and not known and self._at_plateau()
 
     def _leap(self, reason: str) -> None:
         """Take the branch up again beyond a gap."""
@@ -249,11 +251,10 @@ class _Walk:
 
     def _next_line(self) -> Planned:
         """From where the last piece ends: with landings at a plateau, if series end early there."""
-        line, march = self._along_series(), self._march
-        step = march.pause * min(1.0, self._ease / march.part)
-        if line.interval.length > step or not self._at_plateau():
+        line, pause = self._along_series(), self._march.pause
+        if line.interval.length > pause or not self._at_plateau():
             return Planned(line)
-        return Planned(self._plain(Fraction(step)), plateaus=True)
+        return Planned(self._plain(Fraction(pause)), plateaus=True)
 
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau where the last piece ends."""
