@@ -16,7 +16,7 @@ from typing import Any
 
 from woodpecker.checking.forms import Box, F, constant, shapes, waves
 from woodpecker.checking.intervals import I, T, Undecided, inverse
-from woodpecker.checking.pausing import pause
+from woodpecker.checking.pausing import Flight, pause
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Motion, Toy
 
 Guard = tuple[str, int]
@@ -155,8 +155,17 @@ class Follower:
         def lasts(end: I) -> bool:
             return all(curve.lasts(end, None) for curve in curves.values())
 
+        def slides(free: list[F], direction: int) -> bool:
+            solution = self.solve_impact([i], free, [constant(self.box, I.of(0))], False, True)
+            return solution.rests[0] and solution.slips[0] == direction
+
         late = kind == "plateau+"
-        level = pause(self, i, late, bracket, own.jet, lasts)
+        flight = Flight(self.toy, self.box, self.q, self.u, lasts, slides)
+        after = pause(flight, i, late, bracket, own.jet)
+        self.q, self.u, self.states, level = after.q, after.u, after.states, after.level
+        self.close(i)
+        assert self.time is not None
+        self.time, self.since = self.time.plus(after.middle), after.last
         if level.value.sign() is None:
             comparator = level if late else -level
             self.forks.append(Fork("plateau", (i,), comparator, self.events, not late))

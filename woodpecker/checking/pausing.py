@@ -5,36 +5,54 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
-from woodpecker.checking.forms import F, chain, constant, over
+from woodpecker.checking.forms import Box, F, chain, constant, over
 from woodpecker.checking.intervals import Context, I, T, Undecided, wave
 from woodpecker.checking.plateaus import Landing
-from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Motion
-
-if TYPE_CHECKING:
-    from woodpecker.checking.motion import Follower
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Motion, Toy
 
 
-def pause(
-    motion: Follower, i: int, late: bool, bracket: I, jet: Sequence[F | I],
-    lasts: Callable[[I], bool],
-) -> F:  # fmt: skip
-    """Take the motion from where the sleeve has let go to the middle of a pause, sliding there.
+class Flight(NamedTuple):
+    """A free flight where it begins, and what is asked of the one who follows it.
+
+    ``lasts`` says whether all other guards are positive until some time, ``slides`` whether an
+    impact from velocities (N, T) of the contact leaves it closed and slipping in a direction.
+    """
+
+    toy: Toy
+    box: Box
+    q: Sequence[F]
+    u: Sequence[F]
+    lasts: Callable[[I], bool]
+    slides: Callable[[list[F], int], bool]
+
+
+class Sliding(NamedTuple):
+    """Sliding where a pause has its middle, ``last`` before the contact has come to stay at most.
+
+    The contact lands late where ``level``, the gap without a landing, is positive, else early.
+    """
+
+    q: list[F]
+    u: list[F]
+    states: tuple[int, int, int]
+    level: F
+    middle: I
+    last: I
+
+
+def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) -> Sliding:
+    """From where the sleeve has let go to the middle of a pause of the other gap.
 
     Parameters
     ----------
+    i, late
+        The contact that lands, and when.
     bracket
         Near the middle: it says which pause.
     jet
         Of the gap, value and third derivative; the others are exactly zero.
-    lasts
-        Whether all other guards are positive until some time.
-
-    Returns
-    -------
-    F
-        The gap in the middle: the contact lands late if it is positive, early if negative.
     """
     toy, free = motion.toy, motion.toy.mode((OPEN, OPEN, OPEN))
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
@@ -64,7 +82,7 @@ def pause(
     turn = I.of(free.b[ANGLE[i]] * SIDE[i] * stretch)
     sizes = (kappa, I.of(slide.kappa), turn)
     whole = Landing(eta.value, late, *sizes)
-    _clear(motion, i, late, middle, response, slip, whole, lasts)
+    _clear(motion, i, late, middle, response, slip, whole)
     curve = Landing(eta.parts[0].range, late, *sizes)
     if motion.box.depth > 3:
         raise Undecided("a return is once differentiable only where a contact lands at a pause")
@@ -72,13 +90,9 @@ def pause(
     speeds = _term(eta, curve.velocity, whole.velocity_slope) * -fall
     for j in range(3):
         b = I.of(stretch * slide.b[j])
-        motion.q[j] = q[j] - level * I.of(response[j]) + places * b
-        motion.u[j] = u[j] + speeds * b
-    motion.states = after
-    motion.close(i)
-    assert motion.time is not None
-    motion.time, motion.since = motion.time.plus(middle), whole.last
-    return level
+        q[j] = q[j] - level * I.of(response[j]) + places * b
+        u[j] = u[j] + speeds * b
+    return Sliding(q, u, after, level, middle, whole.last)
 
 
 def _swing(kappa: I) -> I:
@@ -120,12 +134,12 @@ def _flown(mode: Motion, q: Sequence[Any], u: Sequence[Any], t: I, box: Any) -> 
     return places, speeds
 
 
-def _slip(motion: Follower, i: int, u: Sequence[Any]) -> Any:
+def _slip(motion: Flight, i: int, u: Sequence[Any]) -> Any:
     w = motion.toy.tangent[i]
     return u[0] * I.of(w[0]) + u[1] * I.of(w[1]) + u[2] * I.of(w[2])
 
 
-def _response(motion: Follower, i: int, slip: int) -> list[Fraction]:
+def _response(motion: Flight, i: int, slip: int) -> list[Fraction]:
     """What an impulse of the slipping contact does to the velocities, per speed of the gap."""
     toy = motion.toy
     friction = -slip * toy.mu[i]
@@ -143,12 +157,12 @@ def _term(eta: F, value: I, slope: I) -> F:
 
 
 def _clear(
-    motion: Follower, i: int, late: bool, middle: I, response: Sequence[Fraction], slip: int,
-    landing: Landing, lasts: Callable[[I], bool],
+    motion: Flight, i: int, late: bool, middle: I, response: Sequence[Fraction], slip: int,
+    landing: Landing,
 ) -> None:  # fmt: skip
     """No other guard fires until the contact has come to stay, and it slips all the time."""
     free, j = motion.toy.mode((OPEN, OPEN, OPEN)), ANGLE[i]
-    if not lasts((middle + landing.sigma).high if late else middle.high):
+    if not motion.lasts((middle + landing.sigma).high if late else middle.high):
         raise Undecided("something may happen before a contact lands")
     strikes = middle + landing.sigma if late else middle - landing.sigma
     q, u = _flown(free, [x.value for x in motion.q], [x.value for x in motion.u], strikes, None)
@@ -169,8 +183,5 @@ def _clear(
         if _slip(motion, i, velocities).sign() != slip:
             raise Undecided("the direction of slip is open")
         strike = [velocities[j] * I.of(SIDE[i] * motion.toy.lever[i]), _slip(motion, i, velocities)]
-        known = [constant(motion.box, x) for x in strike]
-        none = [constant(motion.box, I.of(0))]
-        solution = motion.solve_impact([i], known, none, False, True)
-        if not solution.rests[0] or solution.slips[0] != slip:
+        if not motion.slides([constant(motion.box, x) for x in strike], slip):
             raise Undecided("an impact is not decided")
