@@ -43,6 +43,7 @@ bibtex_reference_style = "author_year"
 
 autosummary_generate = True
 autodoc_typehints = "none"
+autodoc_preserve_defaults = True  # such as Settings(), and not all that they hold
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 numpydoc_class_members_toctree = False

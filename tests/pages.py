@@ -3,6 +3,8 @@
 import doctest
 import re
 from collections.abc import Iterator
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -11,6 +13,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 FENCE = re.compile(r"^(`{3,}|~{3,})(.*?)\n(.*?)^\1\s*$", flags=re.MULTILINE | re.DOTALL)
+NEEDS = re.compile(r"(?:<!-- needs: [\w.]+ -->\n)+\Z")  # in front of a block
 LINK = re.compile(r"\[(?:[^\[\]]|\[[^\[\]]*\])*\]\(([^)\s]+)\)")
 
 
@@ -26,12 +29,22 @@ def made(page: Path) -> bool:
 
 
 def blocks(page: Path) -> Iterator[tuple[int, str]]:
-    """Line and text of each block of Python."""
+    """Line and text of each block of Python that can run here."""
     text = page.read_text(encoding="utf-8")
     for found in FENCE.finditer(text):
-        if found[2].strip() in ("python", "{plot}"):
-            body = re.sub(r"^:[\w-]+:.*\n", "", found[3], flags=re.MULTILINE)
-            yield text.count("\n", 0, found.start(3)), body
+        if found[2].strip() == "python":
+            needs = NEEDS.search(text[: found.start()])
+            wanted = re.findall(r"needs: ([\w.]+)", needs[0]) if needs else []
+            if all(map(there_is, wanted)):
+                yield text.count("\n", 0, found.start(3)), found[3]
+
+
+def there_is(name: str) -> bool:
+    """Whether a module, or something of a module, can be imported."""
+    module, _, attribute = name.partition(".")
+    if find_spec(module) is None:
+        return False
+    return not attribute or hasattr(import_module(module), attribute)
 
 
 def run(page: Path) -> tuple[int, str]:

@@ -38,6 +38,14 @@ def test_blocks_print_what_they_promise(
     assert tried >= 1
 
 
+def test_a_block_runs_where_there_is_what_it_needs(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    block = "```python\n>>> {}\n```\n"
+    wants = ["", *(f"<!-- needs: {each} -->\n" for each in ("json.dumps", "json.nothing", "none"))]
+    page.write_text("".join(want + block.format(k) for k, want in enumerate(wants)))
+    assert [text for _, text in pages.blocks(page)] == [">>> 0\n", ">>> 1\n"]
+
+
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_links_lead_to_what_exists(page: Path) -> None:
     assert pages.wrong_links(page) == []

@@ -17,6 +17,7 @@ NAMES = [(package, name) for package in (pwmap, woodpecker) for name in package.
 COMPUTES = re.compile(  # thousands of returns of the toy
     r"\b(continuation|bifurcation_diagram|find_all|robustness|parameter_regions)\((Toy\(|toy\b)"
 )
+WARNS = "local_model(family"  # numpy's scalars say that inf times 0 is no number, compiled code not
 CUTS = re.compile(r"\b(attractor_diagram|with_crises|prove)\(")  # a second, about
 
 
@@ -29,6 +30,7 @@ def cases() -> list[object]:
     for package, name in NAMES:
         text = text_of(package, name)
         marks = [NEEDS_NUMBA, pytest.mark.slow] if COMPUTES.search(text) else []
+        marks += [NEEDS_NUMBA] if WARNS in text else []
         marks += [pytest.mark.slow] if CUTS.search(text) else []
         found.append(pytest.param(package, name, id=f"{package.__name__}.{name}", marks=marks))
     return found

@@ -64,9 +64,9 @@ class Trouble:
     --------
     >>> from woodpecker import Toy, robustness, shoot
     >>> toy = Toy()
-    >>> nearest = robustness(toy, shoot(toy, -0.53), ["eps_n1"]).nearest
-    >>> nearest.effect.name, str(nearest.kind), f"{nearest.toy.eps_n1:.9f}", nearest.confirmed
-    ('DESTABILISED', 'PD', '0.648549200', True)
+    >>> nearest = robustness(toy, shoot(toy, -0.53), ["mu_2"]).nearest
+    >>> nearest.effect.name, str(nearest.kind), f"{nearest.toy.mu_2:.9f}", nearest.confirmed
+    ('DESTABILISED', 'PD', '0.289509232', True)
     """
 
     effect: Effect
@@ -100,9 +100,9 @@ class Limit:
     --------
     >>> from woodpecker import Toy, robustness, shoot
     >>> toy = Toy()
-    >>> down, up = robustness(toy, shoot(toy, -0.53), ["eps_n1"]).limits
+    >>> down, up = robustness(toy, shoot(toy, -0.53), ["mu_2"]).limits
     >>> [(limit.direction, round(limit.value, 9), str(limit.kind)) for limit in (down, up)]
-    [(-1, 0.185126951, 'BC'), (1, 0.6485492, 'PD')]
+    [(-1, 0.289509232, 'PD'), (1, 0.315812983, 'PD')]
     """
 
     parameter: str
@@ -133,10 +133,10 @@ class Robustness:
     --------
     >>> from woodpecker import Toy, robustness, shoot
     >>> toy = Toy()
-    >>> found = robustness(toy, shoot(toy, -0.53), ["eps_n1"])
+    >>> found = robustness(toy, shoot(toy, -0.53), ["mu_2"])
     >>> nearest = found.nearest
     >>> len(found.troubles), str(nearest.kind), f"{100 * nearest.size:.4f} %", nearest.cause
-    (2, 'PD', '29.7098 %', 'the multiplier is -1')
+    (2, 'PD', '3.4969 %', 'the multiplier is -1')
     """
 
     orbit: PeriodicOrbit

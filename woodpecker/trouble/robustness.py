@@ -78,9 +78,9 @@ def robustness(
     --------
     >>> from woodpecker import Toy, robustness, shoot
     >>> toy = Toy()
-    >>> found = robustness(toy, shoot(toy, -0.53), ["eps_n1"])
+    >>> found = robustness(toy, shoot(toy, -0.53), ["mu_2"])
     >>> print(f"{100 * found.nearest.size:.4f} %, {found.nearest.cause}")
-    29.7098 %, the multiplier is -1
+    3.4969 %, the multiplier is -1
     """
     wanted = _checked(toy, orbit, names)
     space = space_of(orbit, wanted, settings)
