@@ -13,7 +13,12 @@ from pages import OPTIONS
 import pwmap
 import woodpecker
 
-NAMES = [(package, name) for package in (pwmap, woodpecker) for name in package.__all__]
+NAMES = [
+    (package, name)
+    for package in (pwmap, woodpecker)
+    for name in package.__all__
+    if name != "__version__"
+]
 COMPUTES = re.compile(  # thousands of returns of the toy
     r"\b(continuation|bifurcation_diagram|find_all|robustness|parameter_regions)\((Toy\(|toy\b)"
 )

@@ -62,6 +62,14 @@ class RealRoot:
         Which of its real roots, counted from the left.
     low, high
         Rationals that isolate it.
+
+    Examples
+    --------
+    >>> from sympy import QQ
+    >>> from pwmap import RealRoot
+    >>> root = RealRoot((QQ(1), QQ(0), QQ(-2)), 1, QQ(1), QQ(2))  # of x**2 - 2, between 1 and 2
+    >>> root.index, root > QQ(7, 5), root < QQ(10, 7)
+    (1, True, True)
     """
 
     __slots__ = ("_bits", "_coefficients", "_floor", "_hash", "_rises", "index", "polynomial")

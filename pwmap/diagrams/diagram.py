@@ -362,6 +362,14 @@ class Hit(NamedTuple):
         As floats; the multiplier of a jump is nan.
     exact
         By name as in :attr:`Stretch.exact`, without ``interval``; empty for the toy.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> hit, = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).at("-1/2")
+    >>> hit.branch.id, hit.x, hit.multiplier, hit.exact["x"]
+    ('F1', -1.0, 0.5, -1)
     """
 
     branch: Branch
@@ -371,7 +379,16 @@ class Hit(NamedTuple):
 
 
 class StableInterval(NamedTuple):
-    """An interval of the parameter in which a branch attracts, up to its samples."""
+    """An interval of the parameter in which a branch attracts, up to its samples.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [(each.branch.id, each.low, each.high) for each in diagram.stable_intervals()]
+    [('F1', -1.0, 0.0), ('F2', 1.0, 2.0)]
+    """
 
     branch: Branch
     low: float

@@ -42,6 +42,14 @@ class Bands:
         Closed, apart, from left to right.
     breaks
         Those inside.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> bands = dynamics(tent, {"a": "7/5"}).attractors[0].core
+    >>> len(bands), [(str(low), str(high)) for low, high in bands.intervals]
+    (2, [('21/50', '721/1250'), ('147/250', '7/10')])
     """
 
     intervals: tuple[Interval, ...]

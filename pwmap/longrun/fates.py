@@ -38,6 +38,14 @@ class AttractingCycle:
         Product of the slopes; its size is less than one.
     reach
         How close an orbit must come to each point to be drawn in; None if any distance will do.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> cycle = dynamics(tent, {"a": "1/2"}).attractors[0].core
+    >>> type(cycle).__name__, cycle.word, cycle.points, cycle.multiplier
+    ('AttractingCycle', 'L', (0,), 1/2)
     """
 
     points: tuple[Exact, ...]

@@ -53,6 +53,17 @@ class FamilyCondition:
         In the parameters, n and powers.
     since
         The n from which on it is one; for smaller n its point does not exist.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, word_family
+    >>> text = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
+    >>> family = word_family(PiecewiseLinearMap.from_sympy(text, given=["a > 1"]), "L R^n")
+    >>> for condition in family.conditions:
+    ...     print(condition.since, condition.relation)
+    1 (a*r*(-a)**n - 2*a*(-a)**n + r - 2*(-a)**n)/(a + 1) <= 0
+    2 (a**2*r + a*r*(-a)**n - 2*a*(-a)**n - 2*(-a)**n)/(a**2*(a + 1)) > 0
+    1 -(a*r*(-a)**n - a*r - 2*a*(-a)**n - 2*(-a)**n)/(a*(a + 1)) > 0
     """
 
     relation: sympy.Basic
@@ -62,7 +73,17 @@ class FamilyCondition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCycle:
-    """One cycle of a family: its word, first point, multiplier, and the conditions that bind."""
+    """One cycle of a family: its word, first point, multiplier, and the conditions that bind.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, word_family
+    >>> text = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
+    >>> family = word_family(PiecewiseLinearMap.from_sympy(text, given=["a > 1"]), "L R^n")
+    >>> cycle = family.at(2)
+    >>> cycle.word, cycle.x, cycle.multiplier
+    ('LRR', a**2*r - 2*a**2 - a*r + r, 0)
+    """
 
     word: str
     x: sympy.Expr

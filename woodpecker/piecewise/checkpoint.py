@@ -42,6 +42,22 @@ class Record:
     ----------
     path, run, resume
         See :class:`woodpecker.base.checkpoint.Checkpoint`.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Record, Search, Settings, from_sympy, whole_diagram
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> settings, few = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
+    >>> record = Record("lines.jsonl", {"map": "lines"})
+    >>> found = whole_diagram(lines, settings, search=few, record=record)
+    >>> record.close()
+    >>> again = Record("lines.jsonl", {"map": "lines"}, resume=True)  # goes on, or has all
+    >>> len(again.entries) > 0
+    True
+    >>> again.close()
     """
 
     def __init__(self, path: str | os.PathLike[str], run: Entry, *, resume: bool = False) -> None:

@@ -239,7 +239,20 @@ def no_value(word: str, x: float, p: float) -> str:
 
 
 class BoundedPiece(Piece, Protocol):
-    """A piece that knows which points it holds."""
+    """A piece that knows which points it holds.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import BoundedPiece, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> def left_of(piece: BoundedPiece, p: float) -> bool:
+    ...     return piece.holds(-1.0, p)
+    >>> [left_of(piece, 0.5) for piece in lines.pieces]
+    [True, False]
+    """
 
     def holds(self, x: float, p: float) -> bool:
         """Whether the map takes this piece at a point, unless an earlier one holds it too."""

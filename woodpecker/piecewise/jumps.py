@@ -65,6 +65,18 @@ class Jump:
         Limits under the piece of the head, and under the one beyond the border.
     outer_code
         The margin of the piece beyond which vanishes there.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, from_sympy, slices_at
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> one, = slices_at(lines, 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
+    >>> jump, = one.jumps
+    >>> type(jump).__name__, jump.x, jump.inner.value, jump.outer.value
+    ('Jump', 0.0, 0.5, -0.5)
     """
 
     head: Orbit

@@ -38,6 +38,17 @@ class Orbit:
         The parameter.
     images
         What the pieces make of them, n of them.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, cycle_near, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> orbit = cycle_near(lines, -0.9, -0.5, Settings(span=(-1, 2), window=(-3, 3)))
+    >>> type(orbit).__name__, orbit.x.tolist(), orbit.p, orbit.words
+    ('Orbit', [-1.0], -0.5, ('L',))
     """
 
     x: Floats

@@ -85,7 +85,20 @@ class Image(NamedTuple):
 
 
 class Piece(Protocol):
-    """A smooth map with margins. It may remember where it was met last, to start from there."""
+    """A smooth map with margins. It may remember where it was met last, to start from there.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Piece, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> def described(piece: Piece) -> str:  # whatever has these methods will do
+    ...     return f"{piece.word}: {piece.at(2.0, 0.5).value:g} at 2; {piece.cause(0)}"
+    >>> described(lines.pieces[0])  # also where the map takes another piece
+    'L: 1.5 at 2; x = 0'
+    """
 
     @property
     def key(self) -> Hashable:

@@ -23,7 +23,16 @@ from woodpecker.piecewise.settings import Settings
 
 
 class Swept(Protocol):
-    """What a map makes of many points: arrays of one shape, nan where it has no value."""
+    """What a map makes of many points: arrays of one shape, nan where it has no value.
+
+    Examples
+    --------
+    >>> from woodpecker import Sweep, Swept
+    >>> def steepest(found: Swept) -> float:  # whatever has arrays of both will do
+    ...     return float(max(abs(slope) for slope in found.slope))
+    >>> steepest(Sweep(value=[0.5, 0.25], slope=[0.5, -1.25]))
+    1.25
+    """
 
     @property
     def value(self) -> Floats:
@@ -36,14 +45,38 @@ class Swept(Protocol):
 
 @runtime_checkable
 class SweptMap(Protocol):
-    """A map that takes many points at once, faster than one by one."""
+    """A map that takes many points at once, faster than one by one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Sweep, SweptMap, orbit_diagram
+    >>> class Tent:
+    ...     def sweep(self, x, p):
+    ...         return Sweep(p * np.minimum(x, 1 - x), np.where(x < 0.5, p, -p))
+    >>> isinstance(Tent(), SweptMap)
+    True
+    >>> orbit, = orbit_diagram(Tent(), [1.5], [0.3], (0, 1), transient=100, keep=50).orbits
+    >>> round(orbit.exponent, 12)  # log 1.5
+    0.405465108108
+    """
 
     def sweep(self, x: Floats, p: float) -> Swept:
         """The map at points (n,) and a parameter."""
 
 
 class Sweep(NamedTuple):
-    """Images and slopes of a map at many points."""
+    """Images and slopes of a map at many points.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Sweep
+    >>> x = np.array([-1.0, 2.0])
+    >>> found = Sweep(value=abs(x), slope=np.sign(x))
+    >>> found.slope.tolist()
+    [-1.0, 1.0]
+    """
 
     value: Floats
     slope: Floats

@@ -83,6 +83,18 @@ class SymbolicFamily:
         As pieces over the first parameter.
     symbols
         The variable and both parameters.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import family_from_sympy
+    >>> x, p, q = symbols("x p q")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - q, True))
+    >>> family = family_from_sympy(formula, x, (p, q))
+    >>> type(family).__name__, family.names
+    ('SymbolicFamily', ('p', 'q'))
+    >>> family.over(0, (0.0, 1.0)).at(2.0, 0.5).value  # over p, with q = 1
+    0.16666666666666663
     """
 
     pieces: tuple[SymbolicPiece, ...]
