@@ -116,14 +116,16 @@ def test_spare_tasks_leave_a_worker_free() -> None:
 
 
 def test_waiting_ends_when_anything_is_done() -> None:
-    release = threading.Event()
+    """The quick task ends while the slow one is waited for: half a second later."""
+    release, soon = threading.Event(), threading.Event()
 
     def task(x: int) -> Done:
-        assert x == 1 or release.wait(60.0)
+        assert (soon if x == 1 else release).wait(60.0)
         return squared(x)
 
     with ThreadPoolExecutor(2) as pool, scheduler(task, 2, pool) as tasks:
         slow, quick = tasks.submit(2), tasks.submit(1)
+        threading.Timer(0.5, soon.set).start()
         assert not tasks.waited(slow)
         assert quick.done()
         release.set()
