@@ -1,18 +1,29 @@
 """Studies in their short form, and what they leave behind."""
 
+import json
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 
+from studies import run_all
+
 ShortRun = tuple[dict[str, Any], Path]
 
 
-def short_run(study: ModuleType, folders: pytest.TempPathFactory) -> ShortRun:
-    """What a study returns, and the folder of its own that it writes to."""
-    folder = folders.mktemp(study.__name__)
-    return study.main(fast=True, out=folder), folder
+def short_run(name: str, folder: Path) -> dict[str, Any]:
+    """What a study returns; its numbers are saved in a folder, where its pictures are."""
+    results = run_all.run_all(True, folder, [name])[name]
+    saved = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
+    assert set(saved) == {*results, "environment"}
+    assert set(saved["environment"]) >= {"machine", "commit", "python", "numpy", "numba"}
+    return results
+
+
+def kept_run(name: str, folders: pytest.TempPathFactory) -> ShortRun:
+    """The same for several tests, and the folder."""
+    folder = folders.mktemp(name)
+    return short_run(name, folder), folder
 
 
 def is_picture(path: Path) -> bool:

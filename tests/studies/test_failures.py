@@ -3,14 +3,13 @@
 import json
 import math
 from decimal import Decimal
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from short_runs import is_picture
+from short_runs import is_picture, kept_run
 
-from studies.failures import failures, newton
+from studies.failures import newton
 from studies.failures.judge import (
     Kind,
     Outcome,
@@ -177,8 +176,7 @@ def test_scaling_by_powers_of_two_leaves_the_image() -> None:
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    out: Path = tmp_path_factory.mktemp("failures")
-    found: dict[str, Any] = failures.main(fast=True, out=out)
+    found, out = kept_run("failures", tmp_path_factory)
     for name in ("failures.png", "failures_distance.png"):
         assert is_picture(out / name)
     return found

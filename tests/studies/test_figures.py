@@ -6,14 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
-from short_runs import is_picture, short_run
+from short_runs import is_picture, kept_run, short_run
 
 from studies import paper_numbers, sensitivities
 from studies.common import motion
 from studies.figures import fig04_time_history as fig04
-from studies.figures import fig05_phase_woodpecker as fig05
-from studies.figures import fig06_phase_others as fig06
-from studies.figures import fig07_frames as fig07
 from studies.figures import fig08_return_map as fig08
 from studies.figures import fig08_vertices as vertices
 from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot, simulate
@@ -28,7 +25,7 @@ LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")
 
 @pytest.mark.slow
 def test_time_history(tmp_path: Path) -> None:
-    results = fig04.main(fast=True, out=tmp_path)
+    results = short_run("fig04_time_history", tmp_path)
     assert is_picture(tmp_path / "fig04.png")
     assert results["period"] == pytest.approx(PERIOD, abs=EIGHT)
     assert results["drop"] == pytest.approx(0.0194454, abs=5e-8)
@@ -51,7 +48,8 @@ def test_time_history(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_phase_portraits(tmp_path: Path) -> None:
-    bird, rest = (study.main(fast=True, out=tmp_path) for study in (fig05, fig06))
+    bird = short_run("fig05_phase_woodpecker", tmp_path)
+    rest = short_run("fig06_phase_others", tmp_path)
     assert is_picture(tmp_path / "fig05.png")
     assert is_picture(tmp_path / "fig06.png")
     assert bird["phi_s"] == pytest.approx((PHI_S, 0.12), abs=EIGHT)
@@ -62,7 +60,7 @@ def test_phase_portraits(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_frames(tmp_path: Path) -> None:
-    results = fig07.main(fast=True, out=tmp_path)
+    results = short_run("fig07_frames", tmp_path)
     assert is_picture(tmp_path / "fig07.png")
     numbers, symbols, times = zip(*results["frames"], strict=True)
     assert numbers == tuple(range(1, 9))
@@ -82,7 +80,7 @@ def test_frames_refuse_another_motion() -> None:
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_return_map(tmp_path: Path) -> None:
-    results = fig08.main(fast=True, out=tmp_path)
+    results = short_run("fig08_return_map", tmp_path)
     assert is_picture(tmp_path / "fig08.png")
     dips = [dip["phi_s"] for dip in results["dips"]]
     assert dips == pytest.approx([-1.224778184, -0.265942701], abs=5e-10)
@@ -113,7 +111,7 @@ def test_the_jump_of_a_and_b_hardly_shows_in_figure_8(law: Any, seen: bool) -> N
 
 @pytest.fixture(scope="module")
 def figure_8(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    results, folder = short_run(vertices, tmp_path_factory)
+    results, folder = kept_run("fig08_vertices", tmp_path_factory)
     assert is_picture(folder / "fig08_vertices.png")
     return results
 
@@ -191,7 +189,7 @@ def cone(toy: Toy) -> float:
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_sensitivities(tmp_path: Path) -> None:
-    results = sensitivities.main(fast=True, out=tmp_path)
+    results = short_run("sensitivities", tmp_path)
     assert is_picture(tmp_path / "sensitivities.png")
     assert results["largest_spread"] < 1e-5  # two steps, a factor of ten apart
     assert results["skipped"] == {"pole": "is infinite"}
@@ -232,8 +230,8 @@ def test_the_unit_of_the_last_digit() -> None:
 
 @pytest.mark.slow
 @NEEDS_NUMBA
-def test_paper_numbers() -> None:
-    results = paper_numbers.main(fast=True)
+def test_paper_numbers(tmp_path: Path) -> None:
+    results = short_run("paper_numbers", tmp_path)
     rows: dict[str, dict[str, Any]] = {row["quantity"]: row for row in results["rows"]}
     assert rows["period T [s]"]["ours"] == pytest.approx(PERIOD, abs=EIGHT)
     assert rows["period T [s]"]["relative_difference"] == pytest.approx(0.005345, abs=5e-7)

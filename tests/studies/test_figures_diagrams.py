@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
-from short_runs import ShortRun, is_picture, short_run
+from short_runs import ShortRun, is_picture, kept_run, short_run
 
 from pwmap import Branch, BranchKind, Diagram, SpecialPoint
 from studies import order_three
@@ -61,7 +61,7 @@ def test_a_table_has_a_column_at_every_parameter(spacing: float, points: int) ->
 
 @pytest.mark.slow
 def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
-    results = fig09.main(fast=True, out=tmp_path)
+    results = short_run("fig09_order_one", tmp_path)
     above = [found for found in results["collisions"] if found[3] > -1.2]  # rad: steep ones below
     kinds = sorted(kind for kind, *_ in above)
     assert kinds == ["BC", "BC", "FF"]  # B and the top of the island I1
@@ -93,7 +93,7 @@ def test_orbits_confirm_the_whole_diagram(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def second(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
-    return short_run(fig10, tmp_path_factory)
+    return kept_run("fig10_order_two", tmp_path_factory)
 
 
 @pytest.mark.slow
@@ -233,7 +233,7 @@ def test_a_table_finds_what_a_diagram_lacks() -> None:
 @pytest.mark.slow
 def test_order_three_in_a_part_without_cycles_of_period_three(tmp_path: Path) -> None:
     """Next to A P_3 has jump crossings, the one that starts there, and no cycle."""
-    results = order_three.main(fast=True, out=tmp_path)
+    results = short_run("order_three", tmp_path)
     assert is_picture(tmp_path / "order_three.png")
     assert len(results["seen"]) == order_three.FAST.slices
     assert results["odd"] == []
@@ -249,7 +249,7 @@ def test_order_three_in_a_part_without_cycles_of_period_three(tmp_path: Path) ->
 
 @pytest.fixture(scope="module")
 def maps(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
-    return short_run(fig11, tmp_path_factory)
+    return kept_run("fig11_maps_near_a", tmp_path_factory)
 
 
 @pytest.mark.slow
@@ -298,7 +298,7 @@ def test_figure_11_follows_from_the_sum_only(maps: ShortRun) -> None:
 @pytest.mark.slow
 def test_the_toy_agrees_with_its_local_model(tmp_path: Path) -> None:
     """Slopes of preimages of the jump, x* (1 - m**(1 - j)) [Leine2001, Eq. 15 for j = 2]."""
-    results = fig12.main(fast=True, out=tmp_path)
+    results = short_run("fig12_local_model", tmp_path)
     assert is_picture(tmp_path / "fig12.png")
     assert results["a"]["eps_n1"] == pytest.approx(A[0], abs=1e-10)
     assert results["a"]["slope"] == pytest.approx(SLOPE, abs=1e-8)

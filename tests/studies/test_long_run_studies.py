@@ -4,20 +4,20 @@ import math
 
 import numpy as np
 import pytest
-from short_runs import ShortRun, is_picture, short_run
+from short_runs import ShortRun, is_picture, kept_run
 
 from pwmap import dynamics
-from studies import long_run, long_run_pictures
+from studies import long_run
 
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
-    return short_run(long_run, tmp_path_factory)
+    return kept_run("long_run", tmp_path_factory)
 
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
-    return short_run(long_run_pictures, tmp_path_factory)
+    return kept_run("long_run_pictures", tmp_path_factory)
 
 
 def test_ulam_s_method_is_exact_where_all_ends_of_bins_are_images() -> None:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from short_runs import kept_run
 
 from studies.maps import boost as map_boost
 from studies.maps import bouncing as map_bouncing
@@ -15,18 +16,18 @@ LOCATED = 1e-12  # of a special point, relative
 
 
 @pytest.fixture(scope="module")
-def grazing() -> dict[str, Any]:
-    return map_grazing.main(fast=True)
+def grazing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return kept_run("map_grazing", tmp_path_factory)[0]
 
 
 @pytest.fixture(scope="module")
-def boost() -> dict[str, Any]:
-    return map_boost.main(fast=True)
+def boost(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return kept_run("map_boost", tmp_path_factory)[0]
 
 
 @pytest.fixture(scope="module")
-def bouncing() -> dict[str, Any]:
-    return map_bouncing.main(fast=True)
+def bouncing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return kept_run("map_bouncing", tmp_path_factory)[0]
 
 
 # --- The square-root map --------------------------------------------------------------------------

@@ -1,9 +1,12 @@
 """Moreau's time stepping: order, energy, its contact solvers, and where it meets the kernel."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 from scenes import plain
+from short_runs import short_run
 
 from studies.peers import moreau
 from studies.peers.moreau import (
@@ -260,8 +263,8 @@ def test_a_word_can_be_read_from_states() -> None:
 
 
 @pytest.mark.slow
-def test_the_study_runs() -> None:
-    results = moreau.main(fast=True)
+def test_the_study_runs(tmp_path: Path) -> None:
+    results = short_run("peer_moreau", tmp_path)
     for scheme, solver in EVERY_WAY:
         table = results[f"{scheme}, {solver}"]
         assert all(np.diff(table["error"]) < 0.0)

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from short_runs import kept_run
 
 from studies import benchmark
 from studies.peers import ode
@@ -17,9 +18,8 @@ AGREES = 1e-7  # rad; a thousand times the peer's tolerance, for slopes and elev
 
 
 @pytest.fixture(scope="module")
-def measured() -> dict[str, Any]:
-    results: dict[str, Any] = benchmark.main(fast=True)
-    return results
+def measured(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return kept_run("benchmark", tmp_path_factory)[0]
 
 
 @pytest.mark.slow

@@ -1,19 +1,17 @@
 """The studies of cycles by words and of the plane of the skew tent map, in short."""
 
 import pytest
-from short_runs import ShortRun, is_picture, short_run
-
-from studies import cycles, parameter_plane
+from short_runs import ShortRun, is_picture, kept_run
 
 
 @pytest.fixture(scope="module")
 def counted(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
-    return short_run(cycles, tmp_path_factory)
+    return kept_run("cycles", tmp_path_factory)
 
 
 @pytest.fixture(scope="module")
 def plane(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
-    return short_run(parameter_plane, tmp_path_factory)
+    return kept_run("parameter_plane", tmp_path_factory)
 
 
 @pytest.mark.slow

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
-from short_runs import is_picture
+from short_runs import is_picture, short_run
 
 from studies.common.laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
 from studies.common.motion import GUESS
 from studies.peers import cases
-from studies.reductions import events, reductions
+from studies.reductions import events
 from studies.reductions.closed_form import apart, closed, integrated
 from studies.reductions.contact_problems import direct, lemke
 from studies.reductions.motions import Impacts, Phase, beside_edges, gathered, recorded
@@ -108,7 +108,7 @@ def test_sampling_misses_what_isolation_finds_next_to_grazing() -> None:
 
 @pytest.mark.slow
 def test_the_study_runs(tmp_path: Path) -> None:
-    results = reductions.main(fast=True, out=tmp_path)
+    results = short_run("reductions", tmp_path)
     assert is_picture(tmp_path / "reductions.png")
     assert results["contacts"]["unsolved_by_lemke"] == 0
     assert results["events"]["isolated_missed"] == 0

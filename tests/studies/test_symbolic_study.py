@@ -1,14 +1,12 @@
 """The study of symbolic composition runs, and both of its ways mean the same map."""
 
 import pytest
-from short_runs import ShortRun, is_picture, short_run
-
-from studies import symbolic
+from short_runs import ShortRun, is_picture, kept_run
 
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
-    return short_run(symbolic, tmp_path_factory)
+    return kept_run("symbolic", tmp_path_factory)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from needs import NEEDS_NUMBA
+from short_runs import short_run
 
 from studies.two_parameters import (
     FIRST,
@@ -15,7 +16,6 @@ from studies.two_parameters import (
     confirmed,
     different,
     island_ends,
-    main,
     main_points,
 )
 from woodpecker import Toy, continuation
@@ -24,7 +24,7 @@ from woodpecker import Toy, continuation
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_places_of_a_are_those_of_one_parameter(tmp_path: Path) -> None:
-    found = main(fast=True, out=tmp_path)
+    found = short_run("two_parameters", tmp_path)
     a = found["a"]
     assert a["anew"] >= 4
     assert a["anew_alike"] == a["anew"]

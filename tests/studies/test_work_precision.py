@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
-from short_runs import is_picture
+from short_runs import is_picture, short_run
 
 from studies.common.laws import CONTACT_BY_CONTACT
 from studies.peers import cases, kernel
 from studies.peers.ode import first_return_ode
-from studies.precision import work_precision as study
 from studies.precision.comparing import ahead, compared, order_of
 from studies.precision.measuring import measured
 from studies.precision.methods import KERNEL, TWIN, Setting
@@ -152,7 +151,7 @@ def test_every_scene_is_under_the_law_that_all_methods_know() -> None:
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_study_runs_and_nothing_is_unmarked(tmp_path: Path) -> None:
-    results = study.main(fast=True, out=tmp_path)
+    results = short_run("work_precision", tmp_path)
     assert is_picture(tmp_path / "work_precision.png")
     assert set(results["tasks"]) == {s.name for s in cases.SCENES} | {MAP, FIXED}
     for task, rows in results["tasks"].items():
