@@ -11,6 +11,7 @@ from pwmap.diagrams.diagram import (
     PointStatus,
     SpecialPoint,
     Stretch,
+    load_diagram,
 )
 from pwmap.diagrams.graph import read_graph, write_graph
 from pwmap.longrun.bands import with_attractors
@@ -127,6 +128,7 @@ __all__ = [
     "cycles",
     "dynamics",
     "farey",
+    "load_diagram",
     "meeting_curve",
     "organising_centre",
     "organising_centres",

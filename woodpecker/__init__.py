@@ -1,5 +1,6 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations."""
 
+from pwmap.diagrams.diagram import load_diagram
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.continued import continuation
 from woodpecker.diagram import bifurcation_diagram, find_all
@@ -130,6 +131,7 @@ __all__ = [
     "from_sympy",
     "graph_of_curves",
     "jam_limit",
+    "load_diagram",
     "local_model",
     "nearest_border",
     "observables",

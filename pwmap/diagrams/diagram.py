@@ -14,13 +14,17 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cmp_to_key
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.slices import Slice, Value, exact_number
+
+NAME, VERSION = "diagram", 1  # of its files; a change that older code would misread raises it
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -555,6 +559,34 @@ class Diagram:
                     found.append(StableInterval(branch, float(p.min()), float(p.max())))
         return tuple(found)
 
+    def save(self, path: str | Path) -> Path:
+        """Write all that the diagram holds as a file that :func:`pwmap.load_diagram` reads.
+
+        The file is JSON: numbers are kept to the last bit, exact values as formulas, see
+        :mod:`pwmap.diagrams.records`. It is written beside its final place and then renamed.
+
+        Parameters
+        ----------
+        path
+            The file, usually ``.json``; a name that ends with ``.gz`` is compressed, to a third or
+            less. Its folder must exist.
+
+        Returns
+        -------
+        pathlib.Path
+            Where it was written.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the folder does not exist.
+        TypeError
+            If an exact value is no algebraic formula.
+        """
+        path = Path(path)
+        write_record(path, self, NAME, VERSION)
+        return path
+
     def graph(self) -> nx.MultiGraph:
         """How the branches are connected.
 
@@ -611,6 +643,31 @@ class Diagram:
                 },
             )
         return graph
+
+
+def load_diagram(path: str | Path) -> Diagram:
+    """Read a diagram of :meth:`Diagram.save` again, of a piecewise-linear map or of the toy.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Diagram
+        With the same branches and points as the one that was saved, to the last bit, and the same
+        exact formulas.
+
+    Raises
+    ------
+    ValueError
+        If the file is no saved diagram, or one of a newer version of the format.
+    FileNotFoundError
+        If there is no such file.
+    """
+    diagram: Diagram = read_record(Path(path), Diagram, NAME, VERSION)
+    return diagram
 
 
 def _bounds(point: SpecialPoint) -> dict[str, float]:
