@@ -563,7 +563,7 @@ class Diagram:
         """Write all that the diagram holds as a file that :func:`pwmap.load_diagram` reads.
 
         The file is JSON: numbers are kept to the last bit, exact values as formulas, see
-        :mod:`pwmap.diagrams.records`. It is written beside its final place and then renamed.
+        :mod:`pwmap.diagrams.encoding`. It is written beside its final place and then renamed.
 
         Parameters
         ----------

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from pwmap.algebra.terms import shortened
+from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.files import write_whole
-from pwmap.diagrams.records import from_plain, to_plain
 
 FORMAT, VERSION = "format", "version"
 ZIPPED = ".gz"

@@ -124,6 +124,18 @@ def test_the_file_is_plain_json(tmp_path: Path) -> None:
     assert content["diagram"]["points"][2]["precision"] == {"$numberDouble": "inf"}
 
 
+def test_values_of_any_type(tmp_path: Path) -> None:
+    """What a mapping without types holds: values of JSON, numbers it lacks, formulas."""
+    made = {
+        "toy": {"pole": math.inf, "eps_n1": 0.5}, "span": [0.0, 1], "law": "summed", "x": A / 2,
+        "known": None, "flag": True,
+    }  # fmt: skip
+    diagram = dataclasses.replace(with_open_point(), sample=made)
+    loaded = load_diagram(diagram.save(tmp_path / "d.json"))
+    assert loaded.sample == made
+    assert isinstance(loaded.sample["x"], sympy.Mul)
+
+
 @given(
     st.lists(st.floats(), min_size=1, max_size=4),
     st.floats(allow_nan=False),
@@ -217,7 +229,7 @@ def changed(path: Path, change: Callable[[dict], object]) -> Path:
         (lambda c: c["diagram"]["branches"][0]["x"].pop(), "must have one common length"),
         (lambda c: c["diagram"]["branches"][0].update(x=[None] * 3), "expected a number, got None"),
         (
-            lambda c: c["diagram"]["points"][0].update(exact={"x": {"formula": ["exec", "1"]}}),
+            lambda c: c["diagram"]["points"][0].update(exact={"x": {"$formula": ["exec", "1"]}}),
             "'exec'",
         ),
     ],

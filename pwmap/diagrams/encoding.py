@@ -21,8 +21,8 @@ import sympy
 
 from pwmap.diagrams import formulas
 
-FORMULA = "formula"  # the key under which a value holds one
-NUMBER = "$numberDouble"  # likewise a number that JSON lacks, as in MongoDB's Extended JSON
+FORMULA = "$formula"  # the key of an object that stands for one
+NUMBER = "$numberDouble"  # likewise for a number that JSON lacks, as in MongoDB's Extended JSON
 
 
 def to_plain(value: Any) -> Any:
@@ -46,7 +46,7 @@ def to_plain(value: Any) -> Any:
             return [each if math.isfinite(each) else repr(each) for each in value.tolist()]
         case sympy.Basic():
             return {FORMULA: formulas.to_plain(value)}
-        case tuple():
+        case tuple() | list():
             return [to_plain(each) for each in value]
         case Mapping():
             return {name: to_plain(each) for name, each in value.items()}
@@ -79,14 +79,24 @@ def from_plain(data: Any, kind: Any) -> Any:
     if origin is Mapping:
         return {name: from_plain(each, inner[1]) for name, each in _checked(data, dict).items()}
     if kind is object or kind is Any:
-        return _tagged(data) if isinstance(data, dict) else data
+        return _untyped(data)
     if kind is float:
         return _float(data[NUMBER] if isinstance(data, dict) else data)
     return kind(data) if issubclass(kind, Enum) else _checked(data, kind)
 
 
-def _tagged(data: dict[str, Any]) -> Any:
-    return float(data[NUMBER]) if NUMBER in data else formulas.from_plain(data[FORMULA])
+def _untyped(data: Any) -> Any:
+    """What JSON says itself, but for formulas and the numbers that it lacks."""
+    match data:
+        case {"$formula": formula}:
+            return formulas.from_plain(formula)
+        case {"$numberDouble": number}:
+            return float(number)
+        case dict():
+            return {name: _untyped(each) for name, each in data.items()}
+        case list():
+            return [_untyped(each) for each in data]
+    return data
 
 
 def _record(data: Any, kind: Any) -> Any:
