@@ -21,6 +21,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.slices import Slice, Value, exact_number
 
@@ -223,6 +224,39 @@ class Branch:
         if self.attracts is not None:
             return np.full(len(self), self.attracts)
         return np.asarray(np.abs(self.multiplier) < 1.0)
+
+    def to_dataframe(self) -> DataFrame:
+        """The samples of the branch, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
+            ``multiplier``, ``stable`` and those of :attr:`columns`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return dataframe(self._table("parameter", "x"))
+
+    def _table(self, parameter: str, x: str) -> dict[str, Column]:
+        """Columns of a row for each sample; the names of two are given."""
+        firsts = [stretch.first for stretch in self.words]
+        lengths = np.diff([*firsts, len(self)]).tolist()
+        words = [s.word for s, n in zip(self.words, lengths, strict=True) for _ in range(n)]
+        table: dict[str, Column] = {
+            "branch": [self.id] * len(self),
+            "kind": [str(self.kind)] * len(self),
+            "order": np.full(len(self), self.order),
+            "word": words,
+            parameter: self.parameter,
+            x: self.x,
+            "multiplier": self.multiplier,
+            "stable": self.stable,
+        }
+        return {**table, **self.columns}
 
     def __len__(self) -> int:
         return int(self.parameter.size)
@@ -586,6 +620,62 @@ class Diagram:
         path = Path(path)
         write_record(path, self, NAME, VERSION)
         return path
+
+    def to_dataframe(self) -> DataFrame:
+        """The samples of all branches, one in each row, in the order of :attr:`branches`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            As :meth:`Branch.to_dataframe` says, but the columns of the parameter and of x have
+            their names, such as ``eps_n1`` and ``phi_s``. What was not observed on a branch is nan.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        tables = [branch._table(self.parameter_name, self.x_name) for branch in self.branches]
+        first = ("branch", "kind", "order", "word", self.parameter_name, self.x_name)
+        return dataframe(joined(tables, (*first, "multiplier", "stable")))
+
+    def points_to_dataframe(self) -> DataFrame:
+        """The special points, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``point`` (its id), ``name``, ``kind``, those of the parameter and of x
+            by their names, ``order``, ``note``, ``cause``, ``status``, ``precision``,
+            ``interval_min`` and ``interval_max`` (nan where there is no interval), ``branches``
+            (ids with blanks between), and exact values as expressions of sympy: ``x_exact`` and
+            so on, None where a point has no such value.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        points = self.points
+        ends = np.array([p.interval or (math.nan, math.nan) for p in points]).reshape(-1, 2)
+        table: dict[str, Column] = {
+            "point": [p.id for p in points],
+            "name": [p.name for p in points],
+            "kind": [str(p.kind) for p in points],
+            self.parameter_name: np.array([p.parameter for p in points], dtype=float),
+            self.x_name: np.array([p.x for p in points], dtype=float),
+            "order": np.array([p.order for p in points], dtype=int),
+            "note": [p.note for p in points],
+            "cause": [p.cause for p in points],
+            "status": [str(p.status) for p in points],
+            "precision": np.array([p.precision for p in points], dtype=float),
+            "interval_min": ends[:, 0],
+            "interval_max": ends[:, 1],
+            "branches": [" ".join(p.branches) for p in points],
+        }
+        for name in dict.fromkeys(name for p in points for name in p.exact):
+            table[f"{name}_exact"] = [p.exact.get(name) for p in points]
+        return dataframe(table)
 
     def graph(self) -> nx.MultiGraph:
         """How the branches are connected.
