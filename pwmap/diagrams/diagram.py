@@ -23,6 +23,7 @@ import numpy.typing as npt
 
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined
 from pwmap.diagrams.saved import read_record, write_record
+from pwmap.diagrams.shown import brief, counted, span, table, tally
 from pwmap.diagrams.slices import Slice, Value, exact_number
 
 NAME, VERSION = "diagram", 1  # of its files; a change that older code would misread raises it
@@ -261,6 +262,24 @@ class Branch:
     def __len__(self) -> int:
         return int(self.parameter.size)
 
+    def __repr__(self) -> str:
+        """What it is, where, between which points; the word of its first sample."""
+        stable = "" if self.kind is BranchKind.JUMP else f"stable: {_share(self)}, "
+        return (
+            f"Branch({self.id}: {self.kind} of order {self.order}, {counted(len(self), 'sample')}, "
+            f"parameter {span(self.parameter)}, x {span(self.x)}, {stable}"
+            f"from {self.ends[0]} to {self.ends[1]}, word {brief(self.word)!r})"
+        )
+
+    def _repr_html_(self) -> str:
+        p, x, m = self.parameter, self.x, self.multiplier
+        rows = [
+            (f"{p[s.first]:.6g}", f"{x[s.first]:.6g}", f"{m[s.first]:.4g}", s.word, s.cause)
+            for s in self.words
+        ]
+        header = ("parameter from", "x", "multiplier", "word", "what happens there")
+        return table(repr(self), header, rows)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpecialPoint:
@@ -397,6 +416,38 @@ class Diagram:
                 incident[end].append(branch)
         for name, value in (("_branch", branches), ("_point", points), ("_incident", incident)):
             object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        """A few lines: over which parameter, how many branches of each order, which points."""
+        lines = [f"Diagram({self.x_name} over {self.parameter_name}: {self._size()}"]
+        orders = sorted({branch.order for branch in self.branches})
+        lines += [
+            f"order {order}: {tally(b.kind for b in self.branches if b.order == order)}"
+            for order in orders
+        ]
+        if self.points:
+            lines.append(f"points: {tally(point.kind for point in self.points)}")
+        return "\n    ".join(lines) + ")"
+
+    def _size(self) -> str:
+        ends = [each for branch in self.branches for each in branch.parameter[[0, -1]].tolist()]
+        within = f" in [{min(ends):.6g}, {max(ends):.6g}]" if ends else ""
+        return (
+            f"{counted(len(self.branches), 'branch')}{within}, "
+            f"{counted(len(self.points), 'special point')}"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (
+                *(p.name or p.id, ", ".join(filter(None, (p.kind.label, p.note)))),
+                *(p.exact.get("parameter", f"{p.parameter:.10g}"), p.exact.get("x", f"{p.x:.10g}")),
+                *(p.order, " ".join(p.branches)),
+            )
+            for p in self.points
+        ]
+        header = ("point", "what", self.parameter_name, self.x_name, "order", "branches")
+        return table(f"{self.x_name} over {self.parameter_name}: {self._size()}", header, rows)
 
     def branch(self, branch_id: str) -> Branch:
         """Look a branch up by its id; KeyError if there is none."""

@@ -132,6 +132,10 @@ class Piece:
         """Word, formula and domain."""
         return f"{self.word}: {self.expression} for {self.condition()}"
 
+    def __repr__(self) -> str:
+        """The same in brackets."""
+        return f"<Piece {self}>"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedPoint:

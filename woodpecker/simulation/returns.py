@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.frames import DataFrame, dataframe
+from pwmap.diagrams.shown import counted, span, tally
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.checks import number, real_array, whole
 from woodpecker.base.compiled import COMPILED, announce
@@ -72,6 +73,15 @@ class ReturnMap:
 
     def __len__(self) -> int:
         return len(self.start)
+
+    def __repr__(self) -> str:
+        """How many starts, where, with how many words, and what became of them."""
+        where = f", phi_s {span(self.start)}" if len(self) else ""
+        outcomes = tally(reason.name.lower() for reason in self.status)
+        return (
+            f"ReturnMap({counted(len(self), 'start')}{where}, "
+            f"{counted(len(set(self.words)), 'word')}: {outcomes})"
+        )
 
     def to_dataframe(self) -> DataFrame:
         """The returns, one in each row.

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.frames import DataFrame, dataframe
+from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive, real_array, whole
 from woodpecker.base.compiled import announce
@@ -135,6 +136,14 @@ class Trajectory:
         sample(model(self.toy), self.phases, flat, left, out)
         shape = (*times.shape, 3)
         return out[:, :3].reshape(shape), out[:, 3:6].reshape(shape)
+
+    def __repr__(self) -> str:
+        """How long, how far, with which events, and why it ended."""
+        return (
+            f"Trajectory(t_end={self.t_end:.6g}, drop={self.drop:.6g}, "
+            f"{counted(len(self.t), 'sample')}, {counted(len(self.events), 'event')} "
+            f"{brief(self.word)!r}, {self.status.value!r})"
+        )
 
     def to_dataframe(self) -> DataFrame:
         """The samples, one in each row; times of events come twice, before and after them.
