@@ -69,7 +69,7 @@ class LongRun:
         from pwmap.plot_longrun import plot_long_run
 
         assert self.found is not None
-        return plot_long_run(diagram, self.found, self._map)
+        return plot_long_run(diagram, self.found, self._map).ax
 
     def write(self, folder: Path) -> list[str]:
         """Write what was asked for into a folder, and name the files."""

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cmp_to_key
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -671,6 +672,25 @@ class Diagram:
         path = Path(path)
         write_record(path, self, NAME, VERSION)
         return path
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the branches and special points.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib to draw on; new ones by default.
+        options
+            Such as ``legend``, ``labels``, ``words``, ``stable_only`` and ``styles``: see
+            :func:`pwmap.plot.plot_diagram`.
+
+        Returns
+        -------
+        pwmap.plot_drawn.Drawn
+            With ``figure``, ``ax`` and ``artists``.
+        """
+        drawing = import_module("pwmap.plot")  # above this file: it draws what is defined here
+        return drawing.plot_diagram(self, ax, **options)
 
     def to_dataframe(self) -> DataFrame:
         """The samples of all branches, one in each row, in the order of :attr:`branches`.

@@ -90,6 +90,7 @@ high = FormulaPiece("high", Smooth(lambda x, p: p - 1.25*x), {"x is 0": Smooth(l
 settings = Settings(span=(-0.5, 1.5), window=(-3.0, 3.0))
 found = whole_diagram(FormulaMap([low, high]), settings, orders=(1, 2)).diagram
 found.named({"A": (0.0, 0.0)}).save("own.json")
+load_diagram("own.json").plot(words=True).figure.savefig("own.pdf")
 """
 
 
@@ -117,6 +118,7 @@ def test_an_own_map_in_ten_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.chdir(tmp_path)
     found, loaded = run(OWN_MAP)["found"], load_diagram("own.json")
     assert differences(found.named({"A": (0.0, 0.0)}), loaded) == []
+    assert (tmp_path / "own.pdf").read_bytes().startswith(b"%PDF")
     assert loaded.point("A").kind == "FF"
     assert abs(loaded.point("A").parameter) < 1e-12
     assert {b.word for b in loaded.branches if b.kind == "fixed-point"} == {"low", "high"}

@@ -230,7 +230,7 @@ def _draw(toy: Toy, found: Diagram, target: Path, words: bool) -> list[str]:
         if point.kind is PointKind.FF and point.order == 1:
             model = local_model(map_, point.x, point.parameter)
             names.append(f"local_{point.id}.png")
-            write_figure(target / names[-1], plot_local(model, found))
+            write_figure(target / names[-1], plot_local(model, found).figure)
     return names
 
 

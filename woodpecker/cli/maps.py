@@ -53,7 +53,9 @@ def draw_map(
     starts = checked_starts(toy, np.linspace(low, high, points))
     with results_in(out) as target:
         found = _computed(toy, order, starts)
-        write_figure(target / FILES[0], plot_curve(found.curve, order=order).figure)
+        write_figure(
+            target / FILES[0], plot_curve(found.curve, order=order, returns=found.returns).figure
+        )
         _write_table(found.returns, target / FILES[1])
     console.print(_outcomes(found.returns))
     if found.curve.between(Link.OPEN).size:

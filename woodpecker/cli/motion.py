@@ -43,15 +43,15 @@ def simulate(
 
     Example: woodpecker simulate --eps-n1 0.3 --phi-s -0.6 --t-end 0.5
     """
-    from woodpecker.plot.figures import plot_phase_portraits, plot_time_history
+    from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
     with results_in(out) as target:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
         trajectory = run_simulation(toy, start, finish, samples=samples)
-        for name, axes in zip(
+        for name, drawn in zip(
             FILES, (plot_time_history(trajectory), plot_phase_portraits(trajectory)), strict=False
         ):
-            write_figure(target / name, axes[0].figure)
+            write_figure(target / name, drawn.figure)
         _write_tables(trajectory, target)
     console.print(_events(trajectory))
     report(target, *FILES)
