@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import matplotlib as mpl
 import typer
@@ -16,7 +16,7 @@ from pwmap.cli_longrun import LongRun
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_figure
+from pwmap.diagrams.files import PictureFormat, write_figure
 from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
 from pwmap.maps.budget import BUDGET, Budget, Progress
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -64,6 +64,9 @@ def analyse(
         list[str] | None,
         typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
     ] = None,
+    picture: Annotated[
+        PictureFormat, typer.Option("--format", help="Format of the pictures.")
+    ] = PictureFormat.PNG,
     out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
         "out"
     ),
@@ -84,10 +87,10 @@ def analyse(
         more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
                        density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
-        write_figure(out / "diagram.png", _drawn(found, more))
+        pictures = _draw(found, more, out, picture)
         found = more.added(found)
         write_results(found, out)
-        written = more.write(out)
+        written = more.write(out, picture)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(INTERRUPTED) from None
@@ -98,7 +101,7 @@ def analyse(
     console.print(table_of_points(found))
     for table in more.tables():
         console.print(table)
-    names = ("diagram.png", *FILES, *written)
+    names = (*pictures, *FILES, *written)
     console.print("wrote " + ", ".join(str(out / name) for name in names), soft_wrap=True)
     if interrupted:
         errors.print("Interrupted: the orders that were completed are kept", style="red")
@@ -138,13 +141,19 @@ def _computed(
     return found, bool(interrupts)
 
 
-def _drawn(found: Diagram, more: LongRun) -> Any:
-    """The picture of a diagram, over its bands if these are known, drawn without a screen."""
+def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> list[str]:
+    """The diagram, over its bands if these are known, and each order if there are several."""
     mpl.use("Agg")
     from pwmap.plot import plot_diagram
 
-    ax = more.drawn(found) if more.found is not None else plot_diagram(found)
-    return ax.figure
+    drawn = [more.drawn(found) if more.found is not None else plot_diagram(found)]
+    orders = sorted({branch.order for branch in found.branches})
+    several = orders if len(orders) > 1 else []
+    drawn += [plot_diagram(found.of_order(order)) for order in several]
+    names = [f"{name}.{picture}" for name in ("diagram", *(f"order_{j}" for j in several))]
+    for name, each in zip(names, drawn, strict=True):
+        write_figure(out / name, each.figure)
+    return names
 
 
 app.command("plane")(draw_plane)

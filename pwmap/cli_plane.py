@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -15,7 +15,7 @@ from rich.table import Table
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.diagrams.files import write_figure, write_table
+from pwmap.diagrams.files import PictureFormat, in_format, write_figure, write_table
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.crisiscurves import with_crises
 from pwmap.plane.plane import ParameterPlane, parameter_plane
@@ -54,6 +54,9 @@ def draw_plane(
         int | None,
         typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
     ] = None,
+    picture: Annotated[
+        PictureFormat, typer.Option("--format", help="Format of the pictures.")
+    ] = PictureFormat.PNG,
     out: Annotated[Path, typer.Option(help="Folder for the results; made if missing.")] = Path(
         "out"
     ),
@@ -86,7 +89,8 @@ def draw_plane(
                     found, *raster, progress=lambda done: bar.update(points, completed=done)
                 )
         out.mkdir(parents=True, exist_ok=True)
-        _write(found, seen, colours, out)
+        files = in_format(FILES, picture)
+        _write(found, seen, colours, out, files)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(130) from None
@@ -96,26 +100,27 @@ def draw_plane(
     console = Console()
     for table in tables(found):
         console.print(table)
-    console.print("wrote " + ", ".join(str(out / name) for name in FILES), soft_wrap=True)
+    console.print("wrote " + ", ".join(str(out / name) for name in files), soft_wrap=True)
 
 
 def _write(
-    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path
-) -> None:
+    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path,
+    files: Sequence[str],
+) -> None:  # fmt: skip
     """The picture and both tables."""
     mpl.use("Agg")
     from pwmap.plot_plane import plot_plane
 
-    ax = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-    write_figure(folder / FILES[0], ax.figure)
+    drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
+    write_figure(folder / files[0], drawn.figure)
     write_table(
-        folder / FILES[1],
+        folder / files[1],
         ("id", "kind", "note", "words", "polynomial", "from", "to"),
         ((c.id, c.kind, c.note, " ".join(c.words), c.polynomial, *c.ends) for c in found.curves),
     )
     across, along = str(found.across), str(found.along)
     write_table(
-        folder / FILES[2],
+        folder / files[2],
         ("id", "kind", across, along, f"{across}_exact", f"{along}_exact", "curves"),
         (
             (p.id, p.kind, *_floats(found, k), *p.values, " ".join(p.curves))

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from pwmap.diagrams.files import PictureFormat
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
 from woodpecker.shooting import PeriodicOrbit, shoot
 
@@ -34,6 +35,7 @@ def option(text: str, *names: str, **keywords: Any) -> Any:
 
 
 Out = Annotated[Path, option("Folder for the results; made if it is missing.")]
+Format = Annotated[PictureFormat, option("Format of the pictures.", "--format")]
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
