@@ -15,6 +15,7 @@ from .diagrams.diagram import PointStatus as PointStatus
 from .diagrams.diagram import SpecialPoint as SpecialPoint
 from .diagrams.diagram import StableInterval as StableInterval
 from .diagrams.diagram import Stretch as Stretch
+from .diagrams.diagram import load_diagram as load_diagram
 from .diagrams.graph import read_graph as read_graph
 from .diagrams.graph import write_graph as write_graph
 from .longrun.attractors import Bands as Bands

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,6 +13,7 @@ from pwmap.cli_certificates import check_files, prove_map
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
 from pwmap.cli_screen import bar_on, screen, tell_written
+from pwmap.diagrams.files import PictureFormat
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -91,6 +92,9 @@ def analyse(
         list[str] | None,
         typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
     ] = None,
+    picture: Annotated[
+        PictureFormat, typer.Option("--format", help="Format of the pictures.")
+    ] = PictureFormat.PNG,
     out: Annotated[
         Path,
         typer.Option(
@@ -108,7 +112,6 @@ def analyse(
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
     from pwmap.cli_longrun import LongRun
-    from pwmap.diagrams.files import write_figure
     from pwmap.diagrams.record import keep_record, record_of
     from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
 
@@ -121,7 +124,7 @@ def analyse(
         more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
                        density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
-        write_figure(out / "diagram.png", _drawn(found, more))
+        pictures = _draw(found, more, out, picture)
         asked: dict[str, object] = {
             "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
             "given": given or [], "orders": orders, "span": span, "sample": sample or [],
@@ -129,7 +132,7 @@ def analyse(
         found = more.added(found)
         found = replace(found, about={**found.about, "map": formula, "set": set_ or []})
         write_results(found, out)
-        names = ("diagram.png", *FILES, *more.write(out))
+        names = (*pictures, *FILES, *more.write(out, picture))
         gone = keep_record(out, "analyse", names, asked)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
@@ -180,12 +183,19 @@ def _computed(
     return found, bool(interrupts)
 
 
-def _drawn(found: Diagram, more: LongRun) -> Any:
-    """The picture of a diagram, over its bands if these are known."""
+def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> list[str]:
+    """The diagram, over its bands if these are known, and each order if there are several."""
+    from pwmap.diagrams.files import write_figure
     from pwmap.plot import plot_diagram
 
-    ax = more.drawn(found) if more.found is not None else plot_diagram(found)
-    return ax.figure
+    drawn = [more.drawn(found) if more.found is not None else plot_diagram(found)]
+    orders = sorted({branch.order for branch in found.branches})
+    several = orders if len(orders) > 1 else []
+    drawn += [plot_diagram(found.of_order(order)) for order in several]
+    names = [f"{name}.{picture}" for name in ("diagram", *(f"order_{j}" for j in several))]
+    for name, each in zip(names, drawn, strict=True):
+        write_figure(out / name, each.figure)
+    return names
 
 
 app.command("plane")(draw_plane)

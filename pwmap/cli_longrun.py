@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from rich.table import Table
 
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_figure, write_table
+from pwmap.diagrams.files import PictureFormat, write_figure, write_table
 from pwmap.longrun.bands import with_attractors
 from pwmap.longrun.constant import EntropyIntervals, constant_entropy
 from pwmap.longrun.crises import AttractorDiagram, attractor_diagram
@@ -63,19 +62,19 @@ class LongRun:
         """A diagram with the bands and crises that were found."""
         return diagram if self.found is None else with_attractors(diagram, self.found)
 
-    def drawn(self, diagram: Diagram) -> Axes:
+    def drawn(self, diagram: Diagram) -> Any:
         """A diagram over the attractors that were found."""
         from pwmap.plot_longrun import plot_long_run
 
         assert self.found is not None
         return plot_long_run(diagram, self.found, self._map)
 
-    def write(self, folder: Path) -> list[str]:
+    def write(self, folder: Path, picture: PictureFormat) -> list[str]:
         """Write what was asked for into a folder, and name the files."""
         names = list[str]()
         from pwmap.plot_longrun import plot_density, plot_entropy
 
-        def keep(name: str, figure: Figure) -> None:
+        def keep(name: str, figure: Any) -> None:
             write_figure(folder / name, figure)
             names.append(name)
 
@@ -84,12 +83,12 @@ class LongRun:
             self._write_crises(folder / "crises.csv")
             names += ["attractors.csv", "crises.csv"]
         if self.constant is not None and self._span is not None:
-            axes = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
-            keep("entropy.png", _figure(axes))
+            drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
+            keep(f"entropy.{picture}", drawn.figure)
             self._write_intervals(folder / "entropy.csv")
             names.append("entropy.csv")
         for value, seen in self.at.items():
-            keep(f"density_{value.replace('/', '_')}.png", _figure(plot_density(seen)))
+            keep(f"density_{value.replace('/', '_')}.{picture}", plot_density(seen).figure)
         return names
 
     def _write_cells(self, path: Path) -> None:
@@ -157,10 +156,6 @@ class LongRun:
                     "\n".join(each.word[:24] for each in seen.kneading),
                 )
             yield table
-
-
-def _figure(ax: object) -> Figure:
-    return ax.figure  # type: ignore[attr-defined,no-any-return]
 
 
 def _entropy(seen: Dynamics) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,6 +10,7 @@ import typer
 
 from pwmap.cli_reading import assignments, map_of, orders_of
 from pwmap.cli_screen import bar_on, screen, tell_written
+from pwmap.diagrams.files import PictureFormat, in_format
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
 
@@ -52,6 +53,9 @@ def draw_plane(
         int | None,
         typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
     ] = None,
+    picture: Annotated[
+        PictureFormat, typer.Option("--format", help="Format of the pictures.")
+    ] = PictureFormat.PNG,
     out: Annotated[
         Path,
         typer.Option(
@@ -88,13 +92,14 @@ def draw_plane(
                     found, *raster, progress=lambda done: bar.update(points, completed=done)
                 )
         out.mkdir(parents=True, exist_ok=True)
-        _write(found, seen, colours, out)
+        files = in_format(FILES, picture)
+        _write(found, seen, colours, out, files)
         asked: dict[str, object] = {
             "map": formula, "variable": variable, "across": across, "along": along,
             "across_span": across_span, "along_span": along_span, "set": set_ or [],
             "given": given or [], "orders": orders, "colours": colours, "crises": crises,
         }  # fmt: skip
-        gone = keep_record(out, "plane", FILES, asked)
+        gone = keep_record(out, "plane", files, asked)
     except KeyboardInterrupt:
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(130) from None
@@ -104,26 +109,27 @@ def draw_plane(
     console = screen()
     for table in tables(found):
         console.print(table)
-    tell_written(console, out, (*FILES, record_of("plane")), gone)
+    tell_written(console, out, (*files, record_of("plane")), gone)
 
 
 def _write(
-    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path
-) -> None:
+    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path,
+    files: Sequence[str],
+) -> None:  # fmt: skip
     """The picture and both tables."""
     from pwmap.diagrams.files import write_figure, write_table
     from pwmap.plot_plane import plot_plane
 
-    ax = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-    write_figure(folder / FILES[0], ax.figure)
+    drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
+    write_figure(folder / files[0], drawn.figure)
     write_table(
-        folder / FILES[1],
+        folder / files[1],
         ("id", "kind", "note", "words", "polynomial", "from", "to"),
         ((c.id, c.kind, c.note, " ".join(c.words), c.polynomial, *c.ends) for c in found.curves),
     )
     across, along = str(found.across), str(found.along)
     write_table(
-        folder / FILES[2],
+        folder / files[2],
         ("id", "kind", across, along, f"{across}_exact", f"{along}_exact", "curves"),
         (
             (p.id, p.kind, *_floats(found, k), *p.values, " ".join(p.curves))

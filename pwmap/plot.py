@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 import sympy
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, FloatArray, PointKind
+from pwmap.diagrams.diagram import (
+    Branch,
+    BranchKind,
+    Diagram,
+    FloatArray,
+    PointKind,
+    SpecialPoint,
+)
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot_labels import Curve, Labels, Name
 
 STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
+INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"
 BAND = "#c6dbef"
+NAMES = "names"  # of points and curves, among the artists of a picture
+MOST_LABELS = 30  # of points that have labels unless the caller asks for all
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
     PointKind.PD: ("D", "#6a51a3"),
@@ -41,8 +50,14 @@ def plot_diagram(
     kinds: Iterable[PointKind] = tuple(MARKERS),
     legend: bool = True,
     words: bool = False,
-) -> Axes:
-    """Draw all branches of a diagram and its special points, with the names that they have.
+    labels: bool | None = None,
+    stable_only: bool = False,
+    styles: Styles | None = None,
+) -> Drawn:
+    """Draw all branches of a diagram and its special points, with their names.
+
+    Stable, unstable and jump branches differ in colour and in their lines; where there are several
+    orders, the iterate a branch belongs to, such as P_2, is written on it.
 
     Parameters
     ----------
@@ -56,46 +71,110 @@ def plot_diagram(
         Whether to explain the lines and markers that occur.
     words
         Whether to mark where the word of a branch changes: there can be hundreds of places.
+    labels
+        Whether to write names or ids beside all points that are marked, and not only beside those
+        that have a name. By default up to 30 points have them, end points not.
+    stable_only
+        Whether to leave out what does not attract, and points at which nothing else ends.
+    styles
+        Properties of matplotlib for parts of the picture, by their names in the legend, such as
+        ``{"stable": {"color": "black", "linewidth": 2}}``.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by their names in the legend, with ``"names"`` for the labels.
+
+    Raises
+    ------
+    ValueError
+        If there is no part of the name of a style.
     """
-    ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
-    shown = draw_branches(diagram, ax, kinds)
+    ax = ax if ax is not None else new_axes(7.0, 4.6)
+    shown = draw_branches(diagram, ax, kinds, labels=labels, stable_only=stable_only)
     if words:
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
-        shown["word change"] = marks
+        shown["word change"] = [marks]
+    styled(shown, styles, (*_STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
     if legend:
-        ax.legend(
-            shown.values(), shown.keys(), fontsize=7, loc="best", frameon=True, framealpha=0.9
-        )
-    return ax
+        place_legend(ax, shown)
+    return Drawn((ax,), shown)
 
 
-def draw_branches(diagram: Diagram, ax: Axes, kinds: Iterable[PointKind]) -> dict[str, Artist]:
-    """Draw branches, special points of some kinds, names and labels; artists by their legend."""
-    styles: dict[str, Line2D] = {}
-    shown: dict[str, Artist] = {}
+def place_legend(ax: Axes, shown: Artists) -> None:
+    """A legend of what was drawn, where it covers least."""
+    entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
+    if entries:
+        ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
+
+
+def draw_branches(
+    diagram: Diagram, ax: Axes, kinds: Iterable[PointKind], *, labels: bool | None = None,
+    stable_only: bool = False,
+) -> Artists:  # fmt: skip
+    """Draw branches, special points of some kinds, names and axes; artists by their legend.
+
+    Parameters
+    ----------
+    diagram, ax, kinds, labels, stable_only
+        As for :func:`plot_diagram`.
+    """
+    shown: Artists = {}
     for branch in diagram.branches:
         if branch.kind is BranchKind.BAND:
             ends = branch.columns["low"], branch.columns["high"]
             area = ax.fill_between(branch.parameter, *ends, color=BAND, linewidth=0.0, zorder=0.5)
-            shown["bands"] = area
-    for label, p, x in _curves(diagram):
-        (line,) = ax.plot(p, x, solid_capstyle="round", **_STYLES[label])
-        styles.setdefault(label, line)
-    shown |= {label: styles[label] for label in _STYLES if label in styles}
-    for kind in kinds:
-        points = [point for point in diagram.points if point.kind is kind]
+            add(shown, {"bands": [area]})
+    curves = [c for c in _curves(diagram) if c.label == "stable" or not stable_only]
+    lines: Artists = {}
+    for curve in curves:
+        line = ax.plot(curve.p, curve.x, solid_capstyle="round", **_STYLES[curve.label])
+        add(lines, {curve.label: line})
+    shown |= {label: lines[label] for label in _STYLES if label in lines}
+    near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
+    marked: list[SpecialPoint] = []
+    for kind in map(PointKind, kinds):
+        points = [point for point in diagram.points if point.kind is kind and point.id in near]
         if points:
+            marked += points
             marker, color = MARKERS.get(kind, (".", "#969696"))
-            shown[kind.label] = ax.scatter(
+            shown[kind.label] = [ax.scatter(
                 [point.parameter for point in points], [point.x for point in points],
                 s=70 if marker == "*" else 26, marker=marker, zorder=5, color=color,
                 edgecolors="white" if marker not in "|" else None, linewidths=0.6,
-            )  # fmt: skip
-    _name_points(diagram, ax)
+            )]  # fmt: skip
+    named = [point for point in diagram.points if point.name and point.id in near]
+    shown[NAMES] = [_labels(ax, curves, marked, named, labels)]
     ax.set_xlabel(axis_label(diagram.parameter_name))
     ax.set_ylabel(axis_label(diagram.x_name))
     ax.grid(alpha=0.25, linewidth=0.5)
     return shown
+
+
+def _ends_of(curves: Iterable[_Curve]) -> set[str]:
+    return {end for curve in curves for end in curve.ends}
+
+
+def _labels(
+    ax: Axes, curves: Sequence[_Curve], marked: Sequence[SpecialPoint],
+    named: Sequence[SpecialPoint], labels: bool | None,
+) -> Labels:  # fmt: skip
+    """Names of points and, where there are several orders, of the iterates of curves."""
+    told = [p for p in marked if p.kind is not PointKind.EP or labels]
+    if labels is False or (labels is None and len(told) > MOST_LABELS):
+        told = []
+    written = {p.id: p for p in (*named, *told)} if labels is not False else {}
+    several = len({curve.order for curve in curves}) > 1
+    found = Labels(
+        [Name(p.name or p.id, float(p.parameter), float(p.x)) for p in written.values()],
+        [
+            Curve(f"$P_{{{c.order}}}$" if several else "", c.p, c.x, _STYLES[c.label]["color"])
+            for c in curves
+        ],
+        [(float(p.parameter), float(p.x)) for p in marked],
+    )
+    ax.add_artist(found)
+    return found
 
 
 _STYLES: dict[str, dict[str, Any]] = {
@@ -115,21 +194,8 @@ def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
     return p, x
 
 
-def _name_points(diagram: Diagram, ax: Axes) -> None:
-    """Write the names of points beside them, on the side where fewest branches start."""
-    for point in diagram.points:
-        if point.name:
-            left, right = diagram.sides(point.id)
-            side = -1 if len(left) < len(right) else 1
-            ax.annotate(
-                point.name, (point.parameter, point.x), (5 * side, 4), textcoords="offset points",
-                ha="right" if side < 0 else "left", va="bottom", fontsize=9, fontstyle="italic",
-                zorder=6,
-            )  # fmt: skip
-
-
-def _curves(diagram: Diagram) -> list[tuple[str, FloatArray, FloatArray]]:
-    """Style, parameters and x of curves; branches of one style that meet are one.
+def _curves(diagram: Diagram) -> list[_Curve]:
+    """Curves in one style; branches of one style and order that meet are one.
 
     A dash pattern starts anew with each curve, and hundreds of short branches would look solid.
     """
@@ -141,20 +207,22 @@ def _curves(diagram: Diagram) -> list[tuple[str, FloatArray, FloatArray]]:
                 branch.ends[0] if k == 0 else f"{branch.id}:{k}",
                 branch.ends[1] if k == len(parts) - 1 else f"{branch.id}:{k + 1}",
             )
-            new = _Curve(label, ends, branch.parameter[stretch], branch.x[stretch])
-            for known in [c for c in curves if c.label == label and set(c.ends) & set(new.ends)]:
+            p, x = branch.parameter[stretch], branch.x[stretch]
+            new = _Curve(label, branch.order, ends, p, x)
+            for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
                 joined = known.joined(new)
                 if joined is not None:
                     curves.remove(known)
                     new = joined
             curves.append(new)
-    return [(curve.label, curve.p, curve.x) for curve in curves]
+    return curves
 
 
 class _Curve(NamedTuple):
     """A line of one style between two places that have names."""
 
     label: str
+    order: int
     ends: tuple[str, str]
     p: FloatArray
     x: FloatArray
@@ -169,6 +237,7 @@ class _Curve(NamedTuple):
                 if first.ends[1] == second.ends[0]:
                     return _Curve(
                         self.label,
+                        self.order,
                         (first.ends[0], second.ends[1]),
                         np.concatenate([first.p, second.p]),
                         np.concatenate([first.x, second.x]),
@@ -215,7 +284,8 @@ def plot_map(
     *,
     window: tuple[float, float] | None = None,
     legend: bool = True,
-) -> Axes:
+    styles: Styles | None = None,
+) -> Drawn:
     """Draw the graph of a map or an iterate with the diagonal and what lies on it.
 
     A filled end of a piece belongs to it, an open one does not. Jumps that cross the diagonal are
@@ -231,54 +301,70 @@ def plot_map(
         Interval of x; by default around all breaks and fixed points.
     legend
         Whether to explain the markers that occur.
+    styles
+        Properties of matplotlib by ``"diagonal"``, ``"pieces"``, ``"ends"`` and the names in the
+        legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
 
     Raises
     ------
     ValueError
-        If the map still has parameters.
+        If the map still has parameters, or there is no part of the name of a style.
     """
     if map_.parameters:
         raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
-    ax = ax if ax is not None else plt.figure(figsize=(4.6, 4.4), layout="constrained").gca()
+    ax = ax if ax is not None else new_axes(4.6, 4.4)
     low, high = (float(end) for end in (window if window is not None else _window(map_)))
     if not low < high:
         raise ValueError(f"a window must ascend, got ({low}, {high})")
-    ax.plot([low, high], [low, high], color="#969696", linewidth=0.8, zorder=1)
+    shown: Artists = {name: [] for name in PLAIN}
+    shown["diagonal"] = [*ax.plot([low, high], [low, high], color=GREY, linewidth=0.8, zorder=1)]
     for piece in map_.pieces:
         left, right = max(low, float(piece.lower)), min(high, float(piece.upper))
         if left > right:
             continue
         slope, intercept = float(piece.slope), float(piece.intercept)
         values = [slope * left + intercept, slope * right + intercept]
-        ax.plot([left, right], values, color="#252525", linewidth=1.5, solid_capstyle="butt")
+        shown["pieces"] += ax.plot(
+            [left, right], values, color=INK, linewidth=1.5, solid_capstyle="butt"
+        )
         for x, end, closed, value in (
             (left, piece.lower, piece.lower_closed, values[0]),
             (right, piece.upper, piece.upper_closed, values[1]),
         ):
             if x == float(end):
-                face = "#252525" if closed else "white"
-                ax.plot(x, value, "o", markersize=3.4, mfc=face, mec="#252525", mew=0.9, zorder=4)
-    handles: dict[str, Line2D] = {}
+                face = INK if closed else "white"
+                shown["ends"] += ax.plot(
+                    x, value, "o", markersize=3.4, mfc=face, mec=INK, mew=0.9, zorder=4
+                )
     for crossing in map_.jump_crossings():
         x, limits = float(crossing.x), (float(crossing.left), float(crossing.right))
-        (line,) = ax.plot([x, x], limits, color=JUMP, linestyle=(0, (1, 1.3)), linewidth=1.6)
-        ax.plot(x, x, "o", markersize=6.5, mfc="none", mec=JUMP, mew=1.3, zorder=6)
-        handles["jump crossing"] = line
+        line = ax.plot([x, x], limits, color=JUMP, linestyle=(0, (1, 1.3)), linewidth=1.6)
+        ring = ax.plot(x, x, "o", markersize=6.5, mfc="none", mec=JUMP, mew=1.3, zorder=6)
+        add(shown, {"jump crossing": [*line, *ring]})
     for point in map_.fixed_points():
         name, color = ("stable", STABLE) if point.stable else ("unstable", UNSTABLE)
         x = float(point.x)
         face = color if point.stable else "white"
-        (marker,) = ax.plot(
+        marker = ax.plot(
             x, x, "o", markersize=6.5, mfc=face, mec=color, mew=1.5, zorder=6, linestyle="none"
         )
-        handles[f"{name} fixed point"] = marker
+        add(shown, {f"{name} fixed point": marker})
     ax.set_xlim(low, high)
     ax.set_xlabel(f"${sympy.latex(map_.x)}$")
     ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
     ax.grid(alpha=0.25, linewidth=0.5)
-    if legend and handles:
-        ax.legend(list(handles.values()), list(handles), fontsize=7, loc="best", framealpha=0.9)
-    return ax
+    styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
+    if legend:
+        place_legend(ax, {name: each for name, each in shown.items() if name not in PLAIN})
+    return Drawn((ax,), shown)
+
+
+PLAIN = ("diagonal", "pieces", "ends")  # of a map: what needs no legend
 
 
 def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:
@@ -299,7 +385,8 @@ def plot_cobweb(
     ax: Axes | None = None,
     *,
     window: tuple[float, float] | None = None,
-) -> Axes:
+    styles: Styles | None = None,
+) -> Drawn:
     """Draw a map and an orbit on it, followed exactly.
 
     Parameters
@@ -312,6 +399,18 @@ def plot_cobweb(
         Number of steps, at least 1.
     ax, window
         As for :func:`plot_map`; by default the window holds the orbit.
+    styles
+        As for :func:`plot_map`, with ``"orbit"`` and ``"start"``.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
+
+    Raises
+    ------
+    ValueError
+        If there is no step, or the map still has parameters.
     """
     if steps < 1:
         raise ValueError(f"a cobweb needs at least one step, got {steps}")
@@ -324,11 +423,11 @@ def plot_cobweb(
     if window is None:
         low, high = _window(map_)
         window = min(low, *values), max(high, *values)
-    ax = plot_map(map_, ax, window=window)
-    x = np.repeat(values, 2)
-    ax.plot(x[:-1], np.append(values[0], x[2:]), color="#6a51a3", linewidth=0.9, zorder=3)
-    ax.plot(values[0], values[0], "s", markersize=4, color="#6a51a3", zorder=7)
-    return ax
-
-
-# --- Cells of two parameters ----------------------------------------------------------------------
+    drawn = plot_map(map_, ax, window=window)
+    x, ax = np.repeat(values, 2), drawn.ax
+    shown: Artists = {name: [*artists] for name, artists in drawn.artists.items()}
+    line = ax.plot(x[:-1], np.append(values[0], x[2:]), color=VIOLET, linewidth=0.9, zorder=3)
+    start = ax.plot(values[0], values[0], "s", markersize=4, color=VIOLET, zorder=7)
+    add(shown, {"orbit": line, "start": start})
+    styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
+    return Drawn((ax,), shown)

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from itertools import groupby
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import sympy
 from matplotlib.artist import Artist
@@ -21,7 +20,8 @@ from pwmap.longrun.crises import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plot import BAND, MARKERS, STABLE, axis_label, draw_branches
+from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 
 STEP, POINTS, CRISIS = "#08306b", "#c6dbef", "#cb181d"
 LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
@@ -35,6 +35,8 @@ DASHES: dict[PointKind, Any] = {
 CRISES = {PointKind.MC: "^", PointKind.XC: "P", PointKind.FC: "X"}  # markers
 EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
 STEPS = 12  # places in each cell at which bands are drawn, at least
+CYCLE = "attracting cycle"
+KNOWN = ("stable", "unstable", "jump crossing", "bands", CYCLE, *(k.label for k in PointKind))
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
 INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
 BINS = 120  # of histograms
@@ -52,7 +54,9 @@ def plot_long_run(
     *,
     steps: int = 160,
     legend: bool = True,
-) -> Axes:
+    labels: bool | None = None,
+    styles: Styles | None = None,
+) -> Drawn:
     """Draw branches and special points over the bands below them, with the crises of these.
 
     A crisis is marked where it takes place: at the points of the repelling cycle that an image of a
@@ -72,30 +76,46 @@ def plot_long_run(
         How many places the whole interval has; at each bands are computed exactly.
     legend
         Whether to explain what is drawn.
+    labels
+        Whether special points of branches have labels, as :func:`pwmap.plot.plot_diagram` says.
+    styles
+        Properties of matplotlib by the names in the legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by the names in the legend.
 
     Raises
     ------
     ValueError
-        If the two are over different parameters.
+        If the two are over different parameters, or there is no part of the name of a style.
     """
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(
             f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
         )
-    ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
+    ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown = _draw_attractors(found, map_, ax, steps)
     shown |= _draw_crises(found, map_, ax)
     inner = ax.dataLim.frozen()
-    shown = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP]) | shown
+    every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
+    for name in (
+        shown.keys() & every.keys()
+    ):  # a crisis that is marked as a point of the diagram too
+        every[name], shown[name] = [*shown[name], *every[name]], []
+    add(every, shown)
     _window(ax, found, inner)
+    styled(every, styles, KNOWN)
     if legend:
-        _legend_below(ax, shown)
-    return ax
+        _legend_below(ax, every)
+    return Drawn((ax,), every)
 
 
 def plot_attractors(
-    found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes | None = None, *, steps: int = 160
-) -> Axes:
+    found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes | None = None, *,
+    steps: int = 160, styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
     """Draw bands as areas and attracting cycles as lines over the parameter, with crises.
 
     Parameters
@@ -108,16 +128,24 @@ def plot_attractors(
         Axes to draw on; new ones by default.
     steps
         How many places the whole interval has; each is computed exactly.
+    styles
+        Properties of matplotlib by the names in the legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by the names in the legend.
     """
-    ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
+    ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown = _draw_attractors(found, map_, ax, steps)
     shown |= _draw_crises(found, map_, ax)
     _window(ax, found, ax.dataLim.frozen())
     ax.set_xlabel(axis_label(str(found.parameter)))
     ax.set_ylabel(axis_label(str(map_.x)))
+    styled(shown, styles, KNOWN)
     if shown:
         _legend_below(ax, shown)
-    return ax
+    return Drawn((ax,), shown)
 
 
 def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
@@ -128,18 +156,19 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
         ax.set_ylim(inner.y0 - margin, inner.y1 + margin)
 
 
-def _legend_below(ax: Axes, shown: dict[str, Artist]) -> None:
-    ax.legend(shown.values(), shown.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.13),
+def _legend_below(ax: Axes, shown: Artists) -> None:
+    entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
+    ax.legend(entries.values(), entries.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.13),
               ncols=3, frameon=False, fontsize=7)  # fmt: skip
 
 
 def _draw_attractors(
     found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes, steps: int
-) -> dict[str, Artist]:
+) -> Artists:
     """Bands and attracting cycles, from exact ones at places in each cell."""
     name = str(found.parameter)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
-    shown: dict[str, Artist] = {}
+    shown: Artists = {}
     for cell in found.cells:
         low, high = float(cell.lower), float(cell.upper)
         places = np.linspace(low, high, max(STEPS, round(steps * (high - low) / whole)) + 2)[1:-1]
@@ -156,7 +185,7 @@ def _rational(x: float) -> Any:
 
 def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
-    cell: tuple[float, float], shown: dict[str, Artist],
+    cell: tuple[float, float], shown: Artists,
 ) -> None:  # fmt: skip
     """What attracts in one cell; places between which its bands and points are as many are joined.
 
@@ -175,14 +204,15 @@ def _areas(
                 ends = ([float(band.start) for band in bands], [float(band.end) for band in bands])
                 below, above = (_to_ends(over, values) for values in ends)
                 area = ax.fill_between(over, below, above, color=BAND, linewidth=0.0, zorder=0.5)
-                shown.setdefault("bands", area)
+                add(shown, {"bands": [area]})
             for points in zip(*(sorted(map(float, p.points)) for p in attractors), strict=True):
                 if len(points) == 1:
-                    ax.plot(inner, points, ".", color=STABLE, markersize=1.5, zorder=1.5)
+                    dot = ax.plot(inner, points, ".", color=STABLE, markersize=1.5, zorder=1.5)
+                    add(shown, {CYCLE: dot})
                     continue
                 values = _to_ends(over, points)
-                (line,) = ax.plot(over, values, color=STABLE, linewidth=0.8, zorder=1.5)
-                shown.setdefault("attracting cycle", line)
+                line = ax.plot(over, values, color=STABLE, linewidth=0.8, zorder=1.5)
+                shown[CYCLE] = [*line, *shown.get(CYCLE, [])]  # a line first: the legend shows it
         first = last + 1
 
 
@@ -202,9 +232,9 @@ def _to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
     return [first, *values, last]
 
 
-def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> dict[str, Artist]:
+def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:
     """A line with a label at each crisis, and a marker at each point of the cycle that is met."""
-    shown: dict[str, Artist] = {}
+    shown: Artists = {}
     low, high = float(found.cells[0].lower), float(found.cells[-1].upper)
     for crisis in found.crises:
         at, style = float(crisis.parameter), DASHES[crisis.kind]
@@ -216,15 +246,15 @@ def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) ->
             rotation=90, ha="left" if side > 0 else "right", va="top", color=CRISIS, zorder=7,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
         )  # fmt: skip
-        mark: Artist = line
+        marks: list[Artist] = [line]
         if crisis.kind in CRISES and crisis.cycles:
             points = map_.cycle(crisis.cycles[0]).points
             x = [float(point.subs(found.parameter, sympy.Float(at))) for point in points]
-            mark = ax.scatter(
+            marks.insert(0, ax.scatter(
                 [at] * len(x), x, s=40, marker=CRISES[crisis.kind], color=CRISIS, zorder=6,
                 edgecolors="white", linewidths=0.6,
-            )  # fmt: skip
-        shown.setdefault(crisis.kind.label, mark)
+            ))  # fmt: skip
+        add(shown, {crisis.kind.label: marks})
     return shown
 
 
@@ -238,7 +268,9 @@ def _written(x: sympy.Expr) -> str:
 # --- At one place ---------------------------------------------------------------------------------
 
 
-def plot_kneading(seen: Dynamics, ax: Axes | None = None, *, steps: int = 24) -> Axes:
+def plot_kneading(
+    seen: Dynamics, ax: Axes | None = None, *, steps: int = 24, styles: Styles | None = None
+) -> Drawn:
     """Draw the letters along the orbits of both sides of all breaks, with what becomes of these.
 
     Each row is an orbit, each column a step. What comes again and again is framed, and paler where
@@ -252,6 +284,13 @@ def plot_kneading(seen: Dynamics, ax: Axes | None = None, *, steps: int = 24) ->
         Axes to draw on; new ones by default.
     steps
         How many steps are shown.
+    styles
+        Properties of matplotlib by the letters, ``"frames"`` and ``"texts"``.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names: rectangles by their letters.
 
     Raises
     ------
@@ -265,11 +304,13 @@ def plot_kneading(seen: Dynamics, ax: Axes | None = None, *, steps: int = 24) ->
         raise ValueError("expected a map with breaks, this one has none")
     if ax is None:
         size = (2.6 + 0.24 * steps, 0.9 + 0.34 * len(rows))
-        ax = plt.figure(figsize=size, layout="constrained").gca()
+        ax = new_axes(*size)
     letters = list(dict.fromkeys(branch.letter for branch in seen.line.branches))
     colors = {letter: LETTERS[k % len(LETTERS)] for k, letter in enumerate(letters)}
+    shown: Artists = {}
     for number, row in enumerate(rows):
-        _draw_row(ax, number, row, steps, colors)
+        add(shown, _draw_row(ax, number, row, steps, colors))
+    styled(shown, styles, (*letters, "frames", "texts"))
     ax.set_xlim(-0.1, steps + 0.1)
     ax.set_ylim(len(rows) - 0.42, -0.58)
     ax.set_yticks(range(len(rows)), [_side(row) for row in rows])
@@ -278,7 +319,7 @@ def plot_kneading(seen: Dynamics, ax: Axes | None = None, *, steps: int = 24) ->
     ax.tick_params(length=0)
     for spine in ax.spines.values():
         spine.set_visible(False)
-    return ax
+    return Drawn((ax,), shown)
 
 
 def _side(row: Kneading) -> str:
@@ -286,36 +327,46 @@ def _side(row: Kneading) -> str:
     return f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$"
 
 
-def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str, str]) -> None:
-    """One row of a kneading table."""
+def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str, str]) -> Artists:
+    """One row of a kneading table: rectangles by their letters, frames and texts."""
+    shown: Artists = {"frames": [], "texts": []}
     known, start = len(row.letters), len(row.letters) - row.repeating
     for step in range(steps if row.repeating else min(steps, known)):
         repeated = step >= known
         letter = row.letters[start + (step - start) % row.repeating if repeated else step]
         place = (step, number - 0.4)
         face = colors[letter]
-        ax.add_patch(Rectangle(place, 1.0, 0.8, facecolor=face, edgecolor="white", linewidth=0.8,
-                               alpha=0.4 if repeated else 1.0))  # fmt: skip
-        ax.text(step + 0.5, number, letter, ha="center", va="center", fontsize=7,
-                color="#737373" if repeated else "black")  # fmt: skip
+        patch = Rectangle(place, 1.0, 0.8, facecolor=face, edgecolor="white", linewidth=0.8,
+                          alpha=0.4 if repeated else 1.0)  # fmt: skip
+        add(shown, {letter: [ax.add_patch(patch)]})
+        shown["texts"].append(ax.text(
+            step + 0.5, number, letter, ha="center", va="center", fontsize=7,
+            color="#737373" if repeated else "black",
+        ))  # fmt: skip
     fate = row.fate
     if row.repeating:
         fate += f", period {row.repeating}"
         if start < steps:
             width = min(known, steps) - start
-            ax.add_patch(Rectangle((start, number - 0.4), width, 0.8, fill=False,
-                                   edgecolor="black", linewidth=1.1, zorder=3))  # fmt: skip
+            frame = Rectangle((start, number - 0.4), width, 0.8, fill=False, edgecolor="black",
+                              linewidth=1.1, zorder=3)  # fmt: skip
+            shown["frames"].append(ax.add_patch(frame))
     elif known < steps:
-        ax.text(known + 0.15, number, "…", ha="left", va="center", fontsize=8)
-    ax.annotate(fate, (1.0, number), (4.0, 0.0), xycoords=("axes fraction", "data"),
-                textcoords="offset points", va="center", fontsize=7.5)  # fmt: skip
+        shown["texts"].append(
+            ax.text(known + 0.15, number, "…", ha="left", va="center", fontsize=8)
+        )
+    shown["texts"].append(ax.annotate(
+        fate, (1.0, number), (4.0, 0.0), xycoords=("axes fraction", "data"),
+        textcoords="offset points", va="center", fontsize=7.5,
+    ))  # fmt: skip
+    return shown
 
 
 def plot_entropy(
     map_: PiecewiseLinearMap, parameter: str, span: tuple[object, object], ax: Axes | None = None,
     *, steps: int = 120, orders: tuple[int, ...] = (12, 24),
-    intervals: EntropyIntervals | None = None,
-) -> Axes:  # fmt: skip
+    intervals: EntropyIntervals | None = None, styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
     """Draw the topological entropy over a parameter, as the area between its bounds.
 
     Where it is known to be constant it is drawn as a thick horizontal piece.
@@ -334,8 +385,15 @@ def plot_entropy(
         Up to which the graph of laps is made.
     intervals
         What :func:`pwmap.constant_entropy` found; by default it is asked.
+    styles
+        Properties of matplotlib by ``"between"``, ``"bounds"`` and ``"constant"``.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
     """
-    ax = ax if ax is not None else plt.figure(figsize=(7.0, 3.6), layout="constrained").gca()
+    ax = ax if ax is not None else new_axes(7.0, 3.6)
     low, high = (sympy.Rational(str(end)) for end in span)
     places = [low + (high - low) * sympy.Rational(2 * k + 1, 2 * steps) for k in range(steps)]
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
@@ -343,7 +401,8 @@ def plot_entropy(
     lows, highs = [e.low for e in found], [e.high for e in found]
     area = ax.fill_between(over, lows, highs, color=POINTS, linewidth=0.0)
     (line,) = ax.plot(over, lows, color=STEP, linewidth=0.9)
-    ax.plot(over, highs, color=STEP, linewidth=0.9)
+    (upper,) = ax.plot(over, highs, color=STEP, linewidth=0.9)
+    drawn: Artists = {"between": [area], "bounds": [line, upper], "constant": []}
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
     shown: list[tuple[Any, str]] = []
@@ -353,6 +412,7 @@ def plot_entropy(
                   [float(each.upper) for each in known.intervals],
                   color=CRISIS, linewidth=3.0)  # fmt: skip
         shown = [(pieces, "constant, proved")]
+        drawn["constant"].append(pieces)
     ax.set_xlim(float(low), float(high))
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel(axis_label(parameter))
@@ -360,11 +420,15 @@ def plot_entropy(
     ax.set_ylabel("topological entropy")
     label = f"between bounds, at most {widest:.1g} apart" if widest else "exact"
     shown.insert(0, ((area, line), label))
+    styled(drawn, styles)
     ax.legend(*zip(*shown, strict=True), frameon=False, fontsize=8)
-    return ax
+    return Drawn((ax,), drawn)
 
 
-def plot_density(found: Dynamics, ax: Axes | None = None, *, points: int = 200_000) -> Axes:
+def plot_density(
+    found: Dynamics, ax: Axes | None = None, *, points: int = 200_000,
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
     """Draw the invariant densities of all bands over histograms of orbits.
 
     Parameters
@@ -375,6 +439,13 @@ def plot_density(found: Dynamics, ax: Axes | None = None, *, points: int = 200_0
         Axes to draw on; new ones by default.
     points
         Of orbits in the histogram, of each attractor.
+    styles
+        Properties of matplotlib by ``"orbits"`` (bars) and ``"densities"``.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
 
     Raises
     ------
@@ -386,25 +457,30 @@ def plot_density(found: Dynamics, ax: Axes | None = None, *, points: int = 200_0
         raise ValueError(
             "expected a map with a chaotic attractor, this one has none with a density"
         )
-    ax = ax if ax is not None else plt.figure(figsize=(7.0, 3.6), layout="constrained").gca()
+    ax = ax if ax is not None else new_axes(7.0, 3.6)
+    shown: Artists = {}
     for number, (attractor, density) in enumerate(known):
         ends = to_double(density.places[0]), to_double(density.places[-1])
         label = "" if number else f"orbits, {points:,} points"
         sample = _orbits(found, attractor, points)
-        ax.hist(sample, bins=BINS, range=ends, density=True, color=POINTS, label=label)
+        bars: Any = ax.hist(sample, bins=BINS, range=ends, density=True, color=POINTS, label=label)[
+            2
+        ]
         heights = [to_double(v) if density.exact else float(v.mid) for v in density.values]
         label = "density, exact"
         if not density.exact:
             label = f"density, error below {density.error:.0e}"
-        ax.stairs(heights, [to_double(x) for x in density.places], color=STEP, linewidth=1.1,
-                  baseline=None, label=label)  # fmt: skip
+        steps = ax.stairs(heights, [to_double(x) for x in density.places], color=STEP,
+                          linewidth=1.1, baseline=None, label=label)  # fmt: skip
+        add(shown, {"orbits": bars.patches, "densities": [steps]})
     ax.set_xlabel("x")
     ax.set_ylabel("density")
     ax.grid(alpha=0.25, linewidth=0.5)
     ax.set_axisbelow(True)
     ax.set_ylim(bottom=0.0)
+    styled(shown, styles)
     ax.legend(frameon=False, fontsize=8)
-    return ax
+    return Drawn((ax,), shown)
 
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:

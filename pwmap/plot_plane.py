@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from sympy import QQ
 
@@ -22,6 +20,7 @@ from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.strips import Strip
 from pwmap.plot import axis_label
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 
 PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
 NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
@@ -45,7 +44,8 @@ def plot_plane(
     colours: Colours = Colours.PERIOD,
     samples: int = 200,
     legend: bool = True,
-) -> Axes:
+    styles: Styles | None = None,
+) -> Drawn:
     """Draw two parameters: colours, bifurcation curves, and the points in which they meet.
 
     Parameters
@@ -63,8 +63,15 @@ def plot_plane(
         Points along a curve from one side to the other.
     legend
         Whether to explain colours and lines.
+    styles
+        Properties of matplotlib for curves by the names in the legend, and for ``"points"``.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists of curves and points by these names.
     """
-    ax = ax if ax is not None else plt.figure(figsize=(6.0, 6.2), layout="constrained").gca()
+    ax = ax if ax is not None else new_axes(6.0, 6.2)
     if raster is None:
         patches = _cells(ax, plane, samples)
         title = "attracting periods"
@@ -73,29 +80,30 @@ def plot_plane(
         title = _TITLES[colours]
     low, high = map(to_float, plane.across_span)
     step = (high - low) / samples
-    shown: dict[PointKind, Line2D] = {}
+    shown: Artists = {}
     for curve in plane.curves:
         for arc in curve.arcs:
-            (line,) = ax.plot(*arc_arrays(arc, step), **LINES[curve.kind], zorder=3)
-            shown.setdefault(curve.kind, line)
+            line = ax.plot(*arc_arrays(arc, step), **LINES[curve.kind], zorder=3)
+            add(shown, {curve.kind.label: line})
     for point in plane.points:
         across, along = (to_float(bounds(value)[0]) for value in point.node)
-        ax.plot(across, along, "o", markersize=4.0, color="black", markerfacecolor="white",
-                markeredgewidth=0.9, zorder=4)  # fmt: skip
+        mark = ax.plot(across, along, "o", markersize=4.0, color="black",
+                       markerfacecolor="white", markeredgewidth=0.9, zorder=4)  # fmt: skip
+        add(shown, {"points": mark})
+    names = [kind.label for kind in LINES]
+    styled(shown, styles, (*names, "points"))
     ax.set_xlabel(axis_label(str(plane.across)))
     ax.set_ylabel(axis_label(str(plane.along)))
     ax.set_xlim(low, high)
     ax.set_ylim(*map(to_float, plane.along_span))
-    handles = [*patches, *(shown[kind] for kind in LINES if kind in shown)]
-    labels = [
-        *(str(patch.get_label()) for patch in patches),
-        *(kind.label for kind in LINES if kind in shown),
-    ]
+    drawn = [name for name in names if name in shown]
+    handles = [*patches, *(shown[name][0] for name in drawn)]
+    labels = [*(str(patch.get_label()) for patch in patches), *drawn]
     if legend:
         ax.legend(handles, labels, fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.13),
                   ncols=2, title=title if patches else None, title_fontsize=7,
                   frameon=False)  # fmt: skip
-    return ax
+    return Drawn((ax,), shown)
 
 
 # --- Colours --------------------------------------------------------------------------------------

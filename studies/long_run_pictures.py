@@ -113,7 +113,9 @@ def draw_golden(points: int) -> Figure:
     figure = plt.figure(figsize=(WIDTH, 3.6), layout="constrained")
     top, bottom = figure.subplots(2, 1, height_ratios=(1.0, 2.6))
     seen = dynamics(SKEW, GOLDEN)
-    plot_kneading(seen, top, steps=20).set_title("skew tent map, $a = 2$, $b = -3/2$", fontsize=9)
+    plot_kneading(seen, top, steps=20).ax.set_title(
+        "skew tent map, $a = 2$, $b = -3/2$", fontsize=9
+    )
     plot_density(seen, bottom, points=points)
     bottom.legend(loc="upper left", fontsize=7, frameon=False)
     grid(bottom)

@@ -148,11 +148,11 @@ def draw_beyond() -> Figure:
     figure, axes = canvas(3.2, 1, 3)
     map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1])
     beyond = map_.at({A: Rational(5, 4), R: Rational(4)})
-    plot_cobweb(beyond, Rational(1, 10), 40, axes[0]).set_title("an orbit, $a = 5/4$, $r = 4$")
+    plot_cobweb(beyond, Rational(1, 10), 40, axes[0]).ax.set_title("an orbit, $a = 5/4$, $r = 4$")
     plot_diagram(diagram(), axes[1], kinds=(PointKind.BC, PointKind.FF))
     axes[1].set_title("orders 1 to 5, $a = 5/4$")
     plane = parameter_plane(map_, A, R, (1, 4), (-1, 12), range(1, 8))
-    plot_plane(plane, axes[2]).set_title("attracting, orders 1 to 7")
+    plot_plane(plane, axes[2]).ax.set_title("attracting, orders 1 to 7")
     axes[1].set(xlabel="$r$", ylabel="$x$", ylim=(-3.5, 12.5))
     axes[2].set(xlabel="$a$", ylabel="$r$")
     for ax in axes:

@@ -43,6 +43,7 @@ def test_the_toy_alone_is_light() -> None:
     loaded = loaded_by("from woodpecker import Toy; Toy().replace(eps_n1=0.3)")
     assert not loaded & (HEAVY | TOOLS)
     assert {name for name in loaded if name.startswith(("pwmap", "woodpecker"))} == {
+        "pwmap", "pwmap.diagrams", "pwmap.diagrams.shown",
         "woodpecker", "woodpecker.mechanics", "woodpecker.mechanics.toy",
     }  # fmt: skip
 

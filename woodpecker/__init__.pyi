@@ -3,6 +3,7 @@
 from .continued import continuation as continuation
 from .diagram import bifurcation_diagram as bifurcation_diagram
 from .diagram import find_all as find_all
+from .diagram import load_diagram as load_diagram
 from .mechanics.equations import Equilibrium as Equilibrium
 from .mechanics.equations import energy as energy
 from .mechanics.equations import equilibrium as equilibrium

@@ -8,6 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import asdict, replace
 
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
 from woodpecker.base.checks import interval
 from woodpecker.base.executors import worker_count
 from woodpecker.mechanics.toy import Toy

@@ -8,6 +8,7 @@ from enum import Enum
 
 import numpy as np
 
+from pwmap.diagrams.shown import brief, table
 from woodpecker.base.checks import whole
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.jumps import Jump, jump_of
@@ -112,6 +113,26 @@ class PeriodicOrbit:
     def stable(self) -> bool:
         """Whether the multiplier is below 1 in modulus."""
         return abs(self.multiplier) < 1.0
+
+    def __repr__(self) -> str:
+        """Its numbers, and the sentence of its status if it is none."""
+        found = f"word={brief(self.word)!r}" if self.success else f"message={self.message!r}"
+        return (
+            f"PeriodicOrbit(order={self.order}, phi_s={self.phi_s:.10g}, "
+            f"period={self.period:.8g}, drop={self.drop:.8g}, "
+            f"multiplier={self.multiplier:.6g}, {found})"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("points on the section [rad]", ", ".join(f"{x:.10g}" for x in self.points)),
+            ("period [s]", f"{self.period:.10g}"),
+            ("drop [mm]", f"{1e3 * self.drop:.8g}"),
+            ("multiplier", f"{self.multiplier:.8g}, {'stable' if self.stable else 'unstable'}"),
+            ("word", self.word),
+            ("residual [rad]", f"{self.residual:.1g}"),
+        ]
+        return table(self.message, ("periodic motion", f"of {self.order} returns"), rows)
 
 
 def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAULT) -> PeriodicOrbit:

@@ -13,15 +13,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cmp_to_key
+from importlib import import_module
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined
 from pwmap.diagrams.record import attributes
+from pwmap.diagrams.saved import read_record, write_record
+from pwmap.diagrams.shown import brief, counted, span, table, tally
 from pwmap.diagrams.slices import Slice, Value, exact_number
+
+NAME, VERSION = "diagram", 1  # of its files; a change that older code would misread raises it
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -270,8 +277,59 @@ class Branch:
             return np.full(len(self), self.attracts)
         return np.asarray(np.abs(self.multiplier) < 1.0)
 
+    def to_dataframe(self) -> DataFrame:
+        """The samples of the branch, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
+            ``multiplier``, ``stable`` and those of :attr:`columns`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return dataframe(self._table("parameter", "x"))
+
+    def _table(self, parameter: str, x: str) -> dict[str, Column]:
+        """Columns of a row for each sample; the names of two are given."""
+        firsts = [stretch.first for stretch in self.words]
+        lengths = np.diff([*firsts, len(self)]).tolist()
+        words = [s.word for s, n in zip(self.words, lengths, strict=True) for _ in range(n)]
+        table: dict[str, Column] = {
+            "branch": [self.id] * len(self),
+            "kind": [str(self.kind)] * len(self),
+            "order": np.full(len(self), self.order),
+            "word": words,
+            parameter: self.parameter,
+            x: self.x,
+            "multiplier": self.multiplier,
+            "stable": self.stable,
+        }
+        return {**table, **self.columns}
+
     def __len__(self) -> int:
         return int(self.parameter.size)
+
+    def __repr__(self) -> str:
+        """What it is, where, between which points; the word of its first sample."""
+        stable = "" if self.kind is BranchKind.JUMP else f"stable: {_share(self)}, "
+        return (
+            f"Branch({self.id}: {self.kind} of order {self.order}, {counted(len(self), 'sample')}, "
+            f"parameter {span(self.parameter)}, x {span(self.x)}, {stable}"
+            f"from {self.ends[0]} to {self.ends[1]}, word {brief(self.word)!r})"
+        )
+
+    def _repr_html_(self) -> str:
+        p, x, m = self.parameter, self.x, self.multiplier
+        rows = [
+            (f"{p[s.first]:.6g}", f"{x[s.first]:.6g}", f"{m[s.first]:.4g}", s.word, s.cause)
+            for s in self.words
+        ]
+        header = ("parameter from", "x", "multiplier", "word", "what happens there")
+        return table(repr(self), header, rows)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -455,6 +513,38 @@ class Diagram:
                 incident[end].append(branch)
         for name, value in (("_branch", branches), ("_point", points), ("_incident", incident)):
             object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        """A few lines: over which parameter, how many branches of each order, which points."""
+        lines = [f"Diagram({self.x_name} over {self.parameter_name}: {self._size()}"]
+        orders = sorted({branch.order for branch in self.branches})
+        lines += [
+            f"order {order}: {tally(b.kind for b in self.branches if b.order == order)}"
+            for order in orders
+        ]
+        if self.points:
+            lines.append(f"points: {tally(point.kind for point in self.points)}")
+        return "\n    ".join(lines) + ")"
+
+    def _size(self) -> str:
+        ends = [each for branch in self.branches for each in branch.parameter[[0, -1]].tolist()]
+        within = f" in [{min(ends):.6g}, {max(ends):.6g}]" if ends else ""
+        return (
+            f"{counted(len(self.branches), 'branch')}{within}, "
+            f"{counted(len(self.points), 'special point')}"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (
+                *(p.name or p.id, ", ".join(filter(None, (p.kind.label, p.note)))),
+                *(p.exact.get("parameter", f"{p.parameter:.10g}"), p.exact.get("x", f"{p.x:.10g}")),
+                *(p.order, " ".join(p.branches)),
+            )
+            for p in self.points
+        ]
+        header = ("point", "what", self.parameter_name, self.x_name, "order", "branches")
+        return table(f"{self.x_name} over {self.parameter_name}: {self._size()}", header, rows)
 
     def branch(self, branch_id: str) -> Branch:
         """Look a branch up by its id; KeyError if there is none."""
@@ -662,6 +752,109 @@ class Diagram:
                     found.append(StableInterval(branch, float(p.min()), float(p.max())))
         return tuple(found)
 
+    def save(self, path: str | Path) -> Path:
+        """Write all that the diagram holds as a file that :func:`pwmap.load_diagram` reads.
+
+        The file is JSON: numbers are kept to the last bit, exact values as formulas, see
+        :mod:`pwmap.diagrams.encoding`. It is written beside its final place and then renamed.
+
+        Parameters
+        ----------
+        path
+            The file, usually ``.json``; a name that ends with ``.gz`` is compressed, to a third or
+            less. Its folder must exist.
+
+        Returns
+        -------
+        pathlib.Path
+            Where it was written.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the folder does not exist.
+        TypeError
+            If an exact value is no algebraic formula.
+        """
+        path = Path(path)
+        write_record(path, self, NAME, VERSION)
+        return path
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the branches and special points.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib to draw on; new ones by default.
+        options
+            Such as ``legend``, ``labels``, ``words``, ``stable_only`` and ``styles``: see
+            :func:`pwmap.plot.plot_diagram`.
+
+        Returns
+        -------
+        pwmap.plot_drawn.Drawn
+            With ``figure``, ``ax`` and ``artists``.
+        """
+        drawing = import_module("pwmap.plot")  # above this file: it draws what is defined here
+        return drawing.plot_diagram(self, ax, **options)
+
+    def to_dataframe(self) -> DataFrame:
+        """The samples of all branches, one in each row, in the order of :attr:`branches`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            As :meth:`Branch.to_dataframe` says, but the columns of the parameter and of x have
+            their names, such as ``eps_n1`` and ``phi_s``. What was not observed on a branch is nan.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        tables = [branch._table(self.parameter_name, self.x_name) for branch in self.branches]
+        first = ("branch", "kind", "order", "word", self.parameter_name, self.x_name)
+        return dataframe(joined(tables, (*first, "multiplier", "stable")))
+
+    def points_to_dataframe(self) -> DataFrame:
+        """The special points, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``point`` (its id), ``name``, ``kind``, those of the parameter and of x
+            by their names, ``order``, ``note``, ``cause``, ``status``, ``precision``,
+            ``interval_min`` and ``interval_max`` (nan where there is no interval), ``branches``
+            (ids with blanks between), and exact values as expressions of sympy: ``x_exact`` and
+            so on, None where a point has no such value.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        points = self.points
+        ends = np.array([p.interval or (math.nan, math.nan) for p in points]).reshape(-1, 2)
+        table: dict[str, Column] = {
+            "point": [p.id for p in points],
+            "name": [p.name for p in points],
+            "kind": [str(p.kind) for p in points],
+            self.parameter_name: np.array([p.parameter for p in points], dtype=float),
+            self.x_name: np.array([p.x for p in points], dtype=float),
+            "order": np.array([p.order for p in points], dtype=int),
+            "note": [p.note for p in points],
+            "cause": [p.cause for p in points],
+            "status": [str(p.status) for p in points],
+            "precision": np.array([p.precision for p in points], dtype=float),
+            "interval_min": ends[:, 0],
+            "interval_max": ends[:, 1],
+            "branches": [" ".join(p.branches) for p in points],
+        }
+        for name in dict.fromkeys(name for p in points for name in p.exact):
+            table[f"{name}_exact"] = [p.exact.get(name) for p in points]
+        return dataframe(table)
+
     def graph(self) -> nx.MultiGraph:
         """How the branches are connected.
 
@@ -721,6 +914,39 @@ class Diagram:
                 },
             )
         return graph
+
+
+def load_diagram(path: str | Path) -> Diagram:
+    """Read a diagram of :meth:`Diagram.save` again, of a piecewise-linear map or of the toy.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Diagram
+        With the same branches and points as the one that was saved, to the last bit, and the same
+        exact formulas.
+
+    Raises
+    ------
+    ValueError
+        If the file is no saved diagram, or one of a newer version of the format.
+    FileNotFoundError
+        If there is no such file.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, load_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> path = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).save("lines.json")
+    >>> [(branch.id, str(branch.exact["x"])) for branch in load_diagram(path).branches]
+    [('F1', '2*p'), ('J1', '0'), ('F2', '3*p/2 - 3/2')]
+    """
+    diagram: Diagram = read_record(Path(path), Diagram, NAME, VERSION)
+    return diagram
 
 
 def _bounds(point: SpecialPoint) -> dict[str, float]:

@@ -8,6 +8,7 @@ import os
 import sys
 import uuid
 from collections.abc import Iterable, Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -45,10 +46,33 @@ def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[objec
     write_whole(path, text.getvalue().encode())
 
 
+class PictureFormat(StrEnum):
+    """Formats of pictures; the value is the suffix."""
+
+    PNG = "png"
+    PDF = "pdf"
+    SVG = "svg"
+
+
+def in_format(names: Iterable[str], form: PictureFormat) -> tuple[str, ...]:
+    """Names of files, those of pictures with the suffix of a format in place of ``.png``."""
+    return tuple(
+        f"{name.removesuffix('.png')}.{form}" if name.endswith(".png") else name for name in names
+    )
+
+
 def write_figure(path: Path, figure: Any) -> None:
-    """Write a matplotlib figure in the format of the suffix, and close it."""
-    data = io.BytesIO()
-    figure.savefig(data, dpi=200, format=path.suffix[1:])
+    """Write a matplotlib figure in the format of the suffix, and close it.
+
+    Letters in a PDF are fonts, as journals ask for. No file holds a date, so that the same picture
+    is the same file.
+    """
+    data, form = io.BytesIO(), path.suffix[1:]
+    with sys.modules["matplotlib"].rc_context({"pdf.fonttype": 42, "svg.hashsalt": "woodpecker"}):
+        figure.savefig(data, dpi=200, format=form, metadata=_UNDATED.get(form))
     write_whole(path, data.getvalue())
     if "matplotlib.pyplot" in sys.modules:  # it keeps every figure until it is told
         sys.modules["matplotlib.pyplot"].close(figure)
+
+
+_UNDATED = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}

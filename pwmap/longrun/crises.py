@@ -38,7 +38,7 @@ from pwmap.algebra.roots import (
     sign_at,
     simplest_between,
 )
-from pwmap.algebra.terms import own_name
+from pwmap.algebra.terms import own_name, shortened
 from pwmap.diagrams.diagram import PointKind
 from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.cycles import repelling_words
@@ -211,6 +211,15 @@ class AttractorDiagram:
     order: int
     cells: tuple[AttractorCell, ...]
     crises: tuple[Crisis, ...]
+
+    def __repr__(self) -> str:
+        """The interval, and the crises in it."""
+        low, high = self.cells[0].lower, self.cells[-1].upper
+        crises = shortened(", ".join(f"{c.kind} {c.parameter}" for c in self.crises) or "none", 160)
+        return (
+            f"AttractorDiagram({self.parameter} in [{low}, {high}], {len(self.cells)} cells, "
+            f"crises: {crises})"
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,6 +28,7 @@ from pwmap.algebra.exact import (
 )
 from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.terms import own_name, shortened
+from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import checked_size
 from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Inclusion, Iterate, minimal_period
@@ -140,6 +141,10 @@ class Piece:
     def __str__(self) -> str:
         """Word, formula and domain."""
         return f"{self.word}: {self.expression} for {self.condition()}"
+
+    def __repr__(self) -> str:
+        """The same in brackets."""
+        return f"<Piece {self}>"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -932,6 +937,24 @@ class PiecewiseLinearMap:
     def to_sympy(self) -> sympy.Piecewise:
         """The map as a ``sympy.Piecewise`` in its variable."""
         return sympy.Piecewise(*((p.expression, p.relation) for p in self.pieces))
+
+    def to_dataframe(self) -> DataFrame:
+        """The pieces from left to right, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``word``, ``slope``, ``intercept``, ``lower``, ``upper`` (exact, as
+            expressions of sympy), ``lower_closed`` and ``upper_closed``.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        pieces = self.pieces
+        names = ("word", "slope", "intercept", "lower", "upper", "lower_closed", "upper_closed")
+        return dataframe({name: [getattr(piece, name) for piece in pieces] for name in names})
 
     def __str__(self) -> str:
         """One line for each piece: its word, formula and domain."""

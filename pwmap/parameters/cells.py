@@ -22,7 +22,7 @@ import sympy
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Number
-from pwmap.algebra.terms import own_name
+from pwmap.algebra.terms import own_name, shortened
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, checked_size
 from pwmap.maps.cylinders import (
     WHOLE_LINE,
@@ -339,6 +339,14 @@ class ParameterCells:
 
     def __len__(self) -> int:
         return len(self.cells)
+
+    def __repr__(self) -> str:
+        """The parameter, and the values at which something changes."""
+        edges = shortened(", ".join(map(str, self.edges)) or "none", 160)
+        orders = ", ".join(map(str, self.orders))
+        return (
+            f"ParameterCells({self.parameter}, orders {orders}: {len(self)} cells, edges {edges})"
+        )
 
 
 def parameter_cells(

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from studies.common.motion import Frame, frames
 from studies.common.style import GREY, UNSTABLE
 from woodpecker import Trajectory
-from woodpecker.plot.figures import QUANTITIES, plot_phase_portrait
+from woodpecker.plot.motions import QUANTITIES, plot_phase_portrait
 
 Side = tuple[float, float] | None
 """Where a number stands, in points from its event; None if it shares the dot of the first."""

@@ -20,7 +20,7 @@ from studies.common.record import Results, command
 from studies.common.style import GREY, WIDTH, canvas, keep
 from woodpecker import Trajectory
 from woodpecker.base.arrays import Floats
-from woodpecker.plot.figures import plot_time_history
+from woodpecker.plot.motions import plot_time_history
 
 PERIODS = 2  # as in the paper
 

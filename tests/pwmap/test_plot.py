@@ -17,9 +17,12 @@ from pwmap import (
     PointKind,
     SpecialPoint,
     Stretch,
+    bifurcation_diagram,
     parameter_plane,
 )
 from pwmap.plot import plot_cobweb, plot_diagram, plot_map
+from pwmap.plot_drawn import Drawn
+from pwmap.plot_labels import Labels
 from pwmap.plot_plane import plot_plane
 
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
@@ -40,7 +43,7 @@ def lines(ax: Axes) -> list[tuple[list[float], list[float]]]:
 
 
 def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
-    ax = plot_map(AT_ONE, window=(-2.0, 2.0))
+    ax = plot_map(AT_ONE, window=(-2.0, 2.0)).ax
     drawn = lines(ax)
     assert ([-2.0, 0.0], [-1.0, -1.0]) in drawn
     assert ([0.0, 2.0], [1.0, -1.5]) in drawn
@@ -58,13 +61,13 @@ def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
 
 
 def test_the_window_holds_all_breaks_and_fixed_points() -> None:
-    low, high = plot_map(AT_ONE.iterate(2)).get_xlim()
+    low, high = plot_map(AT_ONE.iterate(2)).ax.get_xlim()
     assert low < -1.0
     assert high > 1.0
 
 
 def test_a_cobweb_follows_the_orbit() -> None:
-    ax = plot_cobweb(AT_ONE, Rational(1, 2), 2)
+    ax = plot_cobweb(AT_ONE, Rational(1, 2), 2).ax
     # 1/2 -> 1 - 5/8 = 3/8 -> 1 - 15/32 = 17/32
     x, y = lines(ax)[-2]
     assert x == [0.5, 0.5, 0.375, 0.375, 0.53125]
@@ -74,7 +77,7 @@ def test_a_cobweb_follows_the_orbit() -> None:
 def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     a, r = sympy.symbols("a r")
     plane = parameter_plane(P1L, a, r, (1, 4), (-1, 12), (1, 2, 3))
-    ax = plot_plane(plane, samples=5)
+    ax = plot_plane(plane, samples=5).ax
     legend = ax.get_legend()
     assert legend is not None
     assert [t.get_text() for t in legend.get_texts()] == [
@@ -107,13 +110,113 @@ def small_diagram() -> Diagram:
     return Diagram(parameter_name="p", x_name="x", branches=(branch,), points=points)
 
 
+def written(drawn: Drawn) -> list[str]:
+    """The names in a picture, after it was drawn."""
+    drawn.figure.canvas.draw()
+    (labels,) = drawn.artists["names"]
+    assert isinstance(labels, Labels)
+    return [text for text, _ in labels.placed]
+
+
+def legend_of(drawn: Drawn) -> list[str]:
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    return [text.get_text() for text in legend.get_texts()]
+
+
 def test_names_are_written_and_words_marked_on_request() -> None:
     for words in (False, True):
-        ax = plot_diagram(small_diagram(), words=words)
-        assert [text.get_text() for text in ax.texts] == ["C"]
-        legend = ax.get_legend()
-        assert legend is not None
-        shown = [text.get_text() for text in legend.get_texts()]
-        assert shown == ["stable", "border collision", "end point", *["word change"] * words]
-        places = [np.asarray(marks.get_offsets()).tolist() for marks in ax.collections]
+        drawn = plot_diagram(small_diagram(), words=words)
+        assert written(drawn) == ["C"]
+        shown = ["stable", "border collision", "end point", *["word change"] * words]
+        assert legend_of(drawn) == shown
+        assert list(drawn.artists) == [*shown[:3], "names", *shown[3:]]
+        places = [np.asarray(marks.get_offsets()).tolist() for marks in drawn.ax.collections]
         assert ([[0.5, 1.0]] in places) is words
+    assert written(plot_diagram(small_diagram(), labels=True)) == ["C", "EP1"]
+    assert written(plot_diagram(small_diagram(), labels=False)) == []
+
+
+def paper_diagram(*orders: int) -> Diagram:
+    return bifurcation_diagram(P1L.at({"a": Rational(5, 4)}), "r", (-1, 6), orders=orders)
+
+
+def test_orders_are_told_apart_without_colours() -> None:
+    names = written(plot_diagram(paper_diagram(1, 2, 3)))
+    assert {"$P_{1}$", "$P_{2}$", "$P_{3}$"} <= set(names)
+    assert "FF1" in names
+    assert [name for name in written(plot_diagram(paper_diagram(1))) if "$" in name] == []
+
+
+def test_names_cover_neither_each_other_nor_markers() -> None:
+    """Eight points within a tenth of the picture."""
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=0.5 + 0.01 * (k % 3), x=0.01 * k)
+        for k in range(8)
+    )
+    ends = tuple(
+        SpecialPoint(id=f"EP{k}", kind=PointKind.EP, parameter=float(k), x=float(k))
+        for k in range(2)
+    )
+    crowded = Diagram(parameter_name="p", x_name="x", branches=(), points=points + ends)
+    drawn = plot_diagram(crowded)
+    assert sorted(written(drawn)) == [f"BC{k}" for k in range(8)]
+    boxes = [box for _, box in drawn.artists["names"][0].placed]  # type: ignore[attr-defined]
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+        for point in points:
+            assert not box.contains(*drawn.ax.transData.transform((point.parameter, point.x)))
+    drawn.ax.set_xlim(0.9, 1.1)  # what is not seen has no name
+    assert written(drawn) == []
+
+
+def test_a_name_stands_closer_to_its_own_point_than_to_another() -> None:
+    """Four points on a line, closer than names are wide."""
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=0.1 * k, x=1.0) for k in range(4)
+    )
+    end = SpecialPoint(id="EP1", kind=PointKind.EP, parameter=3.0, x=0.0)
+    drawn = plot_diagram(
+        Diagram(parameter_name="p", x_name="x", branches=(), points=(*points, end))
+    )
+    assert len(written(drawn)) == 4
+    places = drawn.ax.transData.transform([(p.parameter, p.x) for p in points])
+    for k, (_, box) in enumerate(drawn.artists["names"][0].placed):  # type: ignore[attr-defined]
+        away = np.hypot(*(places - np.clip(places, box.min, box.max)).T)
+        assert away.argmin() == k
+
+
+def test_many_points_have_labels_on_request_only() -> None:
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0) for k in range(31)
+    )
+    many = Diagram(parameter_name="p", x_name="x", branches=(), points=points)
+    assert written(plot_diagram(many)) == []
+    assert len(written(plot_diagram(many, labels=True))) == 31
+
+
+def test_only_what_is_stable() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2, 3), stable_only=True)
+    assert legend_of(drawn) == ["stable", "border collision", "end point"]
+    assert len(drawn.artists["stable"]) == 4  # one fixed point, and a cycle of period 3
+    assert written(drawn).count("FF1") == 0
+
+
+def test_styles_change_what_they_name() -> None:
+    style = {"stable": {"color": "black", "linewidth": 3.0}, "fold-flip": {"zorder": 9}}
+    drawn = paper_diagram(1).plot(styles=style)
+    (line, *_) = drawn.artists["stable"]
+    assert (line.get_color(), line.get_linewidth()) == ("black", 3.0)
+    assert drawn.artists["fold-flip"][0].get_zorder() == 9
+    pieces = plot_map(AT_ONE, styles={"pieces": {"color": "red"}}).artists["pieces"]
+    assert [each.get_color() for each in pieces] == ["red", "red"]
+    with pytest.raises(ValueError, match=r"a style must be of one of stable, .*, got 'stabel'"):
+        plot_diagram(paper_diagram(1), styles={"stabel": {}})
+
+
+def test_a_diagram_draws_itself_on_given_axes() -> None:
+    _, ax = plt.subplots()
+    drawn = small_diagram().plot(ax, legend=False)
+    assert drawn.ax is ax
+    assert drawn.figure is ax.figure
+    assert ax.get_legend() is None

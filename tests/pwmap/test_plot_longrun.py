@@ -45,7 +45,7 @@ def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
     """Two bands of the tent map merge at its fixed point, and are lost at 0."""
     found = attractor_diagram(TENT, "a", ("5/4", "9/4"), 2)
     diagram = bifurcation_diagram(TENT, "a", ("5/4", "9/4"), (1, 2))
-    ax = plot_long_run(diagram, found, TENT, steps=20)
+    ax = plot_long_run(diagram, found, TENT, steps=20).ax
     areas = [each for each in ax.collections if isinstance(each, PolyCollection)]
     assert len(areas) == 3
     assert max(area.get_zorder() for area in areas) < min(line.get_zorder() for line in ax.lines)
@@ -65,7 +65,7 @@ def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
 def test_long_cycles_are_drawn_where_they_are() -> None:
     """L R^3 of P1^L from 250/41 to 10: its points are those of the exact cycle."""
     map_ = PAPER.at({"a": "5/4"})
-    ax = plot_attractors(attractor_diagram(map_, "r", (7, 9), 1), map_, steps=6)
+    ax = plot_attractors(attractor_diagram(map_, "r", (7, 9), 1), map_, steps=6).ax
     points = [np.asarray(line.get_ydata(), dtype=float) for line in ax.lines]
     assert len(points) == 4
     for x, exact in zip(np.transpose([(p[0], p[-1]) for p in points]), (7, 9), strict=True):
@@ -81,7 +81,7 @@ def test_a_diagram_over_another_parameter_is_refused() -> None:
 
 
 def test_the_entropy_of_the_tent_map_is_drawn_between_its_bounds() -> None:
-    ax = plot_entropy(TENT, "a", ("3/2", 2), steps=5)
+    ax = plot_entropy(TENT, "a", ("3/2", 2), steps=5).ax
     for line in ax.lines:
         over, values = (np.asarray(data, dtype=float) for data in line.get_data())
         assert np.allclose(over, [1.55, 1.65, 1.75, 1.85, 1.95])
@@ -105,7 +105,7 @@ def frames(ax: Axes) -> list[tuple[float, float]]:
 
 def test_a_kneading_table_frames_what_comes_again() -> None:
     """Of the break: 0 -> 1 -> -1/2 -> 0 at a = 2, b = -3/2."""
-    ax = plot_kneading(dynamics(SKEW, {"a": 2, "b": "-3/2"}), steps=8)
+    ax = plot_kneading(dynamics(SKEW, {"a": 2, "b": "-3/2"}), steps=8).ax
     assert [letters(ax, 0), letters(ax, 1)] == ["LRLRRLRR", "RRLRRLRR"]
     assert frames(ax) == [(1, 3), (0, 3)]
     assert [label.get_text() for label in ax.get_yticklabels()] == ["$0^-$", "$0^+$"]
@@ -114,13 +114,13 @@ def test_a_kneading_table_frames_what_comes_again() -> None:
 
 
 def test_a_kneading_table_ends_where_a_cycle_draws_in() -> None:
-    ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=12)
+    ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=12).ax
     assert [letters(ax, 0), letters(ax, 1)] == ["LRRRRRRRRLRR", "R…"]
     assert frames(ax) == [(1, 9)]
 
 
 def test_a_frame_is_cut_with_the_table() -> None:
-    ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=4)
+    ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=4).ax
     assert frames(ax) == [(1, 3)]
     assert letters(ax, 0) == "LRRR"
     with pytest.raises(ValueError, match="a kneading table needs at least one step, got 0"):
@@ -130,7 +130,7 @@ def test_a_frame_is_cut_with_the_table() -> None:
 
 
 def test_a_density_is_drawn_over_a_histogram() -> None:
-    ax = plot_density(dynamics(SKEW, {"a": 2, "b": "-3/2"}), points=20_000)
+    ax = plot_density(dynamics(SKEW, {"a": 2, "b": "-3/2"}), points=20_000).ax
     (steps,) = (patch for patch in ax.patches if isinstance(patch, StepPatch))
     values, edges, _ = steps.get_data()
     assert np.asarray(values).tolist() == [0.5, 0.75]

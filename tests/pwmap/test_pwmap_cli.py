@@ -48,6 +48,21 @@ def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) ->
     assert "a fixed point meets the border x = 0" in " ".join(text.replace("│", " ").split())
 
 
+def test_each_order_has_a_picture_of_its_own(tmp_path: Path) -> None:
+    one, two = tmp_path / "one", tmp_path / "two"
+    options = (P1L, "--parameter", "r", "--set", "a=5/4", "--span", "-1", "3", "--format", "pdf")
+    code, text = run(*options, "--orders", "1,2", out=two)
+    assert code == 0
+    names = ["diagram.pdf", "order_1.pdf", "order_2.pdf"]
+    assert sorted(path.name for path in two.glob("*.pdf")) == names
+    assert all(name in text for name in names)
+    assert all((two / name).read_bytes().startswith(b"%PDF-") for name in names)
+    assert run(*options, "--orders", "1", out=one)[0] == 0
+    assert [path.name for path in one.glob("*.pdf")] == names[:1]
+    assert run(*options, "--orders", "1,2", out=one)[0] == 0  # the same picture is the same file
+    assert (one / "order_2.pdf").read_bytes() == (two / "order_2.pdf").read_bytes()
+
+
 def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
     code, text = run(
         P1L, "--parameter", "r", "--given", "a > 1", "--span", "-1", "5/2", out=tmp_path

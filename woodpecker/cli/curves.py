@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pwmap.diagrams.files import PictureFormat, in_format
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import (
     GUESS,
     CommandError,
+    Format,
     Out,
     asked_for,
     console,
@@ -49,6 +52,7 @@ def curves(
     span: First = (0.0, 1.0),
     second_span: Second = None,
     phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
+    picture: Format = PictureFormat.PNG,
     out: Out = Path("out"),
 ) -> None:
     """Follow special points of a diagram over two parameters; draw the curves, export their graph.
@@ -65,9 +69,10 @@ def curves(
         diagram = continuation(toy, motion(toy, phi_s), first, span)
         named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
         found = _followed(toy, named, _chosen(named, from_), (first, second), spans)
-        _write(found, target)
+        files = in_format(FILES, picture)
+        _write(found, target, files)
     console.print(_table(found))
-    report(target, *FILES)
+    report(target, *files)
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
@@ -124,7 +129,7 @@ def _followed(
     return found
 
 
-def _write(found: dict[str, Curve], target: Path) -> None:
+def _write(found: dict[str, Curve], target: Path, files: Sequence[str]) -> None:
     from pwmap import write_graph
     from pwmap.diagrams.files import write_figure, write_table
     from pwmap.diagrams.record import PROGRAM, attributes
@@ -132,9 +137,9 @@ def _write(found: dict[str, Curve], target: Path) -> None:
     from woodpecker.plot.plane import plot_curves
 
     first, second = next(iter(found.values())).names
-    write_figure(target / FILES[0], plot_curves(found).figure)
+    write_figure(target / files[0], plot_curves(found).figure)
     write_table(
-        target / FILES[1],
+        target / files[1],
         ("curve", "kind", "note", first, second, "phi_s", "multiplier", "beyond", "word"),
         (
             (
@@ -146,7 +151,7 @@ def _write(found: dict[str, Curve], target: Path) -> None:
         ),
     )  # fmt: skip
     write_table(
-        target / FILES[2],
+        target / files[2],
         ("curve", "id", "kind", first, second, "phi_s", "cause", "status", "precision"),
         (
             (name, p.id, p.kind, *p.values, p.x[0], p.cause, p.status, max(p.precision))
@@ -156,7 +161,7 @@ def _write(found: dict[str, Curve], target: Path) -> None:
     )
     graph = graph_of_curves(list(found.values()))
     graph.graph.update(attributes({"program": PROGRAM, **asked_for()}))
-    for name in FILES[3:]:
+    for name in files[3:]:
         write_graph(graph, target / name)
 
 

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from pwmap.diagrams.files import PictureFormat
 from woodpecker.cli.options import (
     GUESS,
     INTERRUPTED,
+    Format,
     Out,
     Window,
     complain,
@@ -89,6 +91,7 @@ def diagram(
     names: Names = PAPER,
     words: Words = False,
     observables: Observables = None,
+    picture: Format = PictureFormat.PNG,
     out: Out = Path("out"),
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
@@ -106,6 +109,7 @@ def diagram(
         places=places_of(names) if parameter == NAMED else {},
         columns=_columns(observables) if observables is not None else (),
         words=words,
+        picture=picture,
     )
     wanted = orders_of(orders) if orders is not None else None
     beside = orders_of(also, "--also") if also is not None else []
@@ -128,11 +132,15 @@ def diagram(
 
 
 class _Shows(NamedTuple):
-    """What is shown of a diagram: names by their places, columns of branches, changes of word."""
+    """What is shown of a diagram, and in which format.
+
+    Names by their places, columns of branches, whether changes of word are marked.
+    """
 
     places: dict[str, tuple[float, float]]
     columns: tuple[str, ...]
     words: bool
+    picture: PictureFormat
 
 
 class _Searched(NamedTuple):
@@ -211,7 +219,7 @@ def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
     from woodpecker import observables as observed
 
     shown = observed(toy, found.diagram.named(shows.places), *shows.columns)
-    pictures = _draw(toy, shown, target, shows.words)
+    pictures = _draw(toy, shown, target, shows)
     write_results(shown, target)
     console.print(table_of_points(shown))
     if found.summary:
@@ -219,7 +227,7 @@ def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
     report(target, *pictures, *FILES)
 
 
-def _draw(toy: Toy, found: Diagram, target: Path, words: bool) -> list[str]:
+def _draw(toy: Toy, found: Diagram, target: Path, shows: _Shows) -> list[str]:
     """The diagram, each order on its own if there are several, and fold-flips with their models."""
     from pwmap import PointKind
     from pwmap.diagrams.files import write_figure
@@ -227,18 +235,19 @@ def _draw(toy: Toy, found: Diagram, target: Path, words: bool) -> list[str]:
     from woodpecker import ToyPieces, local_model
     from woodpecker.plot.figures import plot_local
 
-    names = ["diagram.png"]
+    words, form = shows.words, shows.picture
+    names = [f"diagram.{form}"]
     write_figure(target / names[0], plot_diagram(found, words=words).figure)
     orders = sorted({branch.order for branch in found.branches})
     for order in orders if len(orders) > 1 else ():
-        names.append(f"order_{order}.png")
+        names.append(f"order_{order}.{form}")
         write_figure(target / names[-1], plot_diagram(found.of_order(order), words=words).figure)
     map_ = ToyPieces(toy, found.parameter_name)
     for point in found.points:
         if point.kind is PointKind.FF and point.order == 1:
             model = local_model(map_, point.x, point.parameter)
-            names.append(f"local_{point.id}.png")
-            write_figure(target / names[-1], plot_local(model, found))
+            names.append(f"local_{point.id}.{form}")
+            write_figure(target / names[-1], plot_local(model, found).figure)
     return names
 
 

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from pwmap.diagrams.files import PictureFormat, in_format
 from woodpecker.cli.options import (
     INTERRUPTED,
     CommandError,
+    Format,
     Out,
     Window,
     complain,
@@ -38,6 +40,7 @@ def draw_map(
     order: Annotated[int, option("Number of returns j of P_j.", min=1)] = 1,
     window: Window = (-2.5, 0.11),
     points: Annotated[int, option("Number of starts.", min=2)] = 4000,
+    picture: Format = PictureFormat.PNG,
     out: Out = Path("out"),
 ) -> None:
     """Compute and draw the return map P_j with the diagonal and its jumps.
@@ -57,14 +60,17 @@ def draw_map(
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
+    files = in_format(FILES, picture)
     with results_in(out) as target:
         found = _computed(toy, order, starts)
-        write_figure(target / FILES[0], plot_curve(found.curve, order=order).figure)
-        _write_table(found.returns, target / FILES[1])
+        write_figure(
+            target / files[0], plot_curve(found.curve, order=order, returns=found.returns).figure
+        )
+        _write_table(found.returns, target / files[1])
     console.print(_outcomes(found.returns))
     if found.curve.between(Link.OPEN).size:
         say(_left_out(found.curve, order))
-    report(target, *FILES)
+    report(target, *files)
     if found.stopped:
         kept = f"{len(found.returns.start)} of {points} starts are kept"
         complain(f"Interrupted: {kept}, and the picture is as far as it was")

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pwmap.diagrams.files import PictureFormat, in_format
 from woodpecker.cli.options import (
     GUESS,
     CommandError,
+    Format,
     Out,
     Start,
     console,
@@ -36,6 +38,7 @@ def simulate(
     phi_s: Start = None,
     t_end: Annotated[float | None, option("Time to stop at [s]; by default two periods.")] = None,
     samples: Annotated[int, option("Evenly spaced samples.", min=2)] = 2001,
+    picture: Format = PictureFormat.PNG,
     out: Out = Path("out"),
 ) -> None:
     """Follow the toy in time; draw its time history and phase portraits, list its events.
@@ -44,18 +47,19 @@ def simulate(
     """
     from pwmap.diagrams.files import write_figure
     from woodpecker import simulate as run_simulation
-    from woodpecker.plot.figures import plot_phase_portraits, plot_time_history
+    from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
+    files = in_format(FILES, picture)
     with results_in(out) as target:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
         trajectory = run_simulation(toy, start, finish, samples=samples)
-        for name, axes in zip(
-            FILES, (plot_time_history(trajectory), plot_phase_portraits(trajectory)), strict=False
+        for name, drawn in zip(
+            files, (plot_time_history(trajectory), plot_phase_portraits(trajectory)), strict=False
         ):
-            write_figure(target / name, axes[0].figure)
+            write_figure(target / name, drawn.figure)
         _write_tables(trajectory, target)
     console.print(_events(trajectory))
-    report(target, *FILES)
+    report(target, *files)
     _complete(trajectory)
 
 

@@ -15,6 +15,7 @@ import typer
 from rich.markup import escape
 
 from pwmap.cli_screen import bar_on, screen, tell_written
+from pwmap.diagrams.files import PictureFormat
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -49,6 +50,7 @@ Out = Annotated[
         "Folder for the results, made if it is missing; about_<command>.json says what made them."
     ),
 ]
+Format = Annotated[PictureFormat, option("Format of the pictures.", "--format")]
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),

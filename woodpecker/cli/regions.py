@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pwmap.diagrams.files import PictureFormat, in_format
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of
 from woodpecker.cli.diagram import orders_of
 from woodpecker.cli.options import (
+    Format,
     Out,
     Window,
     console,
@@ -39,6 +42,7 @@ def regions(
     checks: Annotated[
         int, option("Random places at which cycles are counted.", min=1)
     ] = Survey().checks,
+    picture: Format = PictureFormat.PNG,
     out: Out = Path("out"),
 ) -> None:
     """Cut the plane of two parameters into regions in which the same cycles live.
@@ -63,24 +67,25 @@ def regions(
                 toy, (first, second), spans, orders=wanted, window=window,
                 survey=Survey(checks=checks), progress=show,
             )  # fmt: skip
-        _write(found, target)
+        files = in_format(FILES, picture)
+        _write(found, target, files)
     console.print(_table(found))
     say(
         f"{len(found.open)} places disagree with their region: a curve is missing there"
         if found.open
         else f"all of {found.checks} random places agree"
     )
-    report(target, *FILES)
+    report(target, *files)
 
 
-def _write(found: Regions, target: Path) -> None:
+def _write(found: Regions, target: Path, files: Sequence[str]) -> None:
     from pwmap.diagrams.files import write_figure, write_table
     from woodpecker.plot.regions import plot_regions
 
-    write_figure(target / FILES[0], plot_regions(found).figure)
+    write_figure(target / files[0], plot_regions(found).figure)
     counts = [f"{word}_{n}" for n in found.orders for word in ("stable", "unstable")]
     write_table(
-        target / FILES[1],
+        target / files[1],
         ("region", "share", *found.names, *counts, "attractors", "agree"),
         (
             (
@@ -92,7 +97,7 @@ def _write(found: Regions, target: Path) -> None:
         ),
     )  # fmt: skip
     write_table(
-        target / FILES[2],
+        target / files[2],
         ("region", "ring", *found.names),
         (
             (number, ring, *place)

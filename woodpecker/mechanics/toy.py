@@ -10,6 +10,8 @@ from decimal import Decimal
 from enum import Enum, StrEnum
 from typing import Any, Literal, NamedTuple
 
+from pwmap.diagrams.shown import changed
+
 LAW = "expansion_friction"  # the one field of a toy that is no number
 
 
@@ -150,6 +152,10 @@ class Toy:
         math.inf, "length of the pole below the start", "m", Domain.POSITIVE_OR_INFINITE
     )
     expansion_friction: ExpansionFriction | Literal["summed", "separate"] = ExpansionFriction.SUMMED
+
+    def __repr__(self) -> str:
+        """The call that makes it: what differs from the paper's data."""
+        return changed(self)
 
     def __post_init__(self) -> None:
         for name in parameters():

@@ -53,6 +53,12 @@ class Found:
     slices: tuple[Seen, ...]
     evaluations: int
 
+    def __repr__(self) -> str:
+        """The diagram, and what it took to find it."""
+        return (
+            f"Found({self.diagram!r},\n  {len(self.slices)} slices, {self.evaluations} evaluations)"
+        )
+
 
 def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Settings) -> Orbit:
     """The cycle that Newton's method finds from a guess, under the pieces the map takes there.

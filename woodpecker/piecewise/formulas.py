@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.shown import table
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import number, real_array
 from woodpecker.piecewise.pieces import Image, Piece
@@ -225,6 +226,10 @@ class FormulaPiece:
         """What happens where a margin vanishes."""
         return list(self.margins)[code]
 
+    def __repr__(self) -> str:
+        """Its name and what happens at its borders."""
+        return f"FormulaPiece({self.word!r}, borders: {', '.join(self.margins) or 'none'})"
+
 
 def codes(n: int) -> Ints:
     """The codes (n,) of the margins of a formula's piece, which nobody can change."""
@@ -330,6 +335,17 @@ class FormulaMap:
             math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes(0),
             self.pieces[0], NOWHERE,
         )  # fmt: skip
+
+    def __repr__(self) -> str:
+        """The names of its pieces."""
+        return f"FormulaMap({', '.join(repr(piece.word) for piece in self.pieces)})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (piece.word, "; ".join(getattr(piece, "margins", {})) or "none")
+            for piece in self.pieces
+        ]
+        return table(f"Map of {len(rows)} pieces", ("piece", "its borders"), rows)
 
     def piece(self, word: str) -> BoundedPiece:
         """The piece of a name; KeyError if there is none."""

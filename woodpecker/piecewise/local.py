@@ -108,6 +108,13 @@ class LocalModel:
     point: SpecialPoint
     starts: tuple[Start, ...]
 
+    def __repr__(self) -> str:
+        """What it is of, its slopes, and how many branches start there."""
+        return (
+            f"LocalModel({self.point.kind} at p={self.p:.10g}, x={self.x:.10g}: slopes "
+            f"{self.left.slope:.6g} and {self.right.slope:.6g}, {len(self.starts)} branches)"
+        )
+
     @property
     def x(self) -> float:
         """Where the collision is."""

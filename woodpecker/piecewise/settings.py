@@ -6,6 +6,7 @@ import math
 from dataclasses import Field, dataclass, fields
 from typing import Any
 
+from pwmap.diagrams.shown import changed
 from woodpecker.base.checks import interval, positive, whole
 
 
@@ -258,6 +259,10 @@ class Numerics:
     longest: int = 64
     looked: float = 0.01
 
+    def __repr__(self) -> str:
+        """The call that makes them: what differs from the default."""
+        return changed(self)
+
     def __post_init__(self) -> None:
         for each in fields(self):
             checked = _checked(self, each)
@@ -412,6 +417,10 @@ class Settings:
     loose: float = 0.02
     pulls: int = 3
     numerics: Numerics = Numerics()
+
+    def __repr__(self) -> str:
+        """The call that makes them: what differs from the default."""
+        return changed(self)
 
     def __post_init__(self) -> None:
         for name in ("span", "window"):

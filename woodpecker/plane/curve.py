@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
+from pwmap.diagrams.frames import Column, DataFrame, dataframe
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import BorderKind
@@ -221,6 +222,33 @@ class Curve:
             else:
                 found.append((code, note, k, k))
         return found
+
+    def to_dataframe(self) -> DataFrame:
+        """The samples of the curve, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With a column for each of both parameters, by their names, ``x_0`` to ``x_(n-1)`` (the
+            points of the cycle), ``multiplier`` and ``multiplier_beyond``, ``gap``, ``kind`` and
+            ``note`` (the code over one parameter), ``word``, and those of :attr:`columns`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        table: dict[str, Column] = {
+            **dict(zip(self.names, self.values.T, strict=True)),
+            **{f"x_{k}": column for k, column in enumerate(self.x.T)},
+            "multiplier": self.multipliers[:, 0],
+            "multiplier_beyond": self.multipliers[:, 1],
+            "gap": self.gaps,
+            "kind": [str(code) for code in self.codes],
+            "note": self.notes,
+            "word": [self.word_at(k) for k in range(len(self))],
+        }
+        return dataframe({**table, **self.columns})
 
     def crossings(self, axis: int, value: float) -> list[Pair]:
         """Where the curve has a value of one of its parameters, by the straight line in between.

@@ -1,4 +1,4 @@
-"""Pictures of trajectories and return maps [Leine2001, Figs. 4-6, 8]."""
+"""Pictures of return maps and of what is next to a border collision [Leine2001, Figs. 8, 12]."""
 
 from __future__ import annotations
 
@@ -12,109 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
-from pwmap.diagrams.diagram import BranchKind, Diagram
-from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, plot_diagram
+from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
+from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, place_legend, plot_diagram
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.local import LocalModel
 from woodpecker.plot.curve import Curve, Link, refined
+from woodpecker.plot.motions import LINE, strokes
 from woodpecker.simulation.returns import ReturnMap, return_map
-from woodpecker.simulation.trajectory import Trajectory
-from woodpecker.simulation.words import EventKind
-
-LINE: dict[str, Any] = {"color": STABLE, "linewidth": 1.1}
-BOUND: dict[str, Any] = {"color": "#969696", "linewidth": 0.8, "linestyle": (0, (5, 3))}
-_Axes = Sequence[Axes]
-
-
-class Quantity(NamedTuple):
-    """A coordinate or velocity as it is drawn."""
-
-    label: str
-    velocity: bool
-    column: int  # of q or u
-    scale: float  # drawn value over SI value
-
-    def of(self, q: Floats, u: Floats) -> Floats:
-        """Its values, from coordinates and velocities of shape (..., 3)."""
-        values: Floats = self.scale * (u if self.velocity else q)[..., self.column]
-        return values
-
-
-QUANTITIES = {
-    "y": Quantity(r"$y$ [mm]", False, 0, 1e3),
-    "phi_m": Quantity(r"$\varphi_M$ [rad]", False, 1, 1.0),
-    "phi_s": Quantity(r"$\varphi_S$ [rad]", False, 2, 1.0),
-    "dy": Quantity(r"$\dot y$ [mm/s]", True, 0, 1e3),
-    "dphi_m": Quantity(r"$\dot\varphi_M$ [rad/s]", True, 1, 1.0),
-    "dphi_s": Quantity(r"$\dot\varphi_S$ [rad/s]", True, 2, 1.0),
-}
-
-
-def plot_time_history(trajectory: Trajectory, axes: _Axes | None = None) -> _Axes:
-    """Coordinates over time on three axes, impacts as ticks [Leine2001, Fig. 4]."""
-    if axes is None:
-        figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
-        axes = list(figure.subplots(3, 1, sharex=True))
-    toy = trajectory.toy
-    bounds: tuple[tuple[float, ...], ...] = (
-        (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
-    )  # fmt: skip
-    impacts = [
-        event.time
-        for event in trajectory.events
-        if event.kind in (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
-    ]
-    for ax, name, limits in zip(axes, ("y", "phi_m", "phi_s"), bounds, strict=True):
-        drawn = QUANTITIES[name]
-        ax.plot(trajectory.t, drawn.of(trajectory.q, trajectory.u), **LINE)
-        for limit in limits:
-            ax.axhline(limit, **BOUND)
-        low = ax.get_ylim()[0]
-        ax.plot(impacts, np.full(len(impacts), low), "|", color=UNSTABLE, markersize=9)
-        ax.set_ylim(bottom=low)
-        ax.set_ylabel(drawn.label)
-        ax.grid(alpha=0.25, linewidth=0.5)
-    axes[-1].set_xlabel("$t$ [s]; ticks mark impacts")
-    axes[-1].set_xlim(0.0, trajectory.t_end)
-    return axes
-
-
-def plot_phase_portrait(trajectory: Trajectory, x: str, y: str, ax: Axes | None = None) -> Axes:
-    """One quantity over another, such as ``"dphi_s"`` over ``"phi_s"``; see :data:`QUANTITIES`.
-
-    Impacts, where the velocities jump, are dotted [Leine2001, Figs. 5 and 6].
-
-    Raises
-    ------
-    ValueError
-        If there is no such quantity.
-    """
-    for name in (x, y):
-        if name not in QUANTITIES:
-            raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
-    ax = ax if ax is not None else plt.figure(figsize=(4.6, 3.6), layout="constrained").gca()
-    across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
-    jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
-    ax.plot(np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan), **LINE)
-    pairs = jumps[:, None] + [0, 1]
-    struck = _strokes(across[pairs], up[pairs])
-    ax.plot(*struck, color=JUMP, linewidth=1.1, linestyle=(0, (1, 1.3)))
-    ax.set_xlabel(QUANTITIES[x].label)
-    ax.set_ylabel(QUANTITIES[y].label)
-    ax.grid(alpha=0.25, linewidth=0.5)
-    return ax
-
-
-def plot_phase_portraits(trajectory: Trajectory, axes: _Axes | None = None) -> _Axes:
-    """The bird's, the sleeve's and the fall's phase portrait on three axes."""
-    if axes is None:
-        figure = plt.figure(figsize=(9.6, 3.4), layout="constrained")
-        axes = list(figure.subplots(1, 3))
-    pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
-    for ax, (x, y) in zip(axes, pairs, strict=True):
-        plot_phase_portrait(trajectory, x, y, ax)
-    return axes
+from woodpecker.simulation.status import Status
 
 
 def plot_return_map(
@@ -124,7 +31,9 @@ def plot_return_map(
     *,
     order: int = 1,
     depth: float | None = None,
-) -> Axes:
+    legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:
     """P_order over phi_S with the diagonal, its jumps dotted [Leine2001, Fig. 8].
 
     Parameters
@@ -133,14 +42,23 @@ def plot_return_map(
         The toy, to look closer where neighbouring samples lie far apart.
     returns
         Map at ascending starts, from :func:`woodpecker.return_map`.
+    ax
+        Axes to draw on; new ones by default.
     order
         The order of ``returns``.
     depth
         Lower end of the vertical axis; the dips have no bottom. By default the map's left end, or
         its least value if all lie higher.
+    legend, styles
+        As for :func:`plot_curve`.
+
+    Returns
+    -------
+    Drawn
+        As :func:`plot_curve` gives it.
     """
     *_, curve = curves(toy, returns, order, depth)
-    return plot_curve(curve, ax, order=order)
+    return plot_curve(curve, ax, order=order, returns=returns, legend=legend, styles=styles)
 
 
 def curves(
@@ -159,31 +77,112 @@ def curves(
     )
 
 
-def plot_curve(curve: Curve, ax: Axes | None = None, *, order: int = 1) -> Axes:
-    """P_order with the diagonal; jumps are dotted, and what was not resolved is pale."""
-    ax = ax if ax is not None else plt.figure(figsize=(7.0, 4.6), layout="constrained").gca()
+def plot_curve(
+    curve: Curve,
+    ax: Axes | None = None,
+    *,
+    order: int = 1,
+    returns: ReturnMap | None = None,
+    legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:
+    """P_order with the diagonal; jumps are dotted, and what was not resolved is pale.
+
+    Where the toy falls for ever the picture is hatched. Triangles at the lower edge say that the
+    map goes on below.
+
+    Parameters
+    ----------
+    curve
+        From :func:`curves`.
+    ax
+        Axes to draw on; new ones by default.
+    order
+        The order of the map.
+    returns
+        Starts that may fall, with their status; by default none is marked.
+    legend
+        Whether to explain lines and marks.
+    styles
+        Properties of matplotlib by the names in the legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by the names in the legend.
+
+    Raises
+    ------
+    ValueError
+        If there is no part of the name of a style.
+    """
+    ax = ax if ax is not None else new_axes(7.0, 4.6)
     ends = curve.x[[0, -1]]
-    ax.plot(ends, ends, color="#969696", linewidth=0.8, label="diagonal")
+    shown: Artists = {"diagonal": [*ax.plot(ends, ends, color="#969696", linewidth=0.8)]}
     breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
     x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
-    ax.plot(x, y, label=rf"$P_{{{order}}}$", **LINE)
-    for link, style in STEEP.items():
+    shown[rf"$P_{{{order}}}$"] = [*ax.plot(x, y, **LINE)]
+    for link, (name, style) in STEEP.items():
         pairs = curve.between(link)[:, None] + [0, 1]
         if pairs.size:
-            ax.plot(*_strokes(curve.x[pairs], curve.y[pairs]), **style)
+            add(shown, {name: ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **style)})
     ax.set_xlim(*ends)
     ax.set_ylim(*_heights(curve))
+    if returns is not None:
+        add(shown, _lost(ax, returns))
+    add(shown, _below(ax, curve))
     ax.set_xlabel(r"$\varphi_{S,k}$ [rad]")
     ax.set_ylabel(rf"$\varphi_{{S,k+{order}}}$ [rad]")
     ax.grid(alpha=0.25, linewidth=0.5)
-    ax.legend(fontsize=8, frameon=True, framealpha=0.9)
-    return ax
+    styled(shown, styles, (*(name for name, _ in STEEP.values()), FALLS, LOST, BELOW))
+    if legend:
+        place_legend(ax, shown)
+    return Drawn((ax,), shown)
 
 
-STEEP: dict[Link, dict[str, Any]] = {
-    Link.OPEN: {"color": "#9ecae1", "linewidth": 0.8, "label": "not resolved", "zorder": 1.5},
-    Link.JUMP: {"color": JUMP, "linewidth": 1.4, "linestyle": (0, (1, 1.3)), "label": "jump"},
+FALLS, LOST, BELOW = "free fall", "no return", "goes on below"
+FALLEN = (Status.FREE_FALL, Status.POLE_END)
+NEAR = 0.008  # of the width: triangles at the lower edge lie no closer to each other
+
+
+def _lost(ax: Axes, returns: ReturnMap) -> Artists:
+    """Intervals of starts that do not return: those that fall apart from all others."""
+    fallen = np.array([reason in FALLEN for reason in returns.status], dtype=bool)
+    gone = ~np.array([reason.success for reason in returns.status], dtype=bool) & ~fallen
+    shown: Artists = {}
+    for name, flags, hatch in ((FALLS, fallen, "////"), (LOST, gone, "xxxx")):
+        for first, last in runs_of(flags):
+            area = ax.axvspan(
+                returns.start[first], returns.start[last], facecolor="#f0f0f0", hatch=hatch,
+                edgecolor="#969696", linewidth=0.5 if first == last else 0.0, zorder=0.4,
+            )  # fmt: skip
+            add(shown, {name: [area]})
+    return shown
+
+
+def _below(ax: Axes, curve: Curve) -> Artists:
+    """Triangles where the map leaves the picture through its lower edge."""
+    with np.errstate(invalid="ignore"):
+        under = curve.y < ax.get_ylim()[0]
+    places: list[float] = []
+    for first, last in runs_of(under):
+        middle = float(0.5 * (curve.x[first] + curve.x[last]))
+        if not places or middle - places[-1] > NEAR * float(np.ptp(curve.x)):
+            places.append(middle)
+    if not places:
+        return {}
+    marks = ax.plot(
+        places, np.full(len(places), 0.015), "v", color=STABLE, markersize=4.5, mec="white",
+        mew=0.4, transform=ax.get_xaxis_transform(), zorder=5, linestyle="none",
+    )  # fmt: skip
+    return {BELOW: [*marks]}
+
+
+STEEP: dict[Link, tuple[str, dict[str, Any]]] = {
+    Link.OPEN: ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
+    Link.JUMP: ("jump", {"color": JUMP, "linewidth": 1.4, "linestyle": (0, (1, 1.3))}),
 }
+CUT = 0.02  # of the height: what lies less far below the picture is shown
 
 
 def _heights(curve: Curve) -> tuple[float, float]:
@@ -191,13 +190,9 @@ def _heights(curve: Curve) -> tuple[float, float]:
     values = curve.y[np.isfinite(curve.y)]
     low, high = float(values.min(initial=math.inf)), float(values.max(initial=curve.bottom))
     margin = 0.3 * MARGIN * (high - curve.bottom) or NARROWEST
-    return curve.bottom - (margin if low >= curve.bottom else 0.0), high + margin
-
-
-def _strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Lines (n, 2), each between two points, as one line with gaps."""
-    gap = np.full((len(x), 1), np.nan)
-    return np.hstack([x, gap]).ravel(), np.hstack([y, gap]).ravel()
+    if low < curve.bottom - CUT * (high - curve.bottom):
+        return curve.bottom, high + margin
+    return min(low, curve.bottom) - margin, high + margin
 
 
 def plot_local(
@@ -206,11 +201,12 @@ def plot_local(
     figure: Figure | SubFigure | None = None,
     *,
     reach: float = 2e-3,
-) -> Figure | SubFigure:
+    styles: Styles | None = None,
+) -> Drawn:
     """A diagram next to a border collision, beside what its local model predicts.
 
     Both panels have the same axes. The predicted lines of those iterates that the diagram holds are
-    also drawn behind it, in grey.
+    also drawn behind it, in grey; those of others, which nobody has followed, are thin and pale.
 
     Parameters
     ----------
@@ -222,40 +218,56 @@ def plot_local(
         Where to draw; a new one by default.
     reach
         How far the parameter goes from the collision.
+    styles
+        Properties of matplotlib by the names in the legends, and ``"prediction"`` for what lies
+        behind the diagram.
+
+    Returns
+    -------
+    Drawn
+        Both axes, and the artists by these names.
+
+    Raises
+    ------
+    ValueError
+        If there is no part of the name of a style.
     """
     figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
     near = diagram.within(model.p - 2.0 * reach, model.p + 2.0 * reach)
-    plot_diagram(near, seen, kinds=(model.point.kind,), legend=False)
+    kinds = (model.point.kind,)
+    shown: Artists = {"prediction": []}
+    add(shown, plot_diagram(near, seen, kinds=kinds, legend=False).artists)
     lines = _predictions(model, reach)
     orders = {branch.order for branch in near.branches}
     for line in lines:
-        if line.order in orders:
-            seen.plot(line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9)
-        predicted.plot(line.p, line.x, **BRANCH[line.style])
+        followed = line.order in orders
+        if followed:
+            shown["prediction"] += seen.plot(
+                line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9
+            )
+        style = BRANCH[line.style] if followed else OTHER
+        add(shown, {line.style if followed else NOT_FOLLOWED:
+                    predicted.plot(line.p, line.x, **style)})  # fmt: skip
     marker, color = MARKERS[model.point.kind]
     star = predicted.scatter(
         [model.p], [model.x], s=70 if marker == "*" else 26, marker=marker, color=color,
         edgecolors="white", linewidths=0.6, zorder=5, label=model.point.kind.label,
     )  # fmt: skip
+    add(shown, {model.point.kind.label: [star]})
+    styled(shown, styles, (*BRANCH, NOT_FOLLOWED))
     _frame(seen, model, lines)
-    _name_lines(predicted, lines)
+    _name_lines(predicted, lines, orders)
     seen.set_title("the toy, with the prediction in grey", fontsize=9)
     predicted.set_title("its local model, solved exactly", fontsize=9)
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
-    predicted.legend(
-        handles=[
-            *(
-                Line2D([], [], label=name, **BRANCH[name])
-                for name in BRANCH
-                if name in {line.style for line in lines}
-            ),
-            star,
-        ],
-        fontsize=7, framealpha=0.9,
-    )  # fmt: skip
-    return figure
+    kept = {line.style for line in lines if line.order in orders}
+    samples = [Line2D([], [], label=name, **BRANCH[name]) for name in BRANCH if name in kept]
+    if NOT_FOLLOWED in shown:
+        samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
+    predicted.legend(handles=[*samples, star], fontsize=7, framealpha=0.9)
+    return Drawn((seen, predicted), shown)
 
 
 MARGIN = 0.12  # of the width and height of what is drawn
@@ -266,6 +278,11 @@ BRANCH: dict[str, dict[str, Any]] = {
     "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
     "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
 }
+
+
+NOT_FOLLOWED = "of an order not followed"
+NAMED = {"color": "#969696"}
+OTHER: dict[str, Any] = {"color": "#bdbdbd", "linestyle": "-", "linewidth": 0.7}
 
 
 class _Prediction(NamedTuple):
@@ -296,7 +313,7 @@ def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
     return lines
 
 
-def _name_lines(ax: Axes, lines: Sequence[_Prediction]) -> None:
+def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> None:
     """Names of iterates beside the ends of lines, moved apart where these lie close."""
     low, high = ax.get_ylim()
     height = 72.0 * ax.bbox.height / ax.figure.dpi  # points
@@ -308,7 +325,7 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction]) -> None:
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
-                fontsize=8, color=BRANCH[line.style]["color"],
+                fontsize=8, color=(BRANCH[line.style] if line.order in orders else NAMED)["color"],
             )  # fmt: skip
 
 

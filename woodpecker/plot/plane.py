@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.plane.kinds import PlaneKind
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.mechanics.toy import description, parameters
 from woodpecker.plane.curve import Curve
 
@@ -48,8 +49,9 @@ SYMBOLS = {
 
 
 def plot_curves(
-    curves: Mapping[str, Curve], ax: Axes | None = None, *, legend: bool = True
-) -> Axes:
+    curves: Mapping[str, Curve], ax: Axes | None = None, *, legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
     """Draw curves over the same two parameters, with their points of codimension two.
 
     Parameters
@@ -60,65 +62,75 @@ def plot_curves(
         Where to draw; a new figure by default.
     legend
         Whether to say, beside the axes, which kinds of curves and points are there.
+    styles
+        Properties of matplotlib by the names of the curves, ``"points"`` and ``"names"``.
 
     Returns
     -------
-    Axes
-        Where they are drawn.
+    Drawn
+        The axes, and the artists by these names.
 
     Raises
     ------
     ValueError
-        If there is no curve, or they are over different parameters.
+        If there is no curve, they are over different parameters, or there is no part of the name
+        of a style.
     """
     names = {curve.names for curve in curves.values()}
     if len(names) != 1:
         raise ValueError(f"expected curves over the same two parameters, got {sorted(names)}")
-    if ax is None:
-        _, ax = plt.subplots(figsize=(8.4, 4.8), layout="constrained")
+    ax = ax if ax is not None else new_axes(8.4, 4.8)
     (first, second) = next(iter(names))
+    shown: Artists = {"points": [], "names": []}
     for name, curve in curves.items():
-        draw_curve(ax, curve)
-        _mark(ax, curve)
-        name_curve(ax, name, curve)
+        add(shown, {name: draw_curve(ax, curve)})
+        shown["points"] += _mark(ax, curve)
+        shown["names"] += name_curve(ax, name, curve)
+    styled(shown, styles)
     ax.set_xlabel(label(first))
     ax.set_ylabel(label(second))
     ax.margins(0.02)
     if legend:
         ax.legend(handles=handles(curves.values()), fontsize=7.5, frameon=False,
                   bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
-    return ax
+    return Drawn((ax,), shown)
 
 
-def draw_curve(ax: Axes, curve: Curve) -> None:
+def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
     """The stretches of a curve, each as what it is; a short one is joined to the next."""
+    lines: list[Artist] = []
     for code, note, first, last in curve.stretches():
         part = curve.values[first : last + 2]
         style = "--" if note == DASHED else "-"
-        ax.plot(part[:, 0], part[:, 1], style, color=COLOURS[code], lw=1.3, zorder=2)
+        lines += ax.plot(part[:, 0], part[:, 1], style, color=COLOURS[code], lw=1.3, zorder=2)
+    return lines
 
 
-def _mark(ax: Axes, curve: Curve) -> None:
+def _mark(ax: Axes, curve: Curve) -> list[Artist]:
     """Its points of codimension two; ends that are open are hollow."""
+    marks: list[Artist] = []
     for point in curve.points:
         marker = MARKERS.get(point.kind)
         is_open = point.status is PointStatus.OPEN
         if marker is not None or is_open:
-            ax.plot(
+            marks += ax.plot(
                 *point.values, marker or "o", color="black", ms=3.8, mew=0.7, zorder=3,
                 mfc="white" if is_open else "black",
             )  # fmt: skip
+    return marks
 
 
-def name_curve(ax: Axes, name: str, curve: Curve) -> None:
-    """The name of a curve, on the longest of its stretches."""
-    if name:
-        _, _, first, last = max(curve.stretches(), key=lambda each: _length(curve, *each[2:]))
-        at = curve.values[(first + last) // 2]
-        ax.annotate(
-            name, (at[0], at[1]), ha="center", va="center", fontsize=8, zorder=4,
-            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
-        )  # fmt: skip
+def name_curve(ax: Axes, name: str, curve: Curve) -> list[Artist]:
+    """The name of a curve, on the longest of its stretches; none if it is empty."""
+    if not name:
+        return []
+    _, _, first, last = max(curve.stretches(), key=lambda each: _length(curve, *each[2:]))
+    at = curve.values[(first + last) // 2]
+    text = ax.annotate(
+        name, (at[0], at[1]), ha="center", va="center", fontsize=8, zorder=4,
+        bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
+    )  # fmt: skip
+    return [text]
 
 
 def _length(curve: Curve, first: int, last: int) -> float:

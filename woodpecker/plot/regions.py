@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import matplotlib as mpl
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.plane.census import Census
 from woodpecker.plane.regions import Region, Regions
 from woodpecker.plot.plane import draw_curve, label
@@ -17,7 +17,9 @@ MAPS = ("Greys", "Blues", "Oranges", "Purples")  # no stable cycle, one of perio
 LIGHTEST, STEP, DARKEST = 0.08, 0.1, 0.75  # of a colour map: the more cycles, the darker
 
 
-def plot_regions(regions: Regions, ax: Axes | None = None, *, legend: bool = True) -> Axes:
+def plot_regions(
+    regions: Regions, ax: Axes | None = None, *, legend: bool = True, styles: Styles | None = None
+) -> Drawn:
     """Draw regions, coloured by the cycles that live in them, and the curves between them.
 
     Parameters
@@ -28,22 +30,31 @@ def plot_regions(regions: Regions, ax: Axes | None = None, *, legend: bool = Tru
         Where to draw; a new figure by default.
     legend
         Whether to say, beside the axes, which cycles live where.
+    styles
+        Properties of matplotlib by the names in the legend, ``"curves"`` and ``"open"``.
 
     Returns
     -------
-    Axes
-        Where they are drawn.
+    Drawn
+        The axes, and the artists by these names.
+
+    Raises
+    ------
+    ValueError
+        If there is no part of the name of a style.
     """
-    if ax is None:
-        _, ax = plt.subplots(figsize=(8.4, 4.8), layout="constrained")
+    ax = ax if ax is not None else new_axes(8.4, 4.8)
+    shown: Artists = {"curves": [], "open": []}
     for region in regions.regions:
-        ax.add_patch(
-            PathPatch(_path(region), facecolor=colour(region.census), edgecolor="none", zorder=0)
+        patch = PathPatch(
+            _path(region), facecolor=colour(region.census), edgecolor="none", zorder=0
         )
+        add(shown, {described(region.census): [ax.add_patch(patch)]})
     for curve in regions.curves:
-        draw_curve(ax, curve)
+        shown["curves"] += draw_curve(ax, curve)
     for (first, second), _ in regions.open:
-        ax.plot(first, second, "x", color="black", ms=3.5, mew=0.7, zorder=4)
+        shown["open"] += ax.plot(first, second, "x", color="black", ms=3.5, mew=0.7, zorder=4)
+    styled(shown, styles)
     ax.set(
         xlim=regions.spans[0], ylim=regions.spans[1], xlabel=label(regions.names[0]),
         ylabel=label(regions.names[1]),
@@ -51,7 +62,7 @@ def plot_regions(regions: Regions, ax: Axes | None = None, *, legend: bool = Tru
     if legend:
         ax.legend(handles=region_handles(regions), fontsize=7.5, frameon=False,
                   bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
-    return ax
+    return Drawn((ax,), shown)
 
 
 def colour(census: Census) -> tuple[float, float, float, float]:

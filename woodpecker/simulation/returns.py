@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.frames import DataFrame, dataframe
+from pwmap.diagrams.shown import counted, span, tally
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.checks import number, real_array, whole
 from woodpecker.base.compiled import COMPILED, announce
@@ -87,6 +89,42 @@ class ReturnMap:
     d_eps_n1: Floats
     words: tuple[str, ...]
     status: tuple[Status, ...]
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    def __repr__(self) -> str:
+        """How many starts, where, with how many words, and what became of them."""
+        where = f", phi_s {span(self.start)}" if len(self) else ""
+        outcomes = tally(reason.name.lower() for reason in self.status)
+        return (
+            f"ReturnMap({counted(len(self), 'start')}{where}, "
+            f"{counted(len(set(self.words)), 'word')}: {outcomes})"
+        )
+
+    def to_dataframe(self) -> DataFrame:
+        """The returns, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``phi_s_start`` and ``phi_s`` [rad], ``period`` [s], ``drop`` [m],
+            ``slope`` [-], ``d_eps_n1`` [rad], ``status`` (a name of :class:`Status` in small
+            letters) and ``word``.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return dataframe(
+            {
+                "phi_s_start": self.start,
+                **{name: getattr(self, name) for name in _COLUMNS},
+                "status": [reason.name.lower() for reason in self.status],
+                "word": self.words,
+            }
+        )
 
 
 def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:

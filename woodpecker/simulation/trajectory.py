@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.frames import DataFrame, dataframe
+from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive, real_array, whole
 from woodpecker.base.compiled import announce
@@ -33,6 +35,7 @@ from woodpecker.simulation.words import EventKind, decode, symbol, word
 
 MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
 SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
+COORDINATES, VELOCITIES = ("y", "phi_m", "phi_s"), ("dy", "dphi_m", "dphi_s")
 GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
 
 
@@ -184,6 +187,59 @@ class Trajectory:
         sample(model(self.toy), self.phases, flat, left, out)
         shape = (*times.shape, 3)
         return out[:, :3].reshape(shape), out[:, 3:6].reshape(shape)
+
+    def __repr__(self) -> str:
+        """How long, how far, with which events, and why it ended."""
+        return (
+            f"Trajectory(t_end={self.t_end:.6g}, drop={self.drop:.6g}, "
+            f"{counted(len(self.t), 'sample')}, {counted(len(self.events), 'event')} "
+            f"{brief(self.word)!r}, {self.status.value!r})"
+        )
+
+    def to_dataframe(self) -> DataFrame:
+        """The samples, one in each row; times of events come twice, before and after them.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``t`` [s], ``y`` [m], ``phi_m``, ``phi_s`` [rad], ``dy`` [m/s],
+            ``dphi_m`` and ``dphi_s`` [rad/s].
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        columns = zip((*COORDINATES, *VELOCITIES), (*self.q.T, *self.u.T), strict=True)
+        return dataframe({"t": self.t, **dict(columns)})
+
+    def events_to_dataframe(self) -> DataFrame:
+        """The events, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``t`` [s], ``event`` (its symbol), ``what`` (what kind it is),
+            ``contacts`` (such as ``"1+3"``), and the velocities ``dy_before`` [m/s] to
+            ``dphi_s_after`` [rad/s].
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        events = self.events
+        speeds = np.array([(*e.u_before, *e.u_after) for e in events]).reshape(-1, 6)
+        names = [f"{name}_{side}" for side in ("before", "after") for name in VELOCITIES]
+        return dataframe(
+            {
+                "t": np.array([event.time for event in events], dtype=float),
+                "event": [event.symbol for event in events],
+                "what": [event.kind.name.lower().replace("_", " ") for event in events],
+                "contacts": ["+".join(map(str, event.contacts)) for event in events],
+                **dict(zip(names, speeds.T, strict=True)),
+            }
+        )
 
 
 def simulate(

@@ -280,7 +280,9 @@ def test_files_say_what_made_them(tmp_path: Path) -> None:
     record = json.loads((tmp_path / "about_map.json").read_text(encoding="utf-8"))
     assert record["program"] == f"woodpecker-toy {woodpecker.__version__}"
     assert record["command"] == "map"
-    assert record["options"] == {"order": 1, "window": [-2.5, -2.49], "points": 2}
+    window = [-2.5, -2.49]
+    asked = {"order": 1, "window": window, "points": 2, "picture": "png"}
+    assert record["options"] == asked
     toy = Toy(eps_n1=0.3, expansion_friction=ExpansionFriction.SEPARATE)
     kept = {name: float(record["toy"].pop(name)) for name in parameters()}
     assert kept == {name: getattr(toy, name) for name in parameters()}
@@ -313,6 +315,26 @@ def test_map_writes_the_map(tmp_path: Path) -> None:
     assert float(table[0]["phi_s_start"]) == -2.0
     assert table[0]["status"] == "returned"
     assert (tmp_path / "return_map.png").stat().st_size > 10_000
+
+
+BEGINS = {"pdf": b"%PDF-", "svg": b"<?xml", "png": b"\x89PNG"}
+
+
+@pytest.mark.parametrize("form", BEGINS)
+def test_pictures_have_the_format_that_is_asked_for(form: str, tmp_path: Path) -> None:
+    for command in (("map", "--points", "20"), ("simulate", "--t-end", "0.05")):
+        status, text = run(*command, "--format", form, "--out", str(tmp_path))
+        assert status == 0
+    for name in ("return_map", "time_history", "phase_portraits"):
+        assert f"{name}.{form}" in text or name == "return_map"
+        assert (tmp_path / f"{name}.{form}").read_bytes().startswith(BEGINS[form])
+    assert {path.suffix for path in tmp_path.iterdir()} >= {f".{form}", ".csv"}
+
+
+def test_an_unknown_format_is_refused(tmp_path: Path) -> None:
+    status, text = run("map", "--points", "20", "--format", "bmp", "--out", str(tmp_path))
+    assert status == 2
+    assert "'png', 'pdf', 'svg'" in " ".join(text.replace("│", " ").split())
 
 
 def test_the_law_of_expansion_is_an_option(tmp_path: Path) -> None:

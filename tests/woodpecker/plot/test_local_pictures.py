@@ -25,7 +25,7 @@ def drawn(orders: tuple[int, ...]) -> tuple[Axes, Axes]:
     """The paper's own map next to its fold-flip, and its local model."""
     map_ = PiecewiseLinearMap([("r - 2", "x <= 0"), (f"r - ({A})*x", "x > 0")])
     diagram: Diagram = bifurcation_diagram(map_, "r", (Fraction(-1, 4), Fraction(1, 4)), orders)
-    figure = plot_local(local_model(paper(float(A)), 0.0, 0.0), diagram, reach=0.1)
+    figure = plot_local(local_model(paper(float(A)), 0.0, 0.0), diagram, reach=0.1).figure
     assert isinstance(figure, Figure)
     figure.canvas.draw()
     left, right = figure.axes
@@ -45,7 +45,9 @@ def test_only_iterates_of_the_diagram_are_drawn_behind_it(
     legend = right.get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == [
-        "unstable", "jump crossing", "fold-flip"]  # fmt: skip
+        "unstable", "jump crossing", "of an order not followed", "fold-flip"]  # fmt: skip
+    pale = [line for line in right.get_lines() if line.get_color() == "#bdbdbd"]
+    assert len(pale) == 4 - len(orders)  # P_2, P_3, P_4, but for those that were followed
 
 
 def test_names_of_lines_do_not_overlap() -> None:

@@ -1,0 +1,125 @@
+"""Frozen records as plain data of JSON, and back, as their types say.
+
+A record is a dataclass whose fields are numbers, text, enums, arrays of floats, formulas of sympy,
+other records, and tuples or mappings of these. JSON writes a float as the shortest text that reads
+back as the same double; nan and the infinities, which it lacks, are the texts ``"nan"``, ``"inf"``
+and ``"-inf"`` in an array, and objects such as ``{"$numberDouble": "inf"}`` elsewhere.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import types
+from collections.abc import Mapping
+from enum import Enum
+from functools import lru_cache
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+import sympy
+
+from pwmap.diagrams import formulas
+
+FORMULA = "$formula"  # the key of an object that stands for one
+NUMBER = "$numberDouble"  # likewise for a number that JSON lacks, as in MongoDB's Extended JSON
+
+
+def to_plain(value: Any) -> Any:
+    """A record, or a value that it holds, as dictionaries, lists, text, numbers, booleans and None.
+
+    Raises
+    ------
+    TypeError
+        If it holds what a record may not hold.
+    """
+    match value:
+        case Enum():
+            return value.value
+        case None | bool() | str() | int():
+            return value
+        case float() | np.floating():
+            return float(value) if math.isfinite(value) else {NUMBER: repr(float(value))}
+        case np.bool_() | np.integer():
+            return value.item()
+        case np.ndarray():
+            return [each if math.isfinite(each) else repr(each) for each in value.tolist()]
+        case sympy.Basic():
+            return {FORMULA: formulas.to_plain(value)}
+        case tuple() | list():
+            return [to_plain(each) for each in value]
+        case Mapping():
+            return {name: to_plain(each) for name, each in value.items()}
+    if dataclasses.is_dataclass(value):
+        kind: Any = type(value)
+        return {name: to_plain(getattr(value, name)) for name in _fields(kind)}
+    raise TypeError(f"expected a number, text or formula to save, got {value!r}")
+
+
+def from_plain(data: Any, kind: Any) -> Any:
+    """A value of some type from :func:`to_plain`; a field that is missing has its default.
+
+    Raises
+    ------
+    ValueError, TypeError, LookupError
+        If the data are not those of such a value.
+    """
+    if dataclasses.is_dataclass(kind):
+        return _record(data, kind)
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin in (Union, types.UnionType):
+        (some,) = (each for each in inner if each is not types.NoneType)
+        return None if data is None else from_plain(data, some)
+    if origin is np.ndarray:
+        return np.array([_float(each) for each in _checked(data, list)], dtype=float)
+    if origin is tuple:
+        rows = _checked(data, list)
+        types_of = [inner[0]] * len(rows) if inner[-1] is ... else inner
+        return tuple(from_plain(d, t) for d, t in zip(rows, types_of, strict=True))
+    if origin is Mapping:
+        return {name: from_plain(each, inner[1]) for name, each in _checked(data, dict).items()}
+    if kind is object or kind is Any:
+        return _untyped(data)
+    if kind is float:
+        return _float(data[NUMBER] if isinstance(data, dict) else data)
+    return kind(data) if issubclass(kind, Enum) else _checked(data, kind)
+
+
+def _untyped(data: Any) -> Any:
+    """What JSON says itself, but for formulas and the numbers that it lacks."""
+    match data:
+        case {"$formula": formula}:
+            return formulas.from_plain(formula)
+        case {"$numberDouble": number}:
+            return float(number)
+        case dict():
+            return {name: _untyped(each) for name, each in data.items()}
+        case list():
+            return [_untyped(each) for each in data]
+    return data
+
+
+def _record(data: Any, kind: Any) -> Any:
+    fields = _fields(kind)
+    if unknown := set(_checked(data, dict)) - set(fields):
+        raise ValueError(f"{kind.__name__} has no {', '.join(sorted(unknown))}")
+    return kind(**{name: from_plain(each, fields[name]) for name, each in data.items()})
+
+
+@lru_cache
+def _fields(kind: Any) -> dict[str, Any]:
+    """Fields that a record is made of, with their types."""
+    hints = get_type_hints(kind)
+    return {each.name: hints[each.name] for each in dataclasses.fields(kind) if each.init}
+
+
+def _float(data: Any) -> float:
+    if isinstance(data, bool) or not isinstance(data, int | float | str):
+        raise TypeError(f"expected a number, got {data!r}")
+    return float(data)
+
+
+def _checked(data: Any, kind: type) -> Any:
+    if not isinstance(data, kind) or (kind is int and isinstance(data, bool)):
+        raise TypeError(f"expected {kind.__name__}, got {type(data).__name__}")
+    return data

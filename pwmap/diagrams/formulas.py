@@ -1,0 +1,87 @@
+"""Exact numbers, formulas and sets of sympy as plain data of JSON, and back, without ``eval``.
+
+A rational number is text such as ``"5/4"``, so is an infinity; everything else is a list that
+begins with the name of what it is: ``["Symbol", "r"]``, ``["Add", ["Symbol", "r"], "-2"]``,
+``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with the coefficients of a polynomial. What is
+read has the same tree as what was written: nothing is evaluated, sorted or expanded.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+
+NUMBERS = {"oo": sympy.oo, "-oo": -sympy.oo, "nan": sympy.nan, "zoo": sympy.zoo}
+OPERATIONS = {"Add": sympy.Add, "Mul": sympy.Mul, "Pow": sympy.Pow}
+LONGEST = 4096  # bits of a number that is written in decimals
+SETS = {"FiniteSet": sympy.FiniteSet, "Union": sympy.Union}
+
+
+def to_plain(value: sympy.Basic) -> Any:
+    """A number, formula or set as nested lists and text.
+
+    Raises
+    ------
+    TypeError
+        If it has a part of a kind that no exact diagram has.
+    """
+    match value:
+        case sympy.Rational():
+            top, bottom = _text(int(value.p)), _text(int(value.q))
+            return top if bottom == "1" else f"{top}/{bottom}"
+        case sympy.Symbol() if type(value) is sympy.Symbol:
+            known = {k: v for k, v in value.assumptions0.items() if (k, v) != ("commutative", True)}
+            return ["Symbol", value.name, *([known] if known else [])]
+        case sympy.CRootOf():
+            coefficients = [to_plain(c) for c in value.poly.all_coeffs()]
+            return ["CRootOf", coefficients, to_plain(value.poly.gen), int(value.index)]
+        case sympy.Interval():
+            ends = [to_plain(value.start), to_plain(value.end)]
+            return ["Interval", *ends, bool(value.left_open), bool(value.right_open)]
+    for name, number in NUMBERS.items():
+        if value is number:
+            return name
+    for name, kind in (OPERATIONS | SETS).items():
+        if isinstance(value, kind):
+            return [name, *map(to_plain, value.args)]
+    raise TypeError(f"expected an algebraic formula or a set of such, got {value!r}")
+
+
+def from_plain(data: Any) -> Any:
+    """What :func:`to_plain` wrote.
+
+    Raises
+    ------
+    ValueError, TypeError, LookupError
+        If it is none of these.
+    """
+    if isinstance(data, str):
+        return NUMBERS[data] if data in NUMBERS else _rational(data)
+    name, *parts = data
+    if name == "Symbol":
+        return _symbol(*parts)
+    if name == "CRootOf":
+        coefficients, symbol, index = parts
+        polynomial = sympy.Poly([_rational(c) for c in coefficients], from_plain(symbol))
+        return sympy.CRootOf(polynomial, index, radicals=False)
+    if name == "Interval":
+        *ends, left, right = parts
+        return sympy.Interval(*map(from_plain, ends), left, right)
+    if name in SETS:
+        return SETS[name](*map(from_plain, parts))
+    return OPERATIONS[name](*map(from_plain, parts), evaluate=False)
+
+
+def _text(number: int) -> str:
+    """An integer: its digits, or those of base 16 where Python refuses to write so many."""
+    return str(number) if number.bit_length() <= LONGEST else hex(number)
+
+
+def _rational(text: str) -> sympy.Rational:
+    top, _, bottom = text.partition("/")
+    return sympy.Rational(int(top, 0), int(bottom or "1", 0))
+
+
+def _symbol(name: str, known: dict[str, bool] | None = None) -> sympy.Symbol:
+    return sympy.Symbol(name, **(known or {}))

@@ -1,0 +1,49 @@
+"""Columns as a dataframe of pandas, which is an extra."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+DataFrame = Any  # pandas.DataFrame, where pandas is installed
+Column = Sequence[Any] | np.ndarray[Any, Any]
+
+
+def dataframe(columns: Mapping[str, Column]) -> DataFrame:
+    """Columns of one length as a pandas.DataFrame; ImportError with the remedy without pandas."""
+    try:
+        import pandas as pd
+    except ImportError:
+        raise ImportError(
+            "a dataframe needs pandas, which is not installed: pip install 'woodpecker-toy[data]'"
+        ) from None
+    return pd.DataFrame({name: _values(column) for name, column in columns.items()})
+
+
+def _values(column: Column) -> Column:
+    """Arrays as copies that can be written: what a caller does to a frame stays there."""
+    return np.array(column) if isinstance(column, np.ndarray) else list(column)
+
+
+def joined(tables: Sequence[Mapping[str, Column]], names: Iterable[str]) -> dict[str, Column]:
+    """Tables below each other; a column that one of them lacks is nan there.
+
+    ``names`` are columns that are there also if there is no table.
+    """
+    every = dict.fromkeys([*names, *chain.from_iterable(tables)])
+    return {name: _stacked([_column(table, name) for table in tables]) for name in every}
+
+
+def _column(table: Mapping[str, Column], name: str) -> Column:
+    if name in table:
+        return table[name]
+    return np.full(len(next(iter(table.values()))), np.nan)
+
+
+def _stacked(parts: Sequence[Column]) -> Column:
+    if parts and all(isinstance(part, np.ndarray) for part in parts):
+        return np.concatenate(parts)
+    return list(chain.from_iterable(parts))

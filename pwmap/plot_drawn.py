@@ -1,0 +1,78 @@
+"""What a plot function gives back, and how a caller changes the look of a part of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib.pyplot as plt
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+
+Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
+Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A picture, or a part of one.
+
+    Attributes
+    ----------
+    axes
+        On which it was drawn, in order.
+    artists
+        What was drawn, lists of artists of matplotlib by the name of the part; where there is a
+        legend the names are those it has. Each can still be changed, by ``artist.set(color="k")``.
+    """
+
+    axes: tuple[Axes, ...]
+    artists: Mapping[str, Sequence[Artist]]
+
+    @property
+    def ax(self) -> Axes:
+        """The axes, or the first of several."""
+        return self.axes[0]
+
+    @property
+    def figure(self) -> Figure | SubFigure:
+        """The figure that holds the axes."""
+        return self.axes[0].figure
+
+
+def new_axes(width: float, height: float) -> Axes:
+    """Axes in a figure of their own, whose size [inch] is given."""
+    return plt.figure(figsize=(width, height), layout="constrained").gca()
+
+
+def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
+    """Give parts of a picture properties of matplotlib, such as ``{"stable": {"color": "k"}}``.
+
+    Parameters
+    ----------
+    artists
+        What was drawn, by names.
+    styles
+        By the same names, what ``artist.set`` takes.
+    known
+        Names of parts that the picture could have had.
+
+    Raises
+    ------
+    ValueError
+        If there can be no part of such a name.
+    """
+    names = dict.fromkeys((*artists, *known))
+    for name, properties in (styles or {}).items():
+        if name not in names:
+            raise ValueError(f"a style must be of one of {', '.join(names)}, got {name!r}")
+        for artist in artists.get(name, ()):
+            artist.set(**properties)
+
+
+def add(artists: Artists, more: Mapping[str, Iterable[Artist]]) -> None:
+    """Put more artists to those that have the same names."""
+    for name, values in more.items():
+        artists.setdefault(name, []).extend(values)

@@ -1,0 +1,306 @@
+"""Diagrams saved and loaded: the same in all they hold; files that are none are refused."""
+
+from __future__ import annotations
+
+import dataclasses
+import gzip
+import json
+import math
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import networkx as nx
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+from same import differences
+from sympy import Rational, sqrt
+from test_diagram import diagram as with_open_point
+
+from pwmap import (
+    Branch,
+    BranchKind,
+    Diagram,
+    PiecewiseLinearMap,
+    PointKind,
+    SpecialPoint,
+    attractor_diagram,
+    bifurcation_diagram,
+    load_diagram,
+    with_attractors,
+)
+from pwmap.diagrams import formulas
+
+A, R, X = sympy.symbols("a r x")
+P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
+
+
+def symbolic() -> Diagram:
+    """Exact values are formulas in a > 1."""
+    map_ = PiecewiseLinearMap.from_sympy(sympy.sympify(P1L), X, given=[A > 1])
+    return bifurcation_diagram(map_, "r", (-1, 2), orders=(1, 2, 3))
+
+
+def with_roots() -> Diagram:
+    """Special points at roots of polynomials, such as CRootOf(t**3 - 3*t**2 + 3*t - 3, 0)."""
+    map_ = PiecewiseLinearMap.from_sympy(sympy.sympify(P1L), X).at({R: 3})
+    return bifurcation_diagram(map_, "a", (Rational(11, 10), 4), orders=(1, 2, 3))
+
+
+def with_infinities() -> Diagram:
+    """Points at infinity, and intervals of fixed points along single values of the parameter."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (a*x - 1, True))")
+    return bifurcation_diagram(map_, "a", (-2, 2), orders=(1, 2, 3))
+
+
+def with_bands() -> Diagram:
+    """Bands that merge at sqrt(2), with columns of their own."""
+    tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    found = bifurcation_diagram(tent, "a", ("6/5", "9/4"), (1, 2))
+    return with_attractors(found, attractor_diagram(tent, "a", ("6/5", "9/4"), 2))
+
+
+DIAGRAMS = (symbolic, with_roots, with_infinities, with_bands, with_open_point)
+
+
+def shown(diagram: Diagram, value: float) -> list[tuple[str, str]]:
+    """What a diagram shows at a value of the parameter, to the last bit."""
+    return [(hit.branch.id, repr(tuple(hit)[1:])) for hit in diagram.at(value)]
+
+
+@pytest.mark.parametrize("made", DIAGRAMS, ids=lambda made: made.__name__)
+@pytest.mark.parametrize("name", ["diagram.json", "diagram.json.gz"])
+def test_what_is_loaded_is_what_was_saved(
+    made: Callable[[], Diagram], name: str, tmp_path: Path
+) -> None:
+    diagram = made()
+    path = diagram.save(tmp_path / name)
+    loaded = load_diagram(path)
+    assert path == tmp_path / name
+    assert differences(diagram, loaded) == []
+    first, second = diagram.graph(), loaded.graph()
+    assert nx.utils.graphs_equal(first, second)
+    for point in diagram.points:
+        assert loaded.sides(point.id) == diagram.sides(point.id)
+    for value in {point.parameter for point in diagram.points} | {1.25}:
+        assert shown(loaded, value) == shown(diagram, value)
+    for branch in loaded.branches:
+        assert not branch.x.flags.writeable
+        assert branch.stable.tolist() == diagram.branch(branch.id).stable.tolist()
+
+
+def test_exact_values_stay_exact(tmp_path: Path) -> None:
+    loaded = load_diagram(symbolic().save(tmp_path / "symbolic.json"))
+    (fold_flip,) = (p for p in loaded.points if p.kind is PointKind.FF)
+    assert fold_flip.exact == {"parameter": 0, "x": 0}
+    assert loaded.given == ("a > 1",)
+    assert loaded.sample == {"a": 2}
+    half = Rational(1, 2)
+    assert [hit.exact["x"] for hit in loaded.at("1/2") if hit.branch.order <= 2] == [
+        -3 * half, 0, half / (A + 1), half / A,
+    ]  # fmt: skip
+    (unstable,) = (hit for hit in loaded.at("1/2") if hit.exact.get("multiplier") == -A)
+    assert unstable.branch.exact["x"] == R / (A + 1)
+
+
+def test_a_merging_crisis_stays_at_a_root(tmp_path: Path) -> None:
+    loaded = load_diagram(with_bands().save(tmp_path / "tent.json"))
+    assert loaded.point("MC1").exact["parameter"] == sqrt(2)
+    (last,) = (b for b in loaded.branches if b.kind is BranchKind.BAND and b.order == 1)
+    assert set(last.columns) == {"low", "high"}
+
+
+def test_the_file_is_plain_json(tmp_path: Path) -> None:
+    path = with_open_point().save(tmp_path / "small.json")
+    content = json.loads(path.read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert list(content) == ["format", "version", "diagram"]
+    assert (content["format"], content["version"]) == ("pwmap diagram", 1)
+    branches = content["diagram"]["branches"]
+    assert branches[0]["parameter"] == [0.1, 0.2, 0.4]
+    assert branches[0]["words"][1]["cause"] == "the upper sleeve grazes"
+    assert content["diagram"]["points"][2]["precision"] == {"$numberDouble": "inf"}
+
+
+def test_values_of_any_type(tmp_path: Path) -> None:
+    """What a mapping without types holds: values of JSON, numbers it lacks, formulas."""
+    made = {
+        "toy": {"pole": math.inf, "eps_n1": 0.5}, "span": [0.0, 1], "law": "summed", "x": A / 2,
+        "known": None, "flag": True,
+    }  # fmt: skip
+    diagram = dataclasses.replace(with_open_point(), sample=made)
+    loaded = load_diagram(diagram.save(tmp_path / "d.json"))
+    assert loaded.sample == made
+    assert isinstance(loaded.sample["x"], sympy.Mul)
+
+
+@given(
+    st.lists(st.floats(), min_size=1, max_size=4),
+    st.floats(allow_nan=False),
+    st.text(max_size=5),
+)
+def test_every_double_and_text(values: list[float], at: float, note: str) -> None:
+    branch = Branch(
+        id="b", kind=BranchKind.FIXED_POINT, order=1, word=note, parameter=values, x=values,
+        multiplier=values[::-1], ends=("p", "p"), columns={"drop": values},
+    )  # fmt: skip
+    point = SpecialPoint(id="p", kind=PointKind.EP, parameter=at, x=values[0], note=note)
+    diagram = Diagram(parameter_name="p", x_name=note, branches=(branch,), points=(point,))
+    with tempfile.TemporaryDirectory() as folder:
+        loaded = load_diagram(diagram.save(Path(folder) / "d.json"))
+    # nan is one value here: its sign and payload are not kept
+    for name in ("parameter", "x", "multiplier"):
+        np.testing.assert_array_equal(getattr(loaded.branches[0], name), getattr(branch, name))
+        signs = np.signbit(getattr(loaded.branches[0], name)), np.signbit(getattr(branch, name))
+        known = ~np.isnan(getattr(branch, name))
+        assert (signs[0] == signs[1])[known].all()
+    assert repr(loaded.points[0].parameter) == repr(at)
+    assert loaded.x_name == note
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        Rational(-7, 3), sympy.oo, -sympy.oo, sympy.nan, sqrt(2),
+        (1 + sqrt(5)) / 2, sympy.Mul(2, A + 1, evaluate=False), A**-2 * (R - 2) ** 3,
+        sympy.CRootOf(X**5 - X - 1, 0), sympy.CRootOf(X**3 - 2, 0) + 1,
+        sympy.Symbol("a", positive=True) + A, sympy.Interval.Lopen(A, sympy.oo),
+        sympy.FiniteSet(1, sqrt(2)), sympy.Union(sympy.Interval(0, 1), sympy.Interval(2, 3)),
+    ],
+)  # fmt: skip
+def test_formulas_keep_their_form(value: sympy.Basic) -> None:
+    data = json.loads(json.dumps(formulas.to_plain(value)))
+    again = formulas.from_plain(data)
+    assert again == value
+    assert (str(again), hash(again)) == (str(value), hash(value))
+
+
+def test_integers_of_more_digits_than_python_writes() -> None:
+    large = Rational(3**9000, 2**20000 + 1)
+    assert formulas.from_plain(formulas.to_plain(large)) == large
+
+
+def test_other_formulas_are_refused() -> None:
+    for value in (sympy.sin(A), sympy.Dummy("a")):
+        with pytest.raises(TypeError, match="expected an algebraic formula or a set of such, got"):
+            formulas.to_plain(value)
+
+
+def test_every_field_is_in_the_file(tmp_path: Path) -> None:
+    content = json.loads(with_open_point().save(tmp_path / "d.json").read_bytes())["diagram"]
+    for kind, data in (
+        (Diagram, content),
+        (Branch, content["branches"][0]),
+        (SpecialPoint, content["points"][0]),
+    ):
+        assert list(data) == [each.name for each in dataclasses.fields(kind) if each.init]
+
+
+def test_an_older_file_without_a_field_has_its_default(tmp_path: Path) -> None:
+    path = with_open_point().save(tmp_path / "d.json")
+    content = json.loads(path.read_bytes())
+    for data in content["diagram"]["branches"]:
+        del data["columns"], data["attracts"]
+    path.write_text(json.dumps(content), encoding="utf-8")
+    assert differences(with_open_point(), load_diagram(path)) == []
+
+
+def changed(path: Path, change: Callable[[dict], object]) -> Path:
+    """A file in which something was changed."""
+    content = json.loads(path.read_bytes())
+    change(content)
+    path.write_text(json.dumps(content), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: c.update(format="pwmap atlas"), "it does not begin with the format"),
+        (lambda c: c.pop("diagram"), "'diagram'"),
+        (lambda c: c["diagram"]["points"].pop(), "branch 'j1' ends at unknown point 'EP1'"),
+        (lambda c: c["diagram"].update(points=3), "expected list, got int"),
+        (lambda c: c["diagram"].update(x_name=3), "expected str, got int"),
+        (lambda c: c["diagram"].update(colour=3), "Diagram has no colour"),
+        (lambda c: c["diagram"]["branches"][0].update(order=True), "expected int, got bool"),
+        (lambda c: c["diagram"]["branches"][0].update(kind="arc"), "'arc' is not a valid"),
+        (lambda c: c["diagram"]["branches"][0]["x"].pop(), "must have one common length"),
+        (lambda c: c["diagram"]["branches"][0].update(x=[None] * 3), "expected a number, got None"),
+        (
+            lambda c: c["diagram"]["points"][0].update(exact={"x": {"$formula": ["exec", "1"]}}),
+            "'exec'",
+        ),
+    ],
+)
+def test_files_that_are_none_are_refused(
+    change: Callable[[dict], object], message: str, tmp_path: Path
+) -> None:
+    path = changed(with_open_point().save(tmp_path / "d.json"), change)
+    with pytest.raises(ValueError, match=r"d\.json is no saved diagram: ") as refused:
+        load_diagram(path)
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_newer_version_is_refused_in_one_sentence(tmp_path: Path) -> None:
+    path = changed(with_open_point().save(tmp_path / "d.json"), lambda c: c.update(version=2))
+    with pytest.raises(ValueError, match="newer one is needed") as refused:
+        load_diagram(path)
+    assert str(refused.value) == (
+        f"{path} has version 2 of the format 'pwmap diagram', and this pwmap reads up to version "
+        "1: a newer one is needed"
+    )
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"{", b"[1]", b"\xff\xfe", b"[" * 100_000, gzip.compress(b"{}"), b"graph {}"]
+)
+def test_other_files_are_refused(content: bytes, tmp_path: Path) -> None:
+    for name in ("d.json", "d.json.gz"):
+        path = tmp_path / name
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match="is no saved diagram: "):
+            load_diagram(path)
+
+
+def test_a_file_that_is_cut_off_is_refused(tmp_path: Path) -> None:
+    for name in ("d.json", "d.json.gz"):
+        path = with_open_point().save(tmp_path / name)
+        path.write_bytes(path.read_bytes()[:-20])
+        with pytest.raises(ValueError, match="is no saved diagram: "):
+            load_diagram(path)
+
+
+def test_nothing_is_half_written(tmp_path: Path) -> None:
+    path = with_open_point().save(tmp_path / "d.json")
+    before = path.read_bytes()
+    wrong = dataclasses.replace(with_open_point(), sample={"a": sympy.sin(A)})
+    with pytest.raises(TypeError, match="expected an algebraic formula"):
+        wrong.save(path)
+    assert path.read_bytes() == before
+    assert [each.name for each in tmp_path.iterdir()] == ["d.json"]
+    with pytest.raises(FileNotFoundError, match="there is no folder"):
+        wrong.__class__(parameter_name="p", x_name="x", branches=(), points=()).save(
+            tmp_path / "none" / "d.json"
+        )
+    with pytest.raises(FileNotFoundError):
+        load_diagram(tmp_path / "none.json")
+
+
+def test_compression_pays(tmp_path: Path) -> None:
+    """Many samples: 17 digits of a double take some 19 characters, and a third less compressed."""
+    n = 20_000
+    rng = np.random.default_rng(1)
+    columns = np.sort(rng.uniform(size=n)), rng.normal(size=n), rng.normal(size=n)
+    branch = Branch(
+        id="b", kind=BranchKind.FIXED_POINT, order=1, word="w", parameter=columns[0], x=columns[1],
+        multiplier=columns[2], ends=("p", "p"),
+    )  # fmt: skip
+    point = SpecialPoint(id="p", kind=PointKind.EP, parameter=0.0, x=math.pi)
+    diagram = Diagram(parameter_name="p", x_name="x", branches=(branch,), points=(point,))
+    plain = diagram.save(tmp_path / "d.json").stat().st_size
+    packed = diagram.save(tmp_path / "d.json.gz").stat().st_size
+    assert plain < 22 * 3 * n
+    assert packed < 0.5 * plain

@@ -1,0 +1,125 @@
+"""Results of the toy as dataframes, and what a newcomer does with them in a few lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from needs import NEEDS_NUMBA
+from same import differences
+from sympy import Piecewise, Symbol
+
+from woodpecker import (
+    Settings,
+    Toy,
+    curve_through,
+    family_from_sympy,
+    load_diagram,
+    return_map,
+    simulate,
+    whole_diagram,
+)
+
+
+def test_returns() -> None:
+    """One start jams as the paper's motion does, the other falls for ever."""
+    frame = return_map(Toy(), [-0.52947197, -1.225]).to_dataframe()
+    assert list(frame.columns) == [
+        "phi_s_start", "phi_s", "period", "drop", "slope", "d_eps_n1", "status", "word",
+    ]  # fmt: skip
+    first = frame.iloc[0]
+    assert first.phi_s == pytest.approx(-0.52947197, abs=1e-8)
+    assert first.period == pytest.approx(0.14597607, abs=1e-8)
+    assert first["drop"] == pytest.approx(0.0194454, abs=1e-7)
+    assert first.word == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
+    assert frame.status.tolist()[0] == "returned"
+
+
+def test_samples_and_events_of_a_motion() -> None:
+    motion = simulate(Toy(), -0.53, 0.15, samples=31)
+    frame, events = motion.to_dataframe(), motion.events_to_dataframe()
+    assert list(frame.columns) == ["t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s"]
+    assert frame[["y", "phi_m", "phi_s"]].to_numpy().tolist() == motion.q.tolist()
+    assert frame[["dy", "dphi_m", "dphi_s"]].to_numpy().tolist() == motion.u.tolist()
+    assert " ".join(events.event) == motion.word
+    beak = events[(events.what == "impact") & (events.contacts == "1")].iloc[0]
+    assert beak.t == pytest.approx(0.048187, abs=1e-6)
+    assert beak.dphi_s_before == motion.events[4].u_before[2]
+    smooth = events[events.what != "impact"]
+    assert smooth.dy_before.to_numpy() == pytest.approx(smooth.dy_after.to_numpy(), abs=1e-12)
+
+
+def test_events_of_a_motion_without_any() -> None:
+    events = simulate(Toy(), -0.22, 0.01, samples=3).events_to_dataframe()
+    assert len(events) == 0
+    assert "dphi_s_after" in events.columns
+
+
+def test_a_curve_of_two_parameters() -> None:
+    """A border collision of x -> r - a x at x = 0 stays at r = 0."""
+    x, r, a = Symbol("x"), Symbol("r"), Symbol("a")
+    family = family_from_sympy(Piecewise((r - 2, x < 0), (r - a * x, True)), x, (r, a))
+    settings = Settings(window=(-20.0, 20.0), span=(-1.0, 1.0))
+    found = whole_diagram(family.over(0, (0.0, 1.25)), settings, (1,)).diagram
+    (met,) = (p for p in found.points if p.kind == "FF")
+    curve = curve_through(family, met, 1.25, span=((-1.0, 1.0), (1.1, 2.0)), settings=settings)
+    frame = curve.to_dataframe()
+    assert list(frame.columns)[:3] == [*curve.names, "x_0"]
+    assert len(frame) == len(curve)
+    assert frame[curve.names[0]].abs().max() < 1e-12
+    assert (frame[curve.names[1]].min(), frame[curve.names[1]].max()) == (1.1, 2.0)
+    assert np.allclose(frame.gap.abs(), 2.0, atol=1e-12)
+    assert set(frame.kind) == {"FF"}
+
+
+# --- What a newcomer writes -----------------------------------------------------------------------
+
+PERIOD_AND_DROP = """
+from woodpecker import Toy, continuation, observables, shoot
+toy = Toy()
+found = continuation(toy, shoot(toy, -0.53), "mu_2", span=(0.29, 0.31))
+frame = observables(toy, found, "period", "drop").to_dataframe()
+stable = frame[frame.stable][["mu_2", "period", "drop"]]
+"""
+OWN_MAP = """
+from woodpecker import FormulaMap, FormulaPiece, Settings, Smooth, load_diagram, whole_diagram
+low = FormulaPiece("low", Smooth(lambda x, p: p - 2), {"x is 0": Smooth(lambda x, p: -x)})
+high = FormulaPiece("high", Smooth(lambda x, p: p - 1.25*x), {"x is 0": Smooth(lambda x, p: x)})
+settings = Settings(span=(-0.5, 1.5), window=(-3.0, 3.0))
+found = whole_diagram(FormulaMap([low, high]), settings, orders=(1, 2)).diagram
+found.named({"A": (0.0, 0.0)}).save("own.json")
+load_diagram("own.json").plot(words=True).figure.savefig("own.pdf")
+"""
+
+
+def run(text: str) -> dict[str, Any]:
+    """The names that a program leaves behind."""
+    names: dict[str, Any] = {}
+    exec(text, names)
+    return names
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
+    assert len(PERIOD_AND_DROP.split("\n")) - 2 == 5
+    stable = run(PERIOD_AND_DROP)["stable"]
+    at = stable[(stable.mu_2 - 0.3).abs() < 1e-12]
+    assert at.period.to_numpy() == pytest.approx(0.14597607, abs=1e-8)
+    assert at["drop"].to_numpy() == pytest.approx(0.0194454, abs=1e-7)
+    assert stable.mu_2.max() == 0.31
+    assert len(stable) > 5
+
+
+def test_an_own_map_in_ten_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert len(OWN_MAP.split("\n")) - 2 <= 10
+    monkeypatch.chdir(tmp_path)
+    found, loaded = run(OWN_MAP)["found"], load_diagram("own.json")
+    assert differences(found.named({"A": (0.0, 0.0)}), loaded) == []
+    assert (tmp_path / "own.pdf").read_bytes().startswith(b"%PDF")
+    assert loaded.point("A").kind == "FF"
+    assert abs(loaded.point("A").parameter) < 1e-12
+    assert {b.word for b in loaded.branches if b.kind == "fixed-point"} == {"low", "high"}
+    assert {b.order for b in loaded.branches if b.kind == "jump"} == {1, 2}

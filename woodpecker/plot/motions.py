@@ -1,0 +1,277 @@
+"""Pictures of motions: time histories and phase portraits [Leine2001, Figs. 4-6]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from pwmap.plot import JUMP, STABLE, UNSTABLE
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from woodpecker.base.arrays import Floats
+from woodpecker.simulation.trajectory import Trajectory
+from woodpecker.simulation.words import EventKind
+
+LINE: dict[str, Any] = {"color": STABLE, "linewidth": 1.1}
+BOUND: dict[str, Any] = {"color": "#969696", "linewidth": 0.8, "linestyle": (0, (5, 3))}
+_Axes = Sequence[Axes]
+
+
+class Quantity(NamedTuple):
+    """A coordinate or velocity as it is drawn, in the units of all tables."""
+
+    label: str
+    velocity: bool
+    column: int  # of q or u
+
+    def of(self, q: Floats, u: Floats) -> Floats:
+        """Its values, from coordinates and velocities of shape (..., 3)."""
+        values: Floats = (u if self.velocity else q)[..., self.column]
+        return values
+
+
+QUANTITIES = {
+    "y": Quantity(r"$y$ [m]", False, 0),
+    "phi_m": Quantity(r"$\varphi_M$ [rad]", False, 1),
+    "phi_s": Quantity(r"$\varphi_S$ [rad]", False, 2),
+    "dy": Quantity(r"$\dot y$ [m/s]", True, 0),
+    "dphi_m": Quantity(r"$\dot\varphi_M$ [rad/s]", True, 1),
+    "dphi_s": Quantity(r"$\dot\varphi_S$ [rad/s]", True, 2),
+}
+IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
+STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
+    (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
+    (2,): ("impact of the lower edge", {"color": JUMP, "linestyle": (0, (4, 1.5)), "marker": "v"}),
+    (3,): (
+        "impact of the upper edge",
+        {"color": "#6a51a3", "linestyle": (0, (4, 1.2, 1, 1.2)), "marker": "^"},
+    ),
+    (1, 2): (
+        "impact of beak and lower edge",
+        {"color": "#cb181d", "linestyle": (0, (1, 1.2)), "marker": "D"},
+    ),
+    (1, 3): (
+        "impact of beak and upper edge",
+        {"color": "#cb181d", "linestyle": (0, (3, 1.2)), "marker": "s"},
+    ),
+}
+MOTION, START, DIRECTION, STOPS = "motion", "start", "direction of time", "stops"
+KNOWN = (MOTION, START, DIRECTION, STOPS, *(name for name, _ in STRUCK.values()))
+LOWEST, ROW = 0.04, 0.055  # of the height of axes: the first row of marks, and the next
+ARROWS = (0.08, 0.42, 0.76)  # where arrows lie, as parts of the way
+
+
+def plot_time_history(
+    trajectory: Trajectory, axes: _Axes | None = None, *, legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """Coordinates over time on three axes, with impacts as marks [Leine2001, Fig. 4].
+
+    Parameters
+    ----------
+    trajectory
+        From :func:`woodpecker.simulate`.
+    axes
+        Three axes, for y, phi_M and phi_S; a new figure by default.
+    legend
+        Whether to say, above the first axes, what struck.
+    styles
+        Properties of matplotlib by ``"motion"``, ``"stops"`` and the names in the legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
+
+    Raises
+    ------
+    ValueError
+        If there is no part of the name of a style.
+    """
+    if axes is None:
+        figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
+        axes = list(figure.subplots(3, 1, sharex=True))
+    toy, shown = trajectory.toy, Artists()
+    stops: tuple[tuple[float, ...], ...] = (
+        (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
+    )  # fmt: skip
+    for ax, name, limits in zip(axes, ("y", "phi_m", "phi_s"), stops, strict=True):
+        drawn = QUANTITIES[name]
+        add(shown, {MOTION: ax.plot(trajectory.t, drawn.of(trajectory.q, trajectory.u), **LINE)})
+        add(shown, {STOPS: [ax.axhline(limit, **BOUND) for limit in limits]})
+        for row, (contacts, times) in enumerate(_strikes(trajectory).items()):
+            label, style = STRUCK[contacts]
+            low = np.full(len(times), LOWEST + ROW * row)
+            marks = ax.plot(
+                times, low, style["marker"], color=style["color"], markersize=4.2, mec="white",
+                mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
+            )  # fmt: skip
+            add(shown, {label: marks})
+        ax.margins(y=0.2)
+        ax.set_ylabel(drawn.label)
+        ax.grid(alpha=0.25, linewidth=0.5)
+    axes[-1].set_xlabel("$t$ [s]")
+    axes[-1].set_xlim(0.0, trajectory.t_end)
+    styled(shown, styles, KNOWN)
+    if legend:
+        _impact_legend(axes[0], shown)
+    return Drawn(tuple(axes), shown)
+
+
+def _impact_legend(ax: Axes, shown: Artists) -> None:
+    """What struck, in the order of the contacts, above the axes."""
+    entries = {name: shown[name][0] for name, _ in STRUCK.values() if name in shown}
+    if entries:
+        ax.legend(
+            entries.values(), entries.keys(), fontsize=7, frameon=False, ncols=len(entries),
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handletextpad=0.4,
+        )  # fmt: skip
+
+
+def _strikes(trajectory: Trajectory) -> dict[tuple[int, ...], list[float]]:
+    """Times of impacts by the contacts that take part."""
+    found: dict[tuple[int, ...], list[float]] = {}
+    for event in trajectory.events:
+        if event.kind in IMPACTS:
+            found.setdefault(tuple(sorted(event.contacts)), []).append(event.time)
+    return {contacts: found[contacts] for contacts in STRUCK if contacts in found}
+
+
+def plot_phase_portrait(
+    trajectory: Trajectory, x: str, y: str, ax: Axes | None = None, *, legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """One quantity over another, such as ``"dphi_s"`` over ``"phi_s"``; see :data:`QUANTITIES`.
+
+    Arrows point along the motion. Impacts, where the velocities jump, are broken lines that end in
+    a mark, both different for each contact [Leine2001, Figs. 5 and 6].
+
+    Parameters
+    ----------
+    trajectory
+        From :func:`woodpecker.simulate`.
+    x, y
+        Names of quantities: y, phi_m, phi_s, dy, dphi_m or dphi_s.
+    ax
+        Axes to draw on; new ones by default.
+    legend
+        Whether to explain lines and marks.
+    styles
+        Properties of matplotlib by ``"motion"`` and the names in the legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
+
+    Raises
+    ------
+    ValueError
+        If there is no such quantity, or no part of the name of a style.
+    """
+    for name in (x, y):
+        if name not in QUANTITIES:
+            raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
+    ax = ax if ax is not None else new_axes(4.6, 3.6)
+    across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
+    jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
+    way = np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan)
+    shown: Artists = {MOTION: [*ax.plot(*way, **LINE)]}
+    shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
+    add(shown, _impact_strokes(ax, trajectory, across, up))
+    shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
+    ax.set_xlabel(QUANTITIES[x].label)
+    ax.set_ylabel(QUANTITIES[y].label)
+    ax.grid(alpha=0.25, linewidth=0.5)
+    styled(shown, styles, KNOWN)
+    if legend:
+        entries = _entries(shown)
+        ax.legend(entries.values(), entries.keys(), fontsize=6.5, loc="best", framealpha=0.9)
+    return Drawn((ax,), shown)
+
+
+def _entries(shown: Artists) -> dict[str, Any]:
+    """What a legend of phase portraits has: start, direction, and what struck."""
+    arrow = Line2D([], [], color=STABLE, linewidth=1.1, marker=">", markersize=4.5)
+    names = (name for name, _ in STRUCK.values() if name in shown)
+    return {START: shown[START][0], DIRECTION: arrow, **{name: shown[name][0] for name in names}}
+
+
+def _impact_strokes(ax: Axes, trajectory: Trajectory, across: Floats, up: Floats) -> Artists:
+    """Lines from before to after impacts; times of events come twice among the samples."""
+    shown: Artists = {}
+    for contacts, times in _strikes(trajectory).items():
+        name, style = STRUCK[contacts]
+        after = np.searchsorted(trajectory.t, np.unique(times), side="right") - 1
+        pairs = np.column_stack([after - 1, after])
+        line = ax.plot(*strokes(across[pairs], up[pairs]), linewidth=1.1, markersize=3.4,
+                       markevery=slice(1, None, 3), zorder=3, **style)  # fmt: skip
+        shown[name] = [*line]
+    return shown
+
+
+def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Any]:
+    """Arrow heads along the motion, at parts of its way in the picture."""
+    size = [float(np.ptp(values)) or 1.0 for values in (across, up)]
+    steps = np.hypot(np.diff(across) / size[0], np.diff(up) / size[1])
+    steps[np.diff(t) == 0.0] = 0.0  # no arrows on impacts
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    arrows = []
+    for part in ARROWS:
+        end = int(np.clip(np.searchsorted(way, part * way[-1]), 1, len(way) - 1))
+        begin = max(0, end - 1)
+        arrows.append(ax.annotate(
+            "", (across[end], up[end]), (across[begin], up[begin]), zorder=4,
+            arrowprops={"arrowstyle": "-|>", "color": STABLE, "shrinkA": 0, "shrinkB": 0,
+                        "mutation_scale": 13, "linewidth": 0.0},
+        ))  # fmt: skip
+    return arrows
+
+
+def plot_phase_portraits(
+    trajectory: Trajectory, axes: _Axes | None = None, *, legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """The bird's, the sleeve's and the fall's phase portrait on three axes.
+
+    Parameters
+    ----------
+    trajectory, styles
+        As for :func:`plot_phase_portrait`.
+    axes
+        Three axes; a new figure by default.
+    legend
+        Whether to explain lines and marks, below all three.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists of all three by the names in the legend.
+
+    Raises
+    ------
+    ValueError
+        If there is no part of the name of a style.
+    """
+    if axes is None:
+        figure = plt.figure(figsize=(9.6, 3.7), layout="constrained")
+        axes = list(figure.subplots(1, 3))
+    pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
+    shown: Artists = {}
+    for ax, (x, y) in zip(axes, pairs, strict=True):
+        add(shown, plot_phase_portrait(trajectory, x, y, ax, legend=False, styles=styles).artists)
+    if legend:
+        entries = _entries(shown)
+        axes[0].figure.legend(entries.values(), entries.keys(), fontsize=7.5, frameon=False,
+                              ncols=len(entries), loc="outside lower center")  # fmt: skip
+    return Drawn(tuple(axes), shown)
+
+
+def strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Lines (n, 2), each between two points, as one line with gaps."""
+    gap = np.full((len(x), 1), np.nan)
+    return np.hstack([x, gap]).ravel(), np.hstack([y, gap]).ravel()
