@@ -14,13 +14,13 @@ data of the paper; every parameter has a name, its unit is SI.
 # is known in closed form, and events are roots of known functions: there is no step size.
 
 from woodpecker import Toy, simulate
-from woodpecker.plot import figures
+from woodpecker.plot.motions import plot_time_history
 
 toy = Toy()
 motion = simulate(toy, -0.53, t_end=0.3)
 for event in motion.events[:8]:
     print(f"{1e3 * event.time:9.5f} ms   {event.symbol}")
-axes = figures.plot_time_history(motion)
+drawn = plot_time_history(motion)
 
 # %%
 # The symbols say what happened at which contact, 1 the beak, 2 the lower edge of the sleeve, 3
@@ -47,9 +47,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from woodpecker import return_map
+from woodpecker.plot.figures import plot_return_map
 
 fig, ax = plt.subplots(figsize=(6.4, 5.2), layout="constrained")
-ax = figures.plot_return_map(toy, return_map(toy, np.linspace(-1.1, -0.24, 300)), ax)
+drawn = plot_return_map(toy, return_map(toy, np.linspace(-1.1, -0.24, 300)), ax)
 
 # %%
 # A periodic motion
@@ -76,7 +77,7 @@ diagram = continuation(toy, orbit, "eps_n1", span=(0.10, 0.70))
 for point in diagram.points:
     print(f"{point.id:4} {point.kind!s:3} {point.parameter:.10f} {point.x:+.8f}  {point.cause}")
 fig, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
-ax = plot_diagram(diagram, ax)
+drawn = plot_diagram(diagram, ax)
 
 # %%
 # Read it from the right: the stable motion ends at 0.185127 in a jump, turns back as a jump

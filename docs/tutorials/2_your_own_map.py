@@ -42,7 +42,7 @@ for point in diagram.points:
 
 found = whole_diagram(own, settings, (1, 2), Search(slices=16), workers=1)
 fig, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
-ax = plot_diagram(found.diagram, ax)
+drawn = plot_diagram(found.diagram, ax)
 print(len(found.diagram.branches), "branches,", len(found.diagram.points), "special points")
 
 # %%

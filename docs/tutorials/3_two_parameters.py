@@ -24,7 +24,7 @@ for curve in plane.curves:
 for point in plane.points:
     print(point.kind.label, point.values, point.curves)
 fig, ax = plt.subplots(figsize=(6.4, 4.8), layout="constrained")
-ax = plot_plane(plane, ax)
+drawn = plot_plane(plane, ax)
 
 # %%
 # The toy over two of its parameters
@@ -42,7 +42,7 @@ curve = continuation(toy, c, ("eps_n1", "mu_2"), span=((0, 1), (0.295, 0.35)))
 for point in curve.points:
     print(f"{point.kind!s:3}", *(f"{value:.9f}" for value in point.values), point.cause)
 fig, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
-ax = plot_curves({"C": curve}, ax)
+drawn = plot_curves({"C": curve}, ax)
 ax.locator_params(axis="x", nbins=6)
 
 # %%

@@ -70,4 +70,4 @@ for point in diagram.points:
 fig, axes = plt.subplots(1, 3, figsize=(10.0, 3.6), layout="constrained")
 plot_map(example.at({r: 1}), axes[0])
 plot_map(example.at({r: 1}).iterate(2), axes[1])
-ax = plot_diagram(diagram, axes[2])
+drawn = plot_diagram(diagram, axes[2])

@@ -83,6 +83,7 @@ def test_wrong_maps_are_refused() -> None:
         attractor_diagram(TENT.iterate(2), "a", (1, 2))
 
 
+@pytest.mark.slow
 def test_two_mergings_between_two_samples_are_told_apart() -> None:
     """From 26/25 on the first sample has 16 bands and the next one 4: the tent map's merge at
     2^(1/16) and 2^(1/8), and no words up to order 5 say so."""

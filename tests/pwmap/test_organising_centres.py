@@ -129,6 +129,7 @@ def height(s: Fraction, n: int) -> Fraction:
     return (1 / s**n - 1) / (1 - s)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("s", "t"), [("1/2", "1/3"), ("2/3", "4/5"), ("1/3", "0")])
 def test_period_incrementing_between_slopes_of_two_signs(s: str, t: str) -> None:
     """R L^n for h_(n - 1) - t <= v/u < h_n, or with the ends owned otherwise, and nothing else."""

@@ -111,6 +111,7 @@ def test_the_conditions_that_bind_decide_in_random_maps() -> None:
 # --- The map of the paper -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_higher_thresholds_of_the_paper_belong_to_l_r_n() -> None:
     """L R^n ends at r_n = 2 (1 + a) (-a)^n/(1 + a (-a)^n): r_1 = 2 a/(a - 1), and so on.
 

@@ -48,6 +48,7 @@ FINE = 1e-5 if COMPILED else 1e-4  # s; plain Python takes seconds for the finer
 PER_STEP = 60.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scheme", "solver"), EVERY_WAY)
 def test_one_return_of_the_nominal_cycle(scheme: str, solver: str) -> None:
     once, kernel = (

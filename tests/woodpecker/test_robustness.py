@@ -20,6 +20,7 @@ def of_some() -> Robustness:
     return robustness(toy, shoot(toy, GUESS), NAMES)
 
 
+@pytest.mark.slow
 def test_one_parameter_ends_where_its_diagram_says() -> None:
     values = {
         each.direction: (each.value, each.kind) for each in of_some().limits
@@ -56,6 +57,7 @@ def test_single_changes_are_larger() -> None:
     assert total == pytest.approx(100.0 * nearest.size, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_nothing_is_nearer_in_random_directions() -> None:
     toy, nearest = Toy(), of_some().nearest
     assert nearest is not None

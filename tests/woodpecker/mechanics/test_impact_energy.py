@@ -173,6 +173,7 @@ def test_without_friction_energy_is_lost(contacts: tuple[int, ...], law: Expansi
         assert energy.gain <= energy.bound + ROUNDING
 
 
+@pytest.mark.slow
 @pairs
 def test_the_sum_loses_energy_where_it_holds_the_impulses_of_compression(
     contacts: tuple[int, ...],

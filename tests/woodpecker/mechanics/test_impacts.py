@@ -187,6 +187,7 @@ def integer_problem(
 # --- Against Lemke and enumeration ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "coupling"), [(1, 0.0), (2, 0.0), (2, 1.0)])
 def test_random_problems_agree_with_lemke(n: int, coupling: float) -> None:
     """Where there is one solution it is Lemke's; where not, enumeration sees several too."""
@@ -618,6 +619,7 @@ def some_forces_hold(toy: Toy, k: int, d: float) -> bool:
     return bool(result.success)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("k", "mu_max", "stretch", "share"),
     [(1, 1.0, (-1.5, 1.5), 0.3), (2, 2.0, (-10.0, 0.0), 0.05)],  # contact 3 needs huge friction

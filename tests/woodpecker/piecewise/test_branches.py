@@ -311,6 +311,7 @@ def crossings(f: Callable[[Floats], Floats]) -> tuple[int, list[float]]:
     return int((~jumps).sum()), x[change[jumps]].tolist()
 
 
+@pytest.mark.slow
 @thorough(150)
 @given(
     m=st.sampled_from([-1.0, 1.0]).flatmap(

@@ -28,6 +28,7 @@ def computed(map_: PiecewiseMap, orders: Sequence[int]) -> Diagram:
     return explorer.network.diagram("p", "x")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100))
 def test_the_computed_graph_is_the_proved_one(seed: int) -> None:
     map_, proved = random_case(Random(seed), (1, 2))

@@ -84,6 +84,7 @@ class TestPaper:
         assert set(curve.codes) == {"BC"}
         assert set(curve.notes) == {"fold"}
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("right", [1, 2, 3])
     def test_higher_thresholds(self, right: int) -> None:
         """The cycle A B^k meets the jump where B^k (r - 2) = 0.
@@ -103,6 +104,7 @@ class TestPaper:
         assert np.ptp(curve.values[:, 1]) > 1.5
         assert set(curve.codes) == {"BC"}
 
+    @pytest.mark.slow
     def test_the_order_of_the_parameters_does_not_matter(self) -> None:
         turned = family_from_sympy(PAPER, X, (A, R))
         met = through(self.family, (1.0, 1.25), 2.3809523809523809, 3, self.span)

@@ -65,6 +65,7 @@ def test_regions_of_the_paper_are_those_of_the_formulas() -> None:
     assert compared > 350
 
 
+@pytest.mark.slow
 def test_shares_of_the_paper_are_areas() -> None:
     """By integrals of the borders: r = 0, r = 2, a = 1 and r = 2 a/(a - 1)."""
     found = {region.census: region.share for region in of_the_paper().regions}

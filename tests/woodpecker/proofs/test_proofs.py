@@ -175,6 +175,7 @@ def test_the_stable_cycle() -> None:
     assert check(content) == certificate.statement
 
 
+@pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
     orbit = shoot(Toy(eps_n1=0.66), -0.53, 2)

@@ -171,6 +171,7 @@ def random_contact_state(rng: np.random.Generator) -> tuple[FloatArray, tuple[in
     return z, closed, slip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("friction", "unique"), [(0.9, 0.99), (6.0, 0.2)])
 def test_accelerations_are_those_of_the_complementarity_problem(
     friction: float, unique: float
