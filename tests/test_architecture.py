@@ -3,6 +3,7 @@
 import ast
 import re
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
 
 import networkx as nx
@@ -15,6 +16,7 @@ PACKAGES = ("pwmap", "woodpecker", "studies")
 DRAWING = ("pwmap.plot", "pwmap.cli", "woodpecker.plot", "woodpecker.cli")
 
 
+@cache
 def imports(package: str) -> nx.DiGraph:
     """Files of a package and what they import of this project, also inside functions.
 

@@ -449,6 +449,7 @@ def test_iterates_of_the_paper_exactly_on_edges(a: str) -> None:
             check_pieces(case.map.at({"r": r}), case.at(r), j)
 
 
+@pytest.mark.slow
 @every_case
 def test_iterates_at_rational_edges_and_samples(case: Case) -> None:
     edges = parameter_cells(case.map, case.name, orders=case.orders, span=case.span).edges

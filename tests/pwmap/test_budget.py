@@ -120,6 +120,7 @@ def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
         bifurcation_diagram(tent(), "m", (0, 2), range(1, 7), progress=progress)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_command_says_what_is_left_out(tmp_path, monkeypatch) -> None:  # type: ignore[no-untyped-def]
     monkeypatch.setattr(cli, "console", screen(width=200))
     arguments = (TENT, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3,4")

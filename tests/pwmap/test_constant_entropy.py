@@ -55,6 +55,7 @@ def test_windows_of_the_skew_tent_map() -> None:
     assert [(g.lower, g.upper) for g in found.gaps] == [(-6, -4), (-3, -2)]
 
 
+@pytest.mark.slow
 def test_a_tent_map_has_its_slope_for_growth() -> None:
     """Zero up to 1, where it does not expand; then log a, which increases: no interval at all."""
     found = constant_entropy(TENT, "a", ("1/4", 2), samples=80)
@@ -254,6 +255,7 @@ def test_the_growth_of_itineraries_is_that_of_laps() -> None:
 # --- Parts, and wrong input ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_descartes_rule_bounds_the_number_of_roots() -> None:
     rng = random.Random(7)
     for _ in range(200):

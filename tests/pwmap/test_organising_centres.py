@@ -160,6 +160,7 @@ def test_period_incrementing_between_slopes_of_two_signs(s: str, t: str) -> None
     assert (together > 5) is (fall > 0)
 
 
+@pytest.mark.slow
 def test_patterns_and_thresholds_of_a_centre_agree_with_its_family() -> None:
     """Both borders of R L^n in v, in symbols: h_n u and (h_(n - 1) - t) u."""
     s, t = sympy.symbols("s t")
@@ -178,6 +179,7 @@ def test_patterns_and_thresholds_of_a_centre_agree_with_its_family() -> None:
 # --- Two negative slopes, and others --------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_negative_slopes_have_a_cycle_of_two_points_and_fixed_points() -> None:
     """L R for v > -t u or u > -s v; R for v < 0, L for u < 0 (here with the break on the right)."""
     s, t = Fraction(1, 2), Fraction(2, 3)

@@ -85,6 +85,7 @@ def test_the_polynomial_of_a_curve_is_zero_on_it(
     assert met >= 2
 
 
+@pytest.mark.slow
 def test_both_ways_across_give_the_same_curves_and_points() -> None:
     for name in ("skew", "P1L"):
         plane, turned = (parameter_plane(*SCENES[key]) for key in (name, f"{name} turned"))
@@ -161,6 +162,7 @@ def test_planes_are_pickled() -> None:
 # --- What attracts, and crises --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_raster_says_what_attracts_at_each_point() -> None:
     """R attracts for b > -1, L R for a b > -1 below; beyond a b = -1 there are bands."""
     plane = parameter_plane(SKEW, "a", "b", ("1/4", "3/4"), ("-7/2", "-1/2"), (1, 2))

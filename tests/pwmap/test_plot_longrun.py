@@ -80,6 +80,7 @@ def test_a_diagram_over_another_parameter_is_refused() -> None:
         plot_long_run(bifurcation_diagram(TENT, "a", (1, 2), (1,)), found, TENT)
 
 
+@pytest.mark.slow
 def test_the_entropy_of_the_tent_map_is_drawn_between_its_bounds() -> None:
     ax = plot_entropy(TENT, "a", ("3/2", 2), steps=5).ax
     for line in ax.lines:

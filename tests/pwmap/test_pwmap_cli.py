@@ -75,6 +75,7 @@ def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
 TWO = ("Piecewise((a*x + r, x <= 0), (b*x + r - 2, True))", "--parameter", "r")
 
 
+@pytest.mark.slow
 def test_two_parameters_stay_symbolic_around_a_sample(tmp_path: Path) -> None:
     """By default around one that the assumptions admit, which is told by what is given."""
     code, text = run(*TWO, "--given", "a > 0", "--given", "a < 1", out=tmp_path)

@@ -156,6 +156,7 @@ def test_floats_of_what_is_too_large_are_infinite() -> None:
 # --- Maps that once hung or crashed ---------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("A", [Rational(1, 10**4), Rational(1, 10**5)])
 def test_strong_contraction_with_a_jump(A: sympy.Rational) -> None:  # noqa: N803
     case = Case(

@@ -125,6 +125,7 @@ def contracted(a: sympy.Rational) -> tuple[Tongue, ...]:
     return tongues(ROTATION.at({"a": a}), Q_MAX)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", CONTRACTIONS)
 def test_all_tongues_of_contracted_rotations(a: sympy.Rational) -> None:
     found = contracted(a)
@@ -140,6 +141,7 @@ def test_all_tongues_of_contracted_rotations(a: sympy.Rational) -> None:
             assert tongue.values == ends[int(tongue.rotation)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", CONTRACTIONS)
 def test_tongues_are_disjoint_ordered_and_of_known_total_width(a: sympy.Rational) -> None:
     """All widths of one period of d sum to 1, as phi(q) a^q/(1 - a^q) do to a/(1 - a)^2."""

@@ -59,6 +59,7 @@ def test_the_peer_returns_near_the_reference() -> None:
     assert once.drop == pytest.approx(first_return(Toy(), PHI_S).drop, abs=AGREES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("eps_n1", "law"),
     [(0.9, "summed"), (0.5, "summed"), (0.2, "summed"), (0.5, "separate"), (0.1, "separate")],

@@ -125,6 +125,7 @@ def balance(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> Balance:
 # --- Where the bound holds ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @laws
 @scenes
 @often
@@ -264,6 +265,7 @@ def test_contact_by_contact_adds_energy_with_unequal_restitutions() -> None:
     assert gains[SUMMED] == pytest.approx(-0.32484, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_with_the_papers_friction_contact_by_contact_adds_energy_at_full_restitution() -> None:
     """mu = 0.3: by up to 1.7 percent at eps_N1 = 1, not any more at 0.98."""
     rng = np.random.default_rng(63)

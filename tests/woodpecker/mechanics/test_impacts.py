@@ -377,6 +377,7 @@ def test_both_phases_satisfy_the_contact_laws(
         assert residual(expansion, released) < RESIDUAL
 
 
+@pytest.mark.slow
 @scenes
 def test_impacts_are_those_of_lemke(contacts: tuple[int, ...]) -> None:
     """Both phases by the general solver, under both laws: the velocities after the impact."""

@@ -93,6 +93,7 @@ def zeros_and_ties(rng: np.random.Generator, n: int) -> FloatArray:
 Make = Callable[[np.random.Generator, int], FloatArray]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("right", [smooth, zeros_and_ties])
 def test_p_matrices_have_the_one_solution_lemke_finds(right: Make) -> None:
     rng = np.random.default_rng(1)
@@ -139,6 +140,7 @@ def test_copositive_plus_is_always_solved() -> None:
         assert violation(a, b, result.x) < RESIDUAL
 
 
+@pytest.mark.slow
 @thorough(200)
 @given(st.data())
 def test_degenerate_integer_problems_end_with_a_verdict(data: st.DataObject) -> None:
@@ -573,6 +575,7 @@ def test_impulses_scale_with_mass_and_velocity(seed: int, n: int, unit: float) -
     np.testing.assert_allclose(other.impulse_t, 2.0 * factor * one.impulse_t, atol=RESIDUAL * scale)
 
 
+@pytest.mark.slow
 @thorough(200)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 2))
 def test_mirrored_tangents_mirror_the_solution(seed: int, n: int) -> None:

@@ -94,6 +94,7 @@ def test_a_border_is_found_to_the_last_bit(at: float, offset: float) -> None:
     assert found.cause == BORDER
 
 
+@pytest.mark.slow
 def test_all_borders_of_a_window() -> None:
     found = borders_in(steps(), 0.25, (-1.5, 2.5))
     assert [border.x for border in found] == [-1.0, 0.0, 1.0, 2.0]

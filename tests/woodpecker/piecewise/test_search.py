@@ -224,6 +224,7 @@ def test_searches_refuse(options: dict[str, float], sentence: str) -> None:
         Search(**options)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_published_jump_branches_of_the_third_iterate() -> None:
     """That of P_3 which runs into (-1, 0) ends there, in the fold-flip, as pwmap proves."""
     found = computed("a jump that breaks off near zero")

@@ -152,6 +152,7 @@ def test_skew_tent_folds_and_flips_at_its_border() -> None:
             assert curve.borders[k] is BorderKind.KINK
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False])
 def test_tongue_of_a_contracted_rotation(first: bool) -> None:
     """a x + b mod 1: the cycle of period two lives for 1/(1 + a) <= b < (1 + a - a^2)/(1 + a).

@@ -72,6 +72,7 @@ def test_stumpff_functions_hold_their_values(kappa: int) -> None:
                 assert holds(ball, c[k], Fraction(0))
 
 
+@pytest.mark.slow
 def test_forms_hold_values_and_derivatives_over_their_box() -> None:
     """All six against sympy, at random rational places of the box."""
     s, q = sympy.symbols("s q")
