@@ -26,6 +26,7 @@ SIZE, CURVE_SIZE = 7.5, 7.0  # of letters [pt]
 NEAR = (7.0, 13.0, 20.0, 29.0, 40.0)  # distances from a point to its name that are tried [pt]
 LED = 15.0  # farther names have a line that leads to them [pt]
 MARKER = 4.5  # half the size of a marker [pt]
+EDGE = 2.0  # between a name and the frame [pt]
 STEP = 4.0  # between places of a curve that are kept free [pt]
 COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
 SAME = 1.0  # px: distances that differ by less are the same
@@ -162,10 +163,8 @@ class _Room:
     def _cost(self, box: Bbox) -> float:
         """What a name would cover."""
         taken = sum(bool(box.overlaps(other)) for _, other in self.placed)
-        outside = not (
-            self.frame.x0 <= box.x0 and box.x1 <= self.frame.x1
-            and self.frame.y0 <= box.y0 and box.y1 <= self.frame.y1
-        )  # fmt: skip
+        inner = self.frame.padded(-EDGE * self.pt)
+        outside = not (inner.contains(*box.min) and inner.contains(*box.max))
         return (
             COSTS["names"] * (taken + outside)
             + COSTS["markers"] * _within(box, self.markers, MARKER * self.pt)
