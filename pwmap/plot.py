@@ -96,15 +96,16 @@ def plot_diagram(
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
     styled(shown, styles, (*_STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
-    if legend:
-        place_legend(ax, shown)
+    place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
 
 
-def place_legend(ax: Axes, shown: Artists) -> None:
-    """A legend of what was drawn, where it covers least."""
+def place_legend(ax: Axes, shown: Artists, legend: bool = True) -> None:
+    """A legend of what was drawn, where it covers least; labels for one that is made later."""
     entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
-    if entries:
+    for name, artist in entries.items():
+        artist.set_label(name)
+    if legend and entries:
         ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
 
 
@@ -359,8 +360,7 @@ def plot_map(
     ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
     ax.grid(alpha=0.25, linewidth=0.5)
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
-    if legend:
-        place_legend(ax, {name: each for name, each in shown.items() if name not in PLAIN})
+    place_legend(ax, {name: each for name, each in shown.items() if name not in PLAIN}, legend)
     return Drawn((ax,), shown)
 
 
