@@ -73,7 +73,8 @@ def plot_diagram(
         Whether to mark where the word of a branch changes: there can be hundreds of places.
     labels
         Whether to write names or ids beside all points that are marked, and not only beside those
-        that have a name. By default up to 30 points have them, end points not.
+        that have a name. By default points but end points have them where there are no more than
+        30, and no more than two to each square inch.
     stable_only
         Whether to leave out what does not attract, and points at which nothing else ends.
     styles
@@ -167,7 +168,10 @@ def _labels(
     written = {p.id: p for p in (*named, *told)} if labels is not False else {}
     several = len({curve.order for curve in curves}) > 1
     found = Labels(
-        [Name(p.name or p.id, float(p.parameter), float(p.x)) for p in written.values()],
+        [
+            Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
+            for p in written.values()
+        ],
         [
             Curve(f"$P_{{{c.order}}}$" if several else "", c.p, c.x, _STYLES[c.label]["color"])
             for c in curves
