@@ -56,8 +56,8 @@ def plot_diagram(
 ) -> Drawn:
     """Draw all branches of a diagram and its special points, with their names.
 
-    Stable, unstable and jump branches differ in colour and in their lines; where there are several
-    orders, the iterate a branch belongs to, such as P_2, is written on it.
+    Stable, unstable and jump branches differ in colour and in their lines; where there are
+    iterates, that to which a branch belongs, such as P_2, is written on it.
 
     Parameters
     ----------
@@ -161,19 +161,19 @@ def _labels(
     ax: Axes, curves: Sequence[_Curve], marked: Sequence[SpecialPoint],
     named: Sequence[SpecialPoint], labels: bool | None,
 ) -> Labels:  # fmt: skip
-    """Names of points and, where there are several orders, of the iterates of curves."""
+    """Names of points and, unless all is of order 1, of the iterates of curves."""
     told = [p for p in marked if p.kind is not PointKind.EP or labels]
     if labels is False or (labels is None and len(told) > MOST_LABELS):
         told = []
     written = {p.id: p for p in (*named, *told)} if labels is not False else {}
-    several = len({curve.order for curve in curves}) > 1
+    iterated = any(curve.order > 1 for curve in curves)
     found = Labels(
         [
             Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
             for p in written.values()
         ],
         [
-            Curve(f"$P_{{{c.order}}}$" if several else "", c.p, c.x, _STYLES[c.label]["color"])
+            Curve(f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, _STYLES[c.label]["color"])
             for c in curves
         ],
         [(float(p.parameter), float(p.x)) for p in marked],

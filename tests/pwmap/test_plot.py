@@ -146,6 +146,7 @@ def test_orders_are_told_apart_without_colours() -> None:
     assert {"$P_{1}$", "$P_{2}$", "$P_{3}$"} <= set(names)
     assert "FF1" in names
     assert [name for name in written(plot_diagram(paper_diagram(1))) if "$" in name] == []
+    assert "$P_{2}$" in written(plot_diagram(paper_diagram(1, 2).of_order(2)))
 
 
 def test_names_cover_neither_each_other_nor_markers() -> None:
