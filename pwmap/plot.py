@@ -56,8 +56,8 @@ def plot_diagram(
 ) -> Drawn:
     """Draw all branches of a diagram and its special points, with their names.
 
-    Stable, unstable and jump branches differ in colour and in their lines; where there are several
-    orders, the iterate a branch belongs to, such as P_2, is written on it.
+    Stable, unstable and jump branches differ in colour and in their lines; where there are
+    iterates, that to which a branch belongs, such as P_2, is written on it.
 
     Parameters
     ----------
@@ -73,7 +73,8 @@ def plot_diagram(
         Whether to mark where the word of a branch changes: there can be hundreds of places.
     labels
         Whether to write names or ids beside all points that are marked, and not only beside those
-        that have a name. By default up to 30 points have them, end points not.
+        that have a name. By default points but end points have them where there are no more than
+        30, and no more than two to each square inch.
     stable_only
         Whether to leave out what does not attract, and points at which nothing else ends.
     styles
@@ -96,15 +97,16 @@ def plot_diagram(
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
     styled(shown, styles, (*_STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
-    if legend:
-        place_legend(ax, shown)
+    place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
 
 
-def place_legend(ax: Axes, shown: Artists) -> None:
-    """A legend of what was drawn, where it covers least."""
+def place_legend(ax: Axes, shown: Artists, legend: bool = True) -> None:
+    """A legend of what was drawn, where it covers least; labels for one that is made later."""
     entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
-    if entries:
+    for name, artist in entries.items():
+        artist.set_label(name)
+    if legend and entries:
         ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
 
 
@@ -159,16 +161,19 @@ def _labels(
     ax: Axes, curves: Sequence[_Curve], marked: Sequence[SpecialPoint],
     named: Sequence[SpecialPoint], labels: bool | None,
 ) -> Labels:  # fmt: skip
-    """Names of points and, where there are several orders, of the iterates of curves."""
+    """Names of points and, unless all is of order 1, of the iterates of curves."""
     told = [p for p in marked if p.kind is not PointKind.EP or labels]
     if labels is False or (labels is None and len(told) > MOST_LABELS):
         told = []
     written = {p.id: p for p in (*named, *told)} if labels is not False else {}
-    several = len({curve.order for curve in curves}) > 1
+    iterated = any(curve.order > 1 for curve in curves)
     found = Labels(
-        [Name(p.name or p.id, float(p.parameter), float(p.x)) for p in written.values()],
         [
-            Curve(f"$P_{{{c.order}}}$" if several else "", c.p, c.x, _STYLES[c.label]["color"])
+            Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
+            for p in written.values()
+        ],
+        [
+            Curve(f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, _STYLES[c.label]["color"])
             for c in curves
         ],
         [(float(p.parameter), float(p.x)) for p in marked],
@@ -359,8 +364,7 @@ def plot_map(
     ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
     ax.grid(alpha=0.25, linewidth=0.5)
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
-    if legend:
-        place_legend(ax, {name: each for name, each in shown.items() if name not in PLAIN})
+    place_legend(ax, {name: each for name, each in shown.items() if name not in PLAIN}, legend)
     return Drawn((ax,), shown)
 
 

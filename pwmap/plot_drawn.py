@@ -10,9 +10,13 @@ import matplotlib.pyplot as plt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.transforms import offset_copy
 
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
+
+
+LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +49,13 @@ class Drawn:
 def new_axes(width: float, height: float) -> Axes:
     """Axes in a figure of their own, whose size [inch] is given."""
     return plt.figure(figsize=(width, height), layout="constrained").gca()
+
+
+def below(ax: Axes) -> dict[str, Any]:
+    """Where a legend stands below the name of the horizontal axis, however high the axes are."""
+    figure: Any = ax.figure
+    place = offset_copy(ax.transAxes, figure, y=-LABEL, units="points")
+    return {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": place}
 
 
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:

@@ -1,9 +1,10 @@
 """Names of points and of curves in a picture, so that none covers another.
 
 Places depend on what is shown, so they are looked for anew whenever the picture is drawn: after a
-zoom, too. A name stands close to its point if there is room; otherwise it moves away from it, and a
-thin line leads back. It avoids other names first, then markers, then curves. A curve's name stands
-on the curve, and is left out where there is no room.
+zoom, too, which makes room for names that are left out where points crowd. A name stands close to
+its point if there is room; otherwise it moves away from it, and a thin line leads back. It avoids
+other names and the legend first, then markers, then curves. A curve's name stands on the curve, and
+is left out where there is no room.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ SIZE, CURVE_SIZE = 7.5, 7.0  # of letters [pt]
 NEAR = (7.0, 13.0, 20.0, 29.0, 40.0)  # distances from a point to its name that are tried [pt]
 LED = 15.0  # farther names have a line that leads to them [pt]
 MARKER = 4.5  # half the size of a marker [pt]
+DENSEST = 2.0  # optional names per square inch of the axes; if there were more, there are none
+EDGE = 2.0  # between a name and the frame [pt]
 STEP = 4.0  # between places of a curve that are kept free [pt]
 COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
 SAME = 1.0  # px: distances that differ by less are the same
@@ -38,11 +41,12 @@ DIRECTIONS = tuple(math.radians(angle) for angle in (45, 135, -45, -135, 90, -90
 
 
 class Name(NamedTuple):
-    """What is written beside a point of the picture."""
+    """What is written beside a point of the picture; always, or if there is room for all such."""
 
     text: str
     x: float
     y: float
+    always: bool = True
 
 
 class Curve(NamedTuple):
@@ -72,7 +76,8 @@ class Labels(Artist):
     ) -> None:
         super().__init__()
         self.names, self.curves = list(names), list(curves)
-        self.markers: Floats = np.array([*[name[1:] for name in names], *markers]).reshape(-1, 2)
+        places = [(name.x, name.y) for name in names]
+        self.markers: Floats = np.array([*places, *markers]).reshape(-1, 2)
         self.placed: list[tuple[str, Bbox]] = []  # when it was drawn last
         self.set_zorder(6.0)
         self.set_in_layout(False)
@@ -87,7 +92,8 @@ class Labels(Artist):
             if curve.text:
                 room.write_on(curve)
         for name in self.names:
-            room.write_beside(name)
+            if name.always or room.for_all:
+                room.write_beside(name)
         self.placed = room.placed
 
 
@@ -104,6 +110,14 @@ class _Room:
         self.on_curves: Floats = np.concatenate([np.empty((0, 2)), *curves])
         self.markers: Floats = self.to_pixels(labels.markers)
         self.placed: list[tuple[str, Bbox]] = []
+        legend = axes.get_legend()
+        self.legend = [legend.get_window_extent(renderer)] if legend is not None else []
+        optional = [name for name in labels.names if not name.always and self._shows(name)]
+        inches = self.frame.width * self.frame.height / float(axes.figure.dpi) ** 2
+        self.for_all = len(optional) <= DENSEST * inches
+
+    def _shows(self, name: Name) -> bool:
+        return bool(self.frame.contains(*self.to_pixels((name.x, name.y))))
 
     def seen(self, curve: Curve) -> Floats:
         """A curve in pixels, (n, 2)."""
@@ -124,7 +138,7 @@ class _Room:
         for part in ALONG:
             at = places[round(part * (len(places) - 1))]
             box = self._box(text, at)
-            free = not any(
+            free = not any(box.overlaps(other) for other in self.legend) and not any(
                 box.overlaps(other) or (name == curve.text and _apart(box, other) < AGAIN * self.pt)
                 for name, other in self.placed
             )
@@ -134,9 +148,9 @@ class _Room:
 
     def write_beside(self, name: Name) -> None:
         """The name of a point at the place that covers least."""
-        point = self.to_pixels((name.x, name.y))
-        if not self.frame.contains(*point):
+        if not self._shows(name):
             return
+        point = self.to_pixels((name.x, name.y))
         text = self._text(name.text, SIZE, "black")
         best, least, led = None, math.inf, False
         for distance in NEAR:
@@ -161,11 +175,10 @@ class _Room:
 
     def _cost(self, box: Bbox) -> float:
         """What a name would cover."""
-        taken = sum(bool(box.overlaps(other)) for _, other in self.placed)
-        outside = not (
-            self.frame.x0 <= box.x0 and box.x1 <= self.frame.x1
-            and self.frame.y0 <= box.y0 and box.y1 <= self.frame.y1
-        )  # fmt: skip
+        boxes = [*self.legend, *(other for _, other in self.placed)]
+        taken = sum(bool(box.overlaps(other)) for other in boxes)
+        inner = self.frame.padded(-EDGE * self.pt)
+        outside = not (inner.contains(*box.min) and inner.contains(*box.max))
         return (
             COSTS["names"] * (taken + outside)
             + COSTS["markers"] * _within(box, self.markers, MARKER * self.pt)

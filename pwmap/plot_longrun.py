@@ -21,7 +21,7 @@ from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 
 STEP, POINTS, CRISIS = "#08306b", "#c6dbef", "#cb181d"
 LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
@@ -158,8 +158,9 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
 
 def _legend_below(ax: Axes, shown: Artists) -> None:
     entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
-    ax.legend(entries.values(), entries.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.13),
-              ncols=3, frameon=False, fontsize=7)  # fmt: skip
+    ax.legend(
+        entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax)
+    )  # fmt: skip
 
 
 def _draw_attractors(

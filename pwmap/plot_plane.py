@@ -20,7 +20,7 @@ from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.strips import Strip
 from pwmap.plot import axis_label
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 
 PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
 NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
@@ -100,9 +100,8 @@ def plot_plane(
     handles = [*patches, *(shown[name][0] for name in drawn)]
     labels = [*(str(patch.get_label()) for patch in patches), *drawn]
     if legend:
-        ax.legend(handles, labels, fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.13),
-                  ncols=2, title=title if patches else None, title_fontsize=7,
-                  frameon=False)  # fmt: skip
+        ax.legend(handles, labels, fontsize=7, ncols=2, title=title if patches else None,
+                  title_fontsize=7, frameon=False, **below(ax))  # fmt: skip
     return Drawn((ax,), shown)
 
 

@@ -12,14 +12,15 @@ from pwmap.diagrams.files import write_table
 from pwmap.diagrams.graph import write_graph
 
 LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
-FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json")
+FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.json")
 
 
 def write_results(diagram: Diagram, folder: Path) -> None:
-    """Write points and branches as CSV and the graph as GraphML and JSON: :data:`FILES`.
+    """Write tables of points and branches, the graph, and the diagram itself: :data:`FILES`.
 
     Exact values, where a diagram has them, stand as text beside the floats; what was observed along
-    branches has columns of its own, empty where a branch has no such value.
+    branches has columns of its own, empty where a branch has no such value. The last file holds
+    all, for :func:`pwmap.load_diagram`.
     """
     observed = tuple(dict.fromkeys(name for b in diagram.branches for name in b.columns))
     exact_of_points, exact_of_branches = _names(diagram.points), _names(diagram.branches)
@@ -58,8 +59,9 @@ def write_results(diagram: Diagram, folder: Path) -> None:
         ),
     )
     graph = diagram.graph()
-    for name in FILES[2:]:
+    for name in FILES[2:4]:
         write_graph(graph, folder / name)
+    diagram.save(folder / FILES[4])
 
 
 def table_of_points(diagram: Diagram) -> Table:

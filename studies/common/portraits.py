@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from matplotlib.axes import Axes
 
+from pwmap.plot import INK
 from studies.common.motion import Frame, frames
-from studies.common.style import GREY, UNSTABLE
+from studies.common.style import GREY
 from woodpecker import Trajectory
 from woodpecker.plot.motions import QUANTITIES, plot_phase_portrait
 
@@ -21,23 +22,25 @@ def portrait(
     sides: Sequence[Side],
     ax: Axes,
     limits: Iterable[float] = (),
+    *,
+    legend: bool = True,
 ) -> None:
     """One quantity over another, with the angles at which a gap is closed.
 
     The events are numbered at the state just before them.
     """
-    plot_phase_portrait(trajectory, *names, ax)
+    plot_phase_portrait(trajectory, *names, ax, legend=legend)
     for limit in limits:
         ax.axvline(limit, color=GREY, linewidth=0.8, linestyle=(0, (5, 3)))
     shown = frames(trajectory)
     q, u = trajectory.at([frame.time for frame in shown], left=True)
     x, y = (QUANTITIES[name].of(q, u) for name in names)
-    ax.plot(x, y, ".", color=UNSTABLE, markersize=5, zorder=4)
+    ax.plot(x, y, ".", color=INK, markersize=4, zorder=4)
     for label, here, up, side in zip(_joined(shown, sides), x, y, sides, strict=True):
         if side is not None:
             ax.annotate(
                 label, (here, up), side, textcoords="offset points", ha="center", va="center",
-                fontsize=8, color=UNSTABLE,
+                fontsize=8, color=INK,
             )  # fmt: skip
 
 

@@ -58,7 +58,10 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 def draw(trajectory: Trajectory, shown: tuple[Frame, ...], period: float) -> Figure:
     """Three coordinates over time, the events numbered above."""
     figure, axes = canvas(5.2, 3, 1)
-    plot_time_history(trajectory, axes)
+    drawn = plot_time_history(trajectory, axes, legend=False)
+    struck = {name: marks[0] for name, marks in drawn.artists.items() if "impact" in name}
+    figure.legend(struck.values(), struck.keys(), fontsize=8, frameon=False, ncols=len(struck),
+                  loc="outside lower center")  # fmt: skip
     for ax in axes[:-1]:
         ax.sharex(axes[-1])
         ax.tick_params(labelbottom=False)

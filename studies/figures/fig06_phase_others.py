@@ -56,7 +56,7 @@ def draw(trajectory: Trajectory) -> Figure:
     limits = (-trajectory.toy.phi_m_max, trajectory.toy.phi_m_max)
     sleeve.margins(x=0.1)
     portrait(trajectory, ("phi_m", "dphi_m"), OF_SLEEVE, sleeve, limits)
-    portrait(trajectory, ("phi_s", "dy"), OF_FALL, fall)
+    portrait(trajectory, ("phi_s", "dy"), OF_FALL, fall, legend=False)
     return figure
 
 

@@ -175,10 +175,6 @@ def draw(toy: Toy, rims: Ends, points: list[tuple[float, float]], starts: int) -
             x, x, "o", color=STABLE if stable else UNSTABLE, markersize=5, zorder=5,
             mfc=STABLE if stable else "white",
         )  # fmt: skip
-    whole.text(
-        0.5 * (rims.falls_from + rims.falls_to), -2.42, "falls for ever", rotation=90, fontsize=8,
-        ha="center", va="bottom",
-    )  # fmt: skip
     forbidden(toy, rims, whole)
     for k, guess in enumerate(DIPS):
         whole.annotate(

@@ -146,6 +146,7 @@ def test_orders_are_told_apart_without_colours() -> None:
     assert {"$P_{1}$", "$P_{2}$", "$P_{3}$"} <= set(names)
     assert "FF1" in names
     assert [name for name in written(plot_diagram(paper_diagram(1))) if "$" in name] == []
+    assert "$P_{2}$" in written(plot_diagram(paper_diagram(1, 2).of_order(2)))
 
 
 def test_names_cover_neither_each_other_nor_markers() -> None:
@@ -184,6 +185,33 @@ def test_a_name_stands_closer_to_its_own_point_than_to_another() -> None:
     for k, (_, box) in enumerate(drawn.artists["names"][0].placed):  # type: ignore[attr-defined]
         away = np.hypot(*(places - np.clip(places, box.min, box.max)).T)
         assert away.argmin() == k
+
+
+def test_crowded_points_have_ids_where_there_is_room() -> None:
+    """Twelve points in a picture of 2 by 2 inches, three after a zoom; one has a name."""
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0, name="A" * (k == 4))
+        for k in range(12)
+    )
+    crowded = Diagram(parameter_name="p", x_name="x", branches=(), points=points)
+    figure = plt.figure(figsize=(2.0, 2.0))
+    drawn = plot_diagram(crowded, figure.add_axes((0.0, 0.0, 1.0, 1.0)))
+    assert written(drawn) == ["A"]
+    drawn.ax.set_xlim(2.5, 5.5)
+    assert written(drawn) == ["A", "BC3", "BC5"]
+    figure.set_size_inches(4.0, 4.0)
+    drawn.ax.set_xlim(-1.0, 12.0)
+    assert len(written(drawn)) == 12
+
+
+def test_names_keep_clear_of_the_legend() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2, 3))
+    written(drawn)
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    corner = legend.get_window_extent()
+    boxes = [box for _, box in drawn.artists["names"][0].placed]  # type: ignore[attr-defined]
+    assert not any(box.overlaps(corner) for box in boxes)
 
 
 def test_many_points_have_labels_on_request_only() -> None:

@@ -33,6 +33,7 @@ from pwmap import (
     with_attractors,
 )
 from pwmap.diagrams import formulas
+from pwmap.diagrams.tables import FILES, write_results
 
 A, R, X = sympy.symbols("a r x")
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
@@ -287,6 +288,12 @@ def test_nothing_is_half_written(tmp_path: Path) -> None:
         )
     with pytest.raises(FileNotFoundError):
         load_diagram(tmp_path / "none.json")
+
+
+def test_results_in_a_folder_hold_the_diagram(tmp_path: Path) -> None:
+    write_results(with_open_point(), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
+    assert differences(with_open_point(), load_diagram(tmp_path / "diagram.json")) == []
 
 
 def test_compression_pays(tmp_path: Path) -> None:

@@ -14,11 +14,15 @@ from sympy import Piecewise, Symbol
 from woodpecker import (
     Settings,
     Toy,
+    continuation,
     curve_through,
     family_from_sympy,
     load_diagram,
+    observables,
     return_map,
+    shoot,
     simulate,
+    solutions,
     whole_diagram,
 )
 
@@ -111,6 +115,21 @@ def test_period_and_drop_along_the_stable_branch_in_five_lines() -> None:
     assert at["drop"].to_numpy() == pytest.approx(0.0194454, abs=1e-7)
     assert stable.mu_2.max() == 0.31
     assert len(stable) > 5
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_a_diagram_of_the_toy_is_loaded_as_it_was_saved(tmp_path: Path) -> None:
+    """With changes of word, causes, intervals, names and observables."""
+    toy = Toy()
+    found = continuation(toy, shoot(toy, -0.53), "eps_n1", span=(0.10, 0.70))
+    made = observables(toy, found.named({"A": (0.111, -0.884)}), "period", "drop")
+    loaded = load_diagram(made.save(tmp_path / "toy.json.gz"))
+    assert differences(made, loaded) == []
+    assert loaded.point("A").cause == "the beak and the upper sleeve strike at once"
+    assert loaded.branch("F1").changes[0].cause == "the lower sleeve only just stays at the pole"
+    (one,) = solutions(toy, loaded, 0.6)
+    assert f"{one.orbit.phi_s:.10f}" == "-0.5204998511"
 
 
 def test_an_own_map_in_ten_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

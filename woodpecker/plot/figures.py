@@ -135,8 +135,7 @@ def plot_curve(
     ax.set_ylabel(rf"$\varphi_{{S,k+{order}}}$ [rad]")
     ax.grid(alpha=0.25, linewidth=0.5)
     styled(shown, styles, (*(name for name, _ in STEEP.values()), FALLS, LOST, BELOW))
-    if legend:
-        place_legend(ax, shown)
+    place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
 
 

@@ -7,12 +7,13 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import EventKind
 
@@ -61,8 +62,11 @@ STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
 }
 MOTION, START, DIRECTION, STOPS = "motion", "start", "direction of time", "stops"
 KNOWN = (MOTION, START, DIRECTION, STOPS, *(name for name, _ in STRUCK.values()))
-LOWEST, ROW = 0.04, 0.055  # of the height of axes: the first row of marks, and the next
-ARROWS = (0.08, 0.42, 0.76)  # where arrows lie, as parts of the way
+LOWEST, ROW = 0.032, 0.042  # of the height of axes: the first row of marks, and the next
+ARROWS = (0.1, 0.45, 0.8)  # about where arrows lie, as parts of the way
+HEAD = "-|>,head_length=0.55,head_width=0.2"
+SHAFT = 0.01  # of the size: over shorter ways a picture shows no direction
+ASIDE, FAR = 0.08, 0.15  # how far from there, in such parts; far enough from impacts, of the size
 
 
 def plot_time_history(
@@ -107,7 +111,7 @@ def plot_time_history(
             label, style = STRUCK[contacts]
             low = np.full(len(times), LOWEST + ROW * row)
             marks = ax.plot(
-                times, low, style["marker"], color=style["color"], markersize=4.2, mec="white",
+                times, low, style["marker"], color=style["color"], markersize=3.8, mec="white",
                 mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
             )  # fmt: skip
             add(shown, {label: marks})
@@ -214,22 +218,36 @@ def _impact_strokes(ax: Axes, trajectory: Trajectory, across: Floats, up: Floats
     return shown
 
 
-def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Any]:
-    """Arrow heads along the motion, at parts of its way in the picture."""
+def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Artist]:
+    """Arrow heads along the motion, near parts of its way, where they are far from impacts."""
     size = [float(np.ptp(values)) or 1.0 for values in (across, up)]
-    steps = np.hypot(np.diff(across) / size[0], np.diff(up) / size[1])
-    steps[np.diff(t) == 0.0] = 0.0  # no arrows on impacts
+    places = np.column_stack([across / size[0], up / size[1]])
+    steps = np.hypot(*np.diff(places, axis=0).T)
+    struck = np.flatnonzero(np.diff(t) == 0.0)
+    steps[struck] = 0.0
     way = np.concatenate([[0.0], np.cumsum(steps)])
-    arrows = []
+    ends = places[np.concatenate([struck, struck + 1])]
+    arrows: list[Artist] = []
     for part in ARROWS:
-        end = int(np.clip(np.searchsorted(way, part * way[-1]), 1, len(way) - 1))
-        begin = max(0, end - 1)
+        near = np.flatnonzero((np.abs(way - part * way[-1]) <= ASIDE * way[-1]) & (way > 0.0))
+        near = np.setdiff1d(near, struck + 1)
+        if not len(near):
+            continue
+        away = [np.hypot(*(ends - places[k]).T).min(initial=FAR) for k in near]
+        head = int(near[int(np.argmax(away))])
+        before = min(head - 1, int(np.searchsorted(way, way[head] - SHAFT)))
+        tail = max(before, _last_below(struck + 1, head))
         arrows.append(ax.annotate(
-            "", (across[end], up[end]), (across[begin], up[begin]), zorder=4,
-            arrowprops={"arrowstyle": "-|>", "color": STABLE, "shrinkA": 0, "shrinkB": 0,
+            "", (across[head], up[head]), (across[tail], up[tail]), zorder=4,
+            arrowprops={"arrowstyle": HEAD, "color": STABLE, "shrinkA": 0, "shrinkB": 0,
                         "mutation_scale": 13, "linewidth": 0.0},
         ))  # fmt: skip
     return arrows
+
+
+def _last_below(indices: Ints, bound: int) -> int:
+    """The last of ascending indices below a bound; 0 if there is none."""
+    return int(indices[indices < bound].max(initial=0))
 
 
 def plot_phase_portraits(

@@ -67,6 +67,7 @@ def test_a_phase_portrait_has_a_direction_and_impacts(motion: Trajectory) -> Non
     assert x[:2] == pytest.approx([0.12, 0.12])
     assert y[:2].tolist() == [event.u_before[2], event.u_after[2]]
     assert len(drawn.artists[UPPER][0].get_xdata()) == 3 * 2  # two strokes, each with a gap
+    assert len(drawn.artists["direction of time"]) == 3
     for arrow in drawn.artists["direction of time"]:  # along the motion: later at its head
 
         def time(place: tuple[float, float]) -> float:
