@@ -13,7 +13,7 @@ from woodpecker.cli.options import (
     Out,
     Start,
     console,
-    in_mm,
+    in_metres,
     motion,
     option,
     progress,
@@ -88,7 +88,7 @@ def animate(
                 trajectory, target / file, slow=slow, fps=fps,
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
-    console.print(f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}")
+    console.print(f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}")
     say(f"wrote {target / file}")
     _complete(trajectory)
 
@@ -129,7 +129,7 @@ def _events(trajectory: Trajectory) -> Table:
     """The first events, for the screen."""
     from rich.table import Table
 
-    title = f"{trajectory.status.value}; fell {in_mm(trajectory.drop)}"
+    title = f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}"
     table = Table("t [s]", "event", title=title)
     for event in trajectory.events[:LISTED]:
         table.add_row(f"{event.time:.9f}", event.symbol)

@@ -151,9 +151,9 @@ def progress() -> Progress:
     return bar_on(errors)
 
 
-def in_mm(length: float) -> str:
-    """A length [m] for a reader."""
-    return "without end" if math.isinf(length) else f"{1e3 * length:.4f} mm"
+def in_metres(length: float) -> str:
+    """A length [m] for a reader, as in tables."""
+    return "without end" if math.isinf(length) else f"{length:.7f} m"
 
 
 def asked_for() -> Mapping[str, object]:

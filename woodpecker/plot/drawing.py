@@ -3,7 +3,7 @@
 The drawing keeps the model's linear kinematics where it matters: the beak and both edges of the
 sleeve are exactly as far from the pole as the gaps g_N1, g_N2, g_N3 say [Leine2001, Eq. 8]. The
 sleeve is cut open along its axis. The bird's proportions follow from l_G, l_S and h_S; its looks
-are free. Lengths are in mm and not exaggerated.
+are free. Lengths are in metres and not exaggerated.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
@@ -24,13 +26,13 @@ from scipy.interpolate import CubicSpline
 
 from pwmap.diagrams.files import write_whole
 from pwmap.plot import UNSTABLE
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.modes import Contact, mode_states
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import EventKind
 
-MM = 1e3  # mm in one m
 WALL = 0.45  # thickness of the sleeve's wall over its inner radius
 COILS = 6
 DPI = 100.0  # of an animation
@@ -38,6 +40,8 @@ WOOD, GRAIN = "#ead7b7", "#a88a5c"
 METAL, INSIDE = "#969696", "#d9d9d9"
 DARK, CREAM, CREST = "#333333", "#f7f3e8", "#cb181d"
 IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
+POLE, SLEEVE, SPRING, BIRD, CLOSED = "pole", "sleeve", "spring", "bird", "closed contacts"
+PARTS = (POLE, SLEEVE, SPRING, BIRD, CLOSED)
 
 # The bird, seen from the side: (0, 1) is the tip of the beak, (1, 0) the centre of mass, so that
 # one unit is l_S across and h_S up.
@@ -126,7 +130,10 @@ def _coil(start: Floats, end: Floats, angles: Floats, radius: float) -> Floats:
     return coil
 
 
-def draw_toy(toy: Toy, q: npt.ArrayLike, ax: Axes, *, closed: Iterable[int] = ()) -> Axes:
+def draw_toy(
+    toy: Toy, q: npt.ArrayLike, ax: Axes | None = None, *, closed: Iterable[int] = (),
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
     """Draw pole, sleeve, spring and bird at q = (y [m], phi_M [rad], phi_S [rad]).
 
     Parameters
@@ -134,43 +141,64 @@ def draw_toy(toy: Toy, q: npt.ArrayLike, ax: Axes, *, closed: Iterable[int] = ()
     toy, q
         The toy and its coordinates, shape (3,).
     ax
-        Axes to draw on, in mm. The caller sets their limits, such as those of :func:`window`.
+        Axes to draw on, in metres; a new figure by default, which holds the whole toy. The caller
+        sets the limits of other axes.
     closed
         Contacts to mark: 1 beak, 2 lower edge of the sleeve, 3 upper edge. The edge across, which
         then touches too, is not counted by the model.
+    styles
+        Properties of matplotlib by ``"pole"``, ``"sleeve"``, ``"spring"``, ``"bird"`` and
+        ``"closed contacts"``.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
 
     Raises
     ------
     ValueError
-        If there is no such contact.
+        If there is no such contact, or no part of the name of a style.
     """
     marked = sorted(set(closed))
     if not set(marked) <= {1, 2, 3}:
         raise ValueError(f"contacts are 1, 2 and 3, got {marked}")
+    if ax is None:
+        ax = new_axes(3.0, 4.0)
+        x_limits, y_limits = window(toy, q)
+        ax.set(xlim=x_limits, ylim=y_limits, xlabel="from the axis [m]", ylabel="height [m]")
     at = points(toy, q)
-    _pole(toy, ax)
     right, left = at.walls
-    _patch(ax, np.array([left[0], right[0], right[3], left[3]]), INSIDE, zorder=0.9)
-    for wall in at.walls:
-        _patch(ax, wall, METAL, zorder=3.0)
-    ax.plot(*(MM * at.spring.T), color="white", linewidth=2.4, zorder=3.1)
-    ax.plot(*(MM * at.spring.T), color=DARK, linewidth=0.8, zorder=3.2)
-    _bird(toy, q, ax)
+    shown: Artists = {
+        POLE: _pole(toy, ax),
+        SLEEVE: [
+            _patch(ax, np.array([left[0], right[0], right[3], left[3]]), INSIDE, zorder=0.9),
+            *(_patch(ax, wall, METAL, zorder=3.0) for wall in at.walls),
+        ],
+        SPRING: [
+            *ax.plot(*at.spring.T, color="white", linewidth=2.4, zorder=3.1),
+            *ax.plot(*at.spring.T, color=DARK, linewidth=0.8, zorder=3.2),
+        ],
+        BIRD: _bird(toy, q, ax),
+    }
     for contact in marked:
-        _mark(ax, MM * (at.beak, at.lower, at.upper)[contact - 1], contact)
+        add(shown, {CLOSED: _mark(ax, (at.beak, at.lower, at.upper)[contact - 1], contact)})
+    styled(shown, styles, PARTS)
     ax.set_aspect("equal")
-    return ax
+    return Drawn((ax,), shown)
 
 
-def _pole(toy: Toy, ax: Axes) -> None:
-    radius = MM * toy.r_0
-    ax.axvspan(-radius, radius, facecolor=WOOD, edgecolor="none", zorder=1.0)
-    for x in (-radius, radius):
-        ax.axvline(x, color=GRAIN, linewidth=0.7, zorder=1.1)
+def _pole(toy: Toy, ax: Axes) -> list[Artist]:
+    sides = (-toy.r_0, toy.r_0)
+    return [
+        ax.axvspan(*sides, facecolor=WOOD, edgecolor="none", zorder=1.0),
+        *(ax.axvline(x, color=GRAIN, linewidth=0.7, zorder=1.1) for x in sides),
+    ]
 
 
-def _bird(toy: Toy, q: npt.ArrayLike, ax: Axes) -> None:
+def _bird(toy: Toy, q: npt.ArrayLike, ax: Axes) -> list[Artist]:
     """The bird, from back to front."""
+    drawn: list[Artist] = []
     for shape, color, smooth, zorder in (
         (TAIL, DARK, False, 4.0),
         (BEAK, METAL, False, 4.1),
@@ -180,12 +208,13 @@ def _bird(toy: Toy, q: npt.ArrayLike, ax: Axes) -> None:
         (CAP, CREST, True, 4.5),
     ):
         outline = _rounded(shape) if smooth else shape
-        _patch(ax, bird(toy, q, outline), color, zorder)
+        drawn.append(_patch(ax, bird(toy, q, outline), color, zorder))
     for bar in BARS:
-        ends = MM * bird(toy, q, bar).T
-        ax.plot(*ends, color=CREAM, linewidth=1.3, solid_capstyle="round", zorder=4.6)
-    eye = MM * bird(toy, q, EYE)
-    ax.plot(*eye, "o", color=DARK, mec=CREAM, mew=0.7, markersize=2.6, zorder=4.7)
+        ends = bird(toy, q, bar).T
+        drawn += ax.plot(*ends, color=CREAM, linewidth=1.3, solid_capstyle="round", zorder=4.6)
+    eye = bird(toy, q, EYE)
+    drawn += ax.plot(*eye, "o", color=DARK, mec=CREAM, mew=0.7, markersize=2.6, zorder=4.7)
+    return drawn
 
 
 def _rounded(corners: npt.ArrayLike) -> Floats:
@@ -198,18 +227,20 @@ def _rounded(corners: npt.ArrayLike) -> Floats:
     return curve
 
 
-def _patch(ax: Axes, outline: Floats, color: str, zorder: float) -> None:
-    ax.add_patch(Polygon(MM * outline, facecolor=color, edgecolor=DARK, lw=0.6, zorder=zorder))
+def _patch(ax: Axes, outline: Floats, color: str, zorder: float) -> Artist:
+    shape = Polygon(outline, facecolor=color, edgecolor=DARK, lw=0.6, zorder=zorder)
+    return ax.add_patch(shape)
 
 
-def _mark(ax: Axes, place: Floats, contact: int) -> None:
+def _mark(ax: Axes, place: Floats, contact: int) -> list[Artist]:
     """A ring around a closed contact, and its number: below the lower edge, above the others."""
-    ax.plot(*place, "o", mfc="none", mec=UNSTABLE, mew=1.4, markersize=8.0, zorder=6.0)
-    ax.annotate(
+    ring = ax.plot(*place, "o", mfc="none", mec=UNSTABLE, mew=1.4, markersize=8.0, zorder=6.0)
+    number = ax.annotate(
         str(contact), tuple(place), (0.0, -11.0 if contact == 2 else 11.0),
         textcoords="offset points", color=UNSTABLE,
         fontsize=9, fontweight="bold", ha="center", va="center", zorder=6.1,
     )  # fmt: skip
+    return [*ring, number]
 
 
 # --- A motion -------------------------------------------------------------------------------------
@@ -227,19 +258,20 @@ def closed_contacts(trajectory: Trajectory, t: float, *, hold: float = 0.0) -> t
 
 
 def window(toy: Toy, q: npt.ArrayLike) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Limits of x and y [mm] that hold the toy at all coordinates q, shape (n, 3)."""
+    """Limits of x and y [m] that hold the toy at all coordinates q, shape (n, 3)."""
     rows = np.atleast_2d(np.asarray(q, dtype=float))
     shapes = (*BODY, *TAIL, (0.0, 1.0))
     seen = np.concatenate([np.concatenate([bird(toy, row, shapes), *points(toy, row).walls])
                            for row in rows])  # fmt: skip
-    (left, low), (right, high) = MM * seen.min(axis=0), MM * seen.max(axis=0)
+    (left, low), (right, high) = seen.min(axis=0), seen.max(axis=0)
     edge = 0.05 * (high - low)
     return (left - edge, right + edge), (low - edge, high + edge)
 
 
 def draw_frames(
-    trajectory: Trajectory, times: Sequence[float], labels: Sequence[str], figure: Figure
-) -> list[Axes]:
+    trajectory: Trajectory, times: Sequence[float], labels: Sequence[str],
+    figure: Figure | None = None, *, styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
     """Draw the toy at some instants, side by side and to one scale [Leine2001, Fig. 7].
 
     Parameters
@@ -249,22 +281,33 @@ def draw_frames(
     times, labels
         Instants [s] and what to write above each.
     figure
-        The figure to fill: at most four frames side by side.
+        The figure to fill, a new one by default: at most four frames side by side.
+    styles
+        Properties of matplotlib by the names of parts in :func:`draw_toy`.
+
+    Returns
+    -------
+    Drawn
+        The axes of the frames, and the artists of all of them by these names.
 
     Raises
     ------
     ValueError
-        If there is not one label for each time, or none at all.
+        If there is not one label for each time, none at all, or no part of the name of a style.
     """
     if not times or len(times) != len(labels):
         raise ValueError(f"one label for each time, got {len(times)} times, {len(labels)} labels")
     columns = min(4, len(times))
     rows = math.ceil(len(times) / columns)
+    if figure is None:
+        figure = plt.figure(figsize=(1.9 * columns, 3.5 * rows), layout="constrained")
     axes = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     q, _ = trajectory.at(np.asarray(times))
     x_limits, y_limits = window(trajectory.toy, q)
+    shown: Artists = {}
     for ax, t, row, label in zip(axes, times, q, labels, strict=False):
-        draw_toy(trajectory.toy, row, ax, closed=closed_contacts(trajectory, t))
+        drawn = draw_toy(trajectory.toy, row, ax, closed=closed_contacts(trajectory, t))
+        add(shown, drawn.artists)
         ax.set(xlim=x_limits, ylim=y_limits)
         ax.set_title(label, fontsize=9)
         ax.tick_params(labelsize=8)
@@ -272,10 +315,11 @@ def draw_frames(
     for ax in axes[len(times) :]:
         ax.set_visible(False)
     for ax in axes[::columns]:
-        ax.set_ylabel("height [mm]")
+        ax.set_ylabel("height [m]")
     for ax in axes[-columns:]:
-        ax.set_xlabel("from the axis [mm]")
-    return axes[: len(times)]
+        ax.set_xlabel("from the axis [m]")
+    styled(shown, styles, PARTS)
+    return Drawn(tuple(axes[: len(times)]), shown)
 
 
 def frame_times(t_end: float, slow: float, fps: float) -> Floats:
@@ -333,13 +377,13 @@ def animate(
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / path.name
         with writer.saving(figure, str(draft), DPI):
-            for k, (t, row, height) in enumerate(zip(times, q, MM * camera, strict=True), start=1):
+            for k, (t, row, height) in enumerate(zip(times, q, camera, strict=True), start=1):
                 ax.clear()
                 closed = closed_contacts(trajectory, float(t), hold=1.0 / (6.0 * slow))
                 draw_toy(trajectory.toy, row, ax, closed=closed)
                 ax.set(xlim=x_limits, ylim=(y_limits[0] + height, y_limits[1] + height))
                 ax.set_title(f"{1e3 * t:.2f} ms, {slow:g} times slower", fontsize=9)
-                ax.set_ylabel("height [mm]", fontsize=8)
+                ax.set_ylabel("height [m]", fontsize=8)
                 ax.tick_params(labelsize=7)
                 ax.set_xticks([])
                 writer.grab_frame()

@@ -105,7 +105,7 @@ def test_the_spring_holds_both_bodies() -> None:
 def test_the_window_holds_what_is_drawn() -> None:
     toy, rows = Toy(), coordinates()
     (left, right), (low, high) = window(toy, rows)
-    drawn = 1e3 * np.concatenate([bird(toy, q, [*BODY, *TAIL, (0.0, 1.0)]) for q in rows])
+    drawn = np.concatenate([bird(toy, q, [*BODY, *TAIL, (0.0, 1.0)]) for q in rows])
     assert left < drawn[:, 0].min() < drawn[:, 0].max() < right
     assert low < drawn[:, 1].min() < drawn[:, 1].max() < high
 
@@ -125,14 +125,28 @@ def test_closed_contacts_follow_the_word(motion: Trajectory) -> None:
 
 def test_drawing_marks_what_it_is_told() -> None:
     ax = Figure().subplots()
-    draw_toy(Toy(), (0.0, 0.0, 0.0), ax, closed=(3, 1))
+    drawn = draw_toy(Toy(), (0.0, 0.0, 0.0), ax, closed=(3, 1), styles={"spring": {"color": "k"}})
+    assert drawn.ax is ax
     assert [text.get_text() for text in ax.texts] == ["1", "3"]
+    assert list(drawn.artists) == ["pole", "sleeve", "spring", "bird", "closed contacts"]
+    assert {line.get_color() for line in drawn.artists["spring"]} == {"k"}
     with pytest.raises(ValueError, match=r"contacts are 1, 2 and 3, got \[4\]"):
         draw_toy(Toy(), (0.0, 0.0, 0.0), ax, closed=(4,))
+    with pytest.raises(ValueError, match=r"a style must be of one of pole, .*, got 'wing'"):
+        draw_toy(Toy(), (0.0, 0.0, 0.0), ax, styles={"wing": {}})
+
+
+def test_drawing_on_its_own_is_in_metres() -> None:
+    ax = draw_toy(Toy(), (0.0, 0.0, 0.0)).ax
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    assert 0.03 < right - left < high - low < 0.1  # a toy of some centimetres
+    assert ax.get_ylabel() == "height [m]"
 
 
 def test_frames_stand_side_by_side(motion: Trajectory) -> None:
-    axes = draw_frames(motion, [0.0, 0.02, 0.04, 0.06, 0.1], list("abcde"), Figure())
+    drawn = draw_frames(motion, [0.0, 0.02, 0.04, 0.06, 0.1], list("abcde"))
+    axes = drawn.axes
+    assert len(drawn.artists["bird"]) % 5 == 0
     assert [ax.get_title() for ax in axes] == list("abcde")
     assert len({(ax.get_xlim(), ax.get_ylim()) for ax in axes}) == 1
     with pytest.raises(ValueError, match="one label for each time, got 1 times, 2 labels"):
