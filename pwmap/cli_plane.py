@@ -118,36 +118,21 @@ def _write(
 ) -> None:  # fmt: skip
     """The picture and both tables."""
     from pwmap.diagrams.files import write_figure, write_table
+    from pwmap.plane.tables import curve_columns, point_columns
     from pwmap.plot_plane import plot_plane
 
     drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
     write_figure(folder / files[0], drawn.figure)
-    write_table(
-        folder / files[1],
-        ("id", "kind", "note", "words", "polynomial", "from", "to"),
-        ((c.id, c.kind, c.note, " ".join(c.words), c.polynomial, *c.ends) for c in found.curves),
-    )
-    across, along = str(found.across), str(found.along)
-    write_table(
-        folder / files[2],
-        ("id", "kind", across, along, f"{across}_exact", f"{along}_exact", "curves"),
-        (
-            (p.id, p.kind, *_floats(found, k), *p.values, " ".join(p.curves))
-            for k, p in enumerate(found.points)
-        ),
-    )
-
-
-def _floats(found: ParameterPlane, number: int) -> tuple[float, ...]:
-    from pwmap.algebra.exact import to_float
-    from pwmap.algebra.roots import bounds
-
-    return tuple(to_float(bounds(value)[0]) for value in found.points[number].node)
+    points = point_columns(found.points, (found.across, found.along))
+    for name, columns in zip(files[1:], (curve_columns(found.curves), points), strict=True):
+        write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
     from rich.table import Table
+
+    from pwmap.plane.tables import doubles
 
     curves = Table("curve", "what", "cycles", "zero on it", "ends", title="Curves")
     for curve in found.curves:
@@ -156,7 +141,7 @@ def tables(found: ParameterPlane) -> Iterator[Table]:
         curves.add_row(curve.id, what, " ".join(curve.words), str(curve.polynomial), ends)
     yield curves
     points = Table("point", "what", str(found.across), str(found.along), "curves", title="Points")
-    for number, point in enumerate(found.points):
-        values = (f"{value:.12g}" for value in _floats(found, number))
+    for point in found.points:
+        values = (f"{value:.12g}" for value in doubles(point))
         points.add_row(point.id, point.kind.label, *values, " ".join(point.curves))
     yield points

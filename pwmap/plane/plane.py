@@ -9,12 +9,14 @@ import sympy
 
 from pwmap.algebra.exact import Number
 from pwmap.algebra.terms import own_name
+from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.cells import checked_orders, checked_span
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
 from pwmap.plane.strips import Rectangle, Strip
+from pwmap.plane.tables import curve_columns, point_columns
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,6 +81,38 @@ class ParameterPlane:
             if curve.id == curve_id:
                 return curve
         raise KeyError(f"there is no curve {curve_id!r}")
+
+    def to_dataframe(self) -> DataFrame:
+        """The curves, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``id``, ``kind``, ``note``, ``words`` (parted by blanks),
+            ``polynomial`` (of sympy), ``from`` and ``to`` (names of points).
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return dataframe(curve_columns(self.curves))
+
+    def points_to_dataframe(self) -> DataFrame:
+        """The points of codimension two, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``id`` and ``kind``, both parameters by their names (doubles) and by
+            these names with ``_exact`` (of sympy), and ``curves`` (parted by blanks).
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return dataframe(point_columns(self.points, (self.across, self.along)))
 
 
 def parameter_plane(

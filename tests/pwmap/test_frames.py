@@ -11,7 +11,7 @@ import pytest
 import sympy
 from test_diagram import WORDS, branch, diagram
 
-from pwmap import PiecewiseLinearMap, bifurcation_diagram
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, parameter_plane
 
 A, R = sympy.symbols("a r")
 FIRST = ["branch", "kind", "order", "word"]
@@ -90,6 +90,21 @@ def test_pieces_of_a_map() -> None:
     assert frame.intercept.tolist() == [R - 2, R]
     assert frame.upper.tolist() == [0, sympy.oo]
     assert frame.upper_closed.tolist() == [True, False]
+
+
+def test_curves_and_points_of_a_plane() -> None:
+    skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2, 3))
+    curves = plane.to_dataframe().set_index("id")
+    a, b = sympy.symbols("a b", real=True)
+    assert curves.loc["BC1", ["kind", "note", "words"]].tolist() == ["BC", "fold", "LLR LRR"]
+    assert str(curves.loc["BC1", "polynomial"]) == str(a * b + a + 1)
+    (point,) = plane.points_to_dataframe().to_dict("records")
+    golden = (sympy.sqrt(5) - 1) / 2
+    assert sympy.expand(point["a_exact"] - golden) == 0
+    assert sympy.expand(point["b_exact"] + golden + 2) == 0
+    assert (point["a"], point["b"]) == pytest.approx((golden, -golden - 2), abs=1e-15)
+    assert point["curves"] == "PD3 BC1"
 
 
 def test_the_remedy_is_named_without_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
