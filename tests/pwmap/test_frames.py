@@ -103,7 +103,9 @@ def test_curves_and_points_of_a_plane() -> None:
     golden = (sympy.sqrt(5) - 1) / 2
     assert sympy.expand(point["a_exact"] - golden) == 0
     assert sympy.expand(point["b_exact"] + golden + 2) == 0
-    assert (point["a"], point["b"]) == pytest.approx((golden, -golden - 2), abs=1e-15)
+    assert (point["a"], point["b"]) == pytest.approx(
+        (float(golden), -float(golden) - 2.0), abs=1e-15
+    )
     assert point["curves"] == "PD3 BC1"
 
 
