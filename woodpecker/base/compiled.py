@@ -10,6 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from woodpecker.base.linking import pipelines
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -42,11 +44,13 @@ _WHOLE, _PART = _options() if COMPILED else ({}, {})
 def jit(function: F) -> F:
     """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
 
+    Either way infinity and nan are results like others, of which nothing is said.
+
     For what Python calls while it computes; all else is a :func:`part` of such a function. Where no
     folder for the cache can be written there is none, and a warning says so once.
     """
     if not COMPILED:
-        return function
+        return np.errstate(all="ignore")(function)
     compiled: F
     try:
         compiled = numba.njit(cache=True, **_WHOLE)(function)
