@@ -256,7 +256,8 @@ def test_a_newer_version_is_refused_in_one_sentence(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"{", b"[1]", b"\xff\xfe", b"[" * 100_000, gzip.compress(b"{}", mtime=0), b"graph {}"]
+    "content",
+    [b"", b"{", b"[1]", b"\xff\xfe", b"[" * 100_000, gzip.compress(b"{}", mtime=0), b"graph {}"],
 )
 def test_other_files_are_refused(content: bytes, tmp_path: Path) -> None:
     for name in ("d.json", "d.json.gz"):
