@@ -305,6 +305,37 @@ def peers(results: All) -> str:
     return rows(header, lines)
 
 
+def general(results: All) -> str:
+    """The branch of the stable motion by a general continuation program."""
+    found = results["peer_pydstool"]
+    lines = [
+        [
+            number(run["step"]),
+            "1" if run["forward"] else "0",
+            str(run["points"]),
+            str(run["asked"]),
+            " ".join(name or "–" for name in run["route"]),
+            ", ".join(" to ".join(pair) for pair in run["leaps"]) or "none",
+            fixed(run["last"][0], 6),
+        ]
+        for run in found["runs"]
+    ]
+    header = [
+        "largest step",
+        "towards",
+        "points",
+        "images",
+        "one curve, on our branches",
+        "leaps",
+        "last ε_N1",
+    ]
+    return (
+        f"{rows(header, lines)}\n\n"
+        f"`continuation` finds {found['branches']} branches and {found['points']} special points that hang together "
+        "there: F1 ends at C, F3 goes from FF1 to A, and jump crossings lie between them."
+    )
+
+
 def orders(results: All) -> str:
     """Expected and fitted orders."""
     lines = [
@@ -518,7 +549,7 @@ def proofs(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, orders, failures, reductions, kernel, diagrams, symbolic,
+        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, symbolic,
         ground, long_run, proofs, machine,
     )
 }  # fmt: skip

@@ -30,6 +30,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "ground_types": "studies.ground_types",
     "peer_moreau": "studies.peers.moreau",
     "peer_siconos": "studies.peers.siconos_peer",
+    "peer_pydstool": "studies.peers.pydstool_peer",
     "work_precision": "studies.precision.work_precision",
     "failures": "studies.failures.failures",
     "reductions": "studies.reductions.reductions",

@@ -1,0 +1,176 @@
+"""A general continuation program on the toy's return map: PyCont, of PyDSTool.
+
+    python -m studies.peers.pydstool_peer [--fast] [--out DIR]
+
+PyCont [Clewley2012] follows curves of zeros by pseudo-arclength, with derivatives by differences,
+as AUTO and MatCont do; it is the one of its kind that a Python runs which is at hand. It gets
+P(x, eps_N1) - x as a function, from the paper's motion on, in both directions. Where a curve ends
+in a jump it can do two things: stop, or land on another branch and go on. Which it is, the branches
+of :func:`woodpecker.continuation` tell, on which the points are looked up.
+
+Beyond the ends of eps_N1 the map is that at the end, so that the program may try values there.
+PyDSTool wants a numpy before 1.24; PYDSTOOL_PYTHON names a Python that has both. Without it the
+study says so and measures nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from functools import cache
+from itertools import groupby, pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pwmap import BranchKind, Diagram
+from studies.common.record import Results, command
+from studies.peers.peer import LostError
+from woodpecker import Toy, continuation, first_return, shoot
+
+PROGRAM = Path(__file__).with_name("pydstool_curve.py")
+PYTHON = os.environ.get("PYDSTOOL_PYTHON", sys.executable)
+START = (-0.53, 0.5)  # rad, eps_N1
+WINDOW = (-2.5, 0.119)  # rad: the beak is off the pole
+SAME = 1e-6  # rad: its tolerance, and the difference of a chord from a branch
+STEPS = (0.05, 0.02, 0.005)  # the largest ones: length in the plane of phi_S and eps_N1
+
+
+class Traced(NamedTuple):
+    """What the program gave."""
+
+    points: tuple[tuple[float, float], ...]  # eps_N1, phi_S [rad]
+    said: str  # why it stopped
+    asked: int  # images that it needed
+
+
+@cache
+def available() -> str:
+    """Empty if PyDSTool can run, otherwise the sentence that says why not."""
+    try:
+        asked = subprocess.run(
+            [PYTHON, "-W", "ignore", "-c", "import PyDSTool"],
+            env=_environment(), capture_output=True, text=True, timeout=60,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return f"PyDSTool cannot be asked for: {error}"
+    if asked.returncode:
+        reason = (asked.stderr.strip().splitlines() or ["no reason given"])[-1]
+        return f"{PYTHON} cannot import PyDSTool: {reason}"
+    return ""
+
+
+def trace(toy: Toy, step: float, forward: bool, points: int = 200) -> Traced:
+    """Follow the zero of P(x, eps_N1) - x from the paper's motion.
+
+    Parameters
+    ----------
+    toy
+        The toy; its eps_N1 is where the curve starts.
+    step
+        The largest step.
+    forward
+        Whether to start towards larger eps_N1.
+    points
+        After how many to stop.
+
+    Raises
+    ------
+    LostError
+        If PyDSTool is missing or fails; the sentence says why.
+    """
+    if reason := available():
+        raise LostError(reason)
+    start = shoot(toy, START[0])
+    task = {"x": start.phi_s, "p": toy.eps_n1, "step": step, "points": points, "forward": forward}
+    with subprocess.Popen(
+        [PYTHON, "-W", "ignore", str(PROGRAM), json.dumps(task)], env=_environment(), text=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=1,
+    ) as program:  # fmt: skip
+        assert program.stdin is not None
+        assert program.stdout is not None
+        assert program.stderr is not None
+        for line in program.stdout:
+            if line.startswith("{"):
+                answer: dict[str, Any] = json.loads(line)
+                points_ = tuple((p, x) for p, x in answer["points"])
+                return Traced(points_, answer["said"], answer["asked"])
+            x, p = map(float, line.split())
+            print(repr(_image(toy, x, p)), file=program.stdin, flush=True)
+        raise LostError(f"PyDSTool failed: {program.stderr.read().strip()[-200:]}")
+
+
+def _image(toy: Toy, x: float, p: float) -> float:
+    """P(x, p), with x and p moved into the ranges that a toy has; nan if it does not return."""
+    inside = min(max(x, WINDOW[0]), WINDOW[1])
+    return first_return(toy.replace(eps_n1=min(max(p, 0.0), 1.0)), inside).phi_s
+
+
+def route(traced: Traced, diagram: Diagram) -> list[str]:
+    """Ids of the fixed-point branches on which the points lie, one after the other; "" for none."""
+    return [name for name, _ in groupby(_branches(traced.points, diagram))]
+
+
+def leaps(ids: Sequence[str], diagram: Diagram) -> list[list[str]]:
+    """Pairs of branches on a route that follow each other and have no special point in common."""
+    known = [name for name in ids if name]
+    return [
+        [here, there]
+        for here, there in pairwise(known)
+        if not set(diagram.branch(here).ends) & set(diagram.branch(there).ends)
+    ]
+
+
+def _branches(points: Sequence[tuple[float, float]], diagram: Diagram) -> Iterator[str]:
+    for p, x in points:
+        hits = [hit for hit in diagram.at(p) if hit.branch.kind is BranchKind.FIXED_POINT]
+        near = min(hits, key=lambda hit: abs(hit.x - x), default=None)
+        yield near.branch.id if near is not None and abs(near.x - x) < 1e3 * SAME else ""
+
+
+def _environment() -> dict[str, str]:
+    """The packages of this process are not those of the other Python."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Which branches a general program follows as one, and where it stops.
+
+    Parameters
+    ----------
+    fast
+        One step only.
+    out
+        Not used: there are no pictures.
+
+    Returns
+    -------
+    dict
+        ``runs``, each with ``step``, ``forward``, ``points``, ``asked`` (images), ``route`` (ids of
+        branches, empty between them), ``leaps`` (pairs of them that do not meet), ``last`` (eps_N1
+        and phi_S) and ``said``; ``branches`` and ``points`` of the diagram, in numbers. Or
+        ``skipped``, the sentence why not.
+    """
+    if reason := available():
+        return {"skipped": reason}
+    toy = Toy(eps_n1=START[1])
+    diagram = continuation(toy, shoot(toy, START[0]), "eps_n1", span=(0.0, 1.0))
+    runs = []
+    for step in STEPS[1:2] if fast else STEPS:
+        for forward in (False, True):
+            found = trace(toy, step, forward)
+            ids = route(found, diagram)
+            runs.append(
+                {
+                    "step": step, "forward": forward, "points": len(found.points),
+                    "asked": found.asked, "route": ids, "leaps": leaps(ids, diagram),
+                    "last": list(found.points[-1]), "said": found.said,
+                }
+            )  # fmt: skip
+    return {"runs": runs, "branches": len(diagram.branches), "points": len(diagram.points)}
+
+
+if __name__ == "__main__":
+    command(main, "peer_pydstool")

@@ -1,0 +1,51 @@
+"""What a general continuation program makes of the return map, and how it is told."""
+
+import pytest
+from needs import NEEDS_NUMBA
+
+from studies.peers import pydstool_peer
+from studies.peers.peer import LostError
+from studies.peers.pydstool_peer import Traced, available, leaps, main, route, trace
+from woodpecker import Toy, continuation, shoot
+
+WHY_NOT = available()
+needs_pydstool = pytest.mark.skipif(bool(WHY_NOT), reason=WHY_NOT or "runs")
+
+
+@NEEDS_NUMBA
+def test_points_are_told_by_the_branch_they_lie_on() -> None:
+    toy = Toy(eps_n1=0.19)
+    diagram = continuation(toy, shoot(toy, -0.73), "eps_n1", span=(0.18, 0.195))
+    high, low = (
+        next(b for b in diagram.branches if b.kind == "fixed-point" and b.ends.count(end))
+        for end in ("BC1", "FF1")
+    )
+    points = [(b.parameter[k], b.x[k]) for b, k in ((high, 1), (high, 2), (low, 1))]
+    ids = route(Traced((*points, (0.19, 0.0)), "", 0), diagram)
+    assert ids == [high.id, low.id, ""]
+    assert leaps(ids, diagram) == [[high.id, low.id]]  # a jump crossing lies between them
+
+
+def test_a_missing_pydstool_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pydstool_peer, "PYTHON", "/nowhere/python3")
+    available.cache_clear()
+    try:
+        assert "/nowhere/python3" in available()
+        assert main(fast=True) == {"skipped": available()}
+        with pytest.raises(LostError, match="cannot be asked for"):
+            trace(Toy(), 0.02, forward=True)
+    finally:
+        available.cache_clear()
+
+
+@needs_pydstool
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_general_program_leaps_over_a_jump_unseen() -> None:
+    """Towards 0 it goes on beyond C, on the branch to A; towards 1 it stops where F2 ends."""
+    down, up = main(fast=True)["runs"]
+    assert down["route"][:2] == ["F1", "F3"]
+    assert ["F1", "F3"] in down["leaps"]
+    assert up["route"][:2] == ["F1", "F2"]
+    assert up["leaps"] == []
+    assert up["last"][0] == pytest.approx(0.7911249391, abs=1e-4)  # its tolerance, near the end
