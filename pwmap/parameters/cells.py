@@ -5,9 +5,10 @@ polynomial behind it. The nearest roots of these polynomials bound the cell of t
 it no sign changes, so all words, fixed points and crossings are the same. The next sample is
 taken beyond. Edges are cells of their own, studied exactly at the root.
 
-With other parameters symbolic the same is done at a sample of these; every polynomial must then be
-of degree one in the parameter of the axis, so that its root is a quotient of polynomials in the
-others. The order of all roots is recorded too: where it persists, the whole picture holds.
+With other parameters symbolic the same is done at a sample of these. Beside one other parameter a
+place is a root of a polynomial in both; beside several, every polynomial must be of degree one in
+the parameter of the axis, so that its root is a quotient of polynomials in the others. The order of
+all roots is recorded too: where it persists, the whole picture holds.
 """
 
 from __future__ import annotations
@@ -380,8 +381,8 @@ def parameter_cells(
     Raises
     ------
     ValueError
-        If the parameter is unknown, or with other parameters symbolic a decision is not of degree
-        one in it.
+        If the parameter is unknown, or with two or more other parameters symbolic a decision is not
+        of degree one in it.
 
     Examples
     --------
