@@ -369,7 +369,7 @@ def animate(
     writer, rate = _writer(path, fps)
     times = frame_times(trajectory.t_end, slow, rate)
     figure = Figure(figsize=size, dpi=DPI)
-    ax = figure.add_axes((0.17, 0.03, 0.8, 0.9))  # fixed: a layout engine moves it with its labels
+    ax = figure.add_axes((0.23, 0.03, 0.74, 0.9))  # fixed: a layout engine moves it with its labels
     q, _ = trajectory.at(times)
     ends, _ = trajectory.at([0.0, trajectory.t_end])
     camera = np.interp(times, [0.0, trajectory.t_end], ends[:, 0])
