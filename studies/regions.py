@@ -26,8 +26,8 @@ from studies.main_job import PAPER
 from studies.two_parameters import FLIP
 from studies.two_parameters import NAMES as POINTS
 from woodpecker import Curve, Regions, Survey, Toy, continuation, parameter_regions, shoot
-from woodpecker.plot.plane import handles, name_curve
-from woodpecker.plot.regions import described, plot_regions, region_handles
+from woodpecker.plot.plane import name_curve
+from woodpecker.plot.regions import described, handles, plot_regions
 
 FIRST, SPAN = "eps_n1", (0.1, 0.9)
 SECOND = {"mu_2": (0.29, 0.34), "l_s": (0.0197, 0.02025), "c_phi": (0.005, 0.0064)}
@@ -106,14 +106,8 @@ def draw(toy: Toy, found: dict[str, Regions]) -> Figure:
         for curve in regions.curves:
             name_curve(ax, _name(curve, getattr(toy, name)), curve)
         ax.plot(toy.eps_n1, getattr(toy, name), "*", color="black", ms=6.0, zorder=5)
-    curves = [curve for regions in found.values() for curve in regions.curves]
-    areas = {
-        each.get_label(): each for regions in found.values() for each in region_handles(regions)
-    }
     star = Line2D([], [], ls="", marker="*", color="black", ms=6.0, label="the paper's toy")
-    cross = Line2D([], [], ls="", marker="x", color="black", ms=3.5, label="disagrees")
-    lines = [each for each in handles(curves) if each.get_linestyle() != "None"]
-    shown = [*areas.values(), *lines, star, cross]
+    shown = [*handles(found.values()), star]
     figure.legend(handles=shown, loc="outside lower center", ncols=4, fontsize=7, frameon=False)
     return figure
 

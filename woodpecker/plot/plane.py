@@ -149,17 +149,21 @@ def label(name: str) -> str:
     return symbol if unit == "-" else f"{symbol} [{unit}]"
 
 
-def handles(curves: Iterable[Curve]) -> list[Line2D]:
-    """What a legend of curves shows: the kinds of curves and of points that are there."""
-    drawn = list(curves)
-    kinds = {stretch[:2] for curve in drawn for stretch in curve.stretches()}
-    points = {point.kind for curve in drawn for point in curve.points}
-    is_open = any(p.status is PointStatus.OPEN for curve in drawn for p in curve.points)
-    lines = [
+def line_handles(curves: Iterable[Curve]) -> list[Line2D]:
+    """What a legend of curves shows: their kinds."""
+    kinds = {stretch[:2] for curve in curves for stretch in curve.stretches()}
+    return [
         Line2D([], [], color=COLOURS[kind[0]], ls="--" if kind[1] == DASHED else "-", label=text)
         for kind, text in MEANINGS.items()
         if kind in kinds
     ]
+
+
+def handles(curves: Iterable[Curve]) -> list[Line2D]:
+    """The kinds of curves and of their points."""
+    drawn = list(curves)
+    points = {point.kind for curve in drawn for point in curve.points}
+    is_open = any(p.status is PointStatus.OPEN for curve in drawn for p in curve.points)
     marks = [
         Line2D([], [], color="black", ls="", marker=marker, ms=3.8, label=kind.label)
         for kind, marker in MARKERS.items()
@@ -169,4 +173,4 @@ def handles(curves: Iterable[Curve]) -> list[Line2D]:
         marks.append(
             Line2D([], [], color="black", ls="", marker="o", mfc="white", ms=3.8, label="open")
         )
-    return [*lines, *marks]
+    return [*line_handles(drawn), *marks]

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.plane.census import Census
 from woodpecker.plane.regions import Region, Regions
-from woodpecker.plot.plane import draw_curve, label
+from woodpecker.plot.plane import draw_curve, label, line_handles
 
 MAPS = ("Greys", "Blues", "Oranges", "Purples")  # no stable cycle, one of period 1, 2, of both
-LIGHTEST, STEP, DARKEST = 0.08, 0.1, 0.75  # of a colour map: the more cycles, the darker
+LIGHTEST, STEP, DARKEST = 0.04, 0.14, 0.75  # of a colour map: the more cycles, the darker
+OPEN = "a place that disagrees"
 
 
 def plot_regions(
@@ -29,9 +34,9 @@ def plot_regions(
     ax
         Where to draw; a new figure by default.
     legend
-        Whether to say, beside the axes, which cycles live where.
+        Whether to say, beside the axes, which cycles live where, and what the curves are.
     styles
-        Properties of matplotlib by the names in the legend, ``"curves"`` and ``"open"``.
+        Properties of matplotlib by the names of regions in the legend, ``"curves"`` and ``"open"``.
 
     Returns
     -------
@@ -60,7 +65,7 @@ def plot_regions(
         ylabel=label(regions.names[1]),
     )  # fmt: skip
     if legend:
-        ax.legend(handles=region_handles(regions), fontsize=7.5, frameon=False,
+        ax.legend(handles=handles([regions]), fontsize=7.5, frameon=False,
                   bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
     return Drawn((ax,), shown)
 
@@ -89,16 +94,21 @@ def described(census: Census) -> str:
     return "; ".join(parts) or "none"
 
 
-def region_handles(regions: Regions) -> list[Patch]:
-    """What a legend of regions shows: what lives in them, the commonest first."""
+def handles(planes: Iterable[Regions]) -> list[Artist]:
+    """What a legend shows: what lives in regions, the commonest first, and curves between them."""
+    drawn = list(planes)
     shares: dict[Census, float] = {}
-    for region in regions.regions:
+    for region in (region for regions in drawn for region in regions.regions):
         shares[region.census] = shares.get(region.census, 0.0) + region.share
     ordered = sorted(shares, key=lambda census: -shares[census])
-    return [
+    areas = [
         Patch(facecolor=colour(census), edgecolor="0.6", lw=0.4, label=described(census))
         for census in ordered
     ]
+    lines = line_handles(curve for regions in drawn for curve in regions.curves)
+    if any(regions.open for regions in drawn):
+        lines.append(Line2D([], [], ls="", marker="x", color="black", ms=3.5, mew=0.7, label=OPEN))
+    return [*areas, *lines]
 
 
 def _path(region: Region) -> Path:
