@@ -123,6 +123,7 @@ def check(
             say(check_certificate(file))
         except (ValueError, OSError) as error:
             failed = True
-            complain(f"Refused: {file}: {error}")
+            reason = error.strerror if isinstance(error, OSError) else error
+            complain(f"Refused: {file}: {reason}")
     if failed:
         raise typer.Exit(1)
