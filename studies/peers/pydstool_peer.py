@@ -20,13 +20,13 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from functools import cache
 from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pwmap import BranchKind, Diagram
 from studies.common.record import Results, command
+from studies.peers.elsewhere import environment, why_not
 from studies.peers.peer import LostError
 from woodpecker import Toy, continuation, first_return, shoot
 
@@ -46,20 +46,9 @@ class Traced(NamedTuple):
     asked: int  # images that it needed
 
 
-@cache
 def available() -> str:
     """Empty if PyDSTool can run, otherwise the sentence that says why not."""
-    try:
-        asked = subprocess.run(
-            [PYTHON, "-W", "ignore", "-c", "import PyDSTool"],
-            env=_environment(), capture_output=True, text=True, timeout=60,
-        )  # fmt: skip
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return f"PyDSTool cannot be asked for: {error}"
-    if asked.returncode:
-        reason = (asked.stderr.strip().splitlines() or ["no reason given"])[-1]
-        return f"{PYTHON} cannot import PyDSTool: {reason}"
-    return ""
+    return why_not(PYTHON, "PyDSTool", "PyDSTool")
 
 
 def trace(toy: Toy, step: float, forward: bool, points: int = 200) -> Traced:
@@ -86,7 +75,7 @@ def trace(toy: Toy, step: float, forward: bool, points: int = 200) -> Traced:
     start = shoot(toy, START[0])
     task = {"x": start.phi_s, "p": toy.eps_n1, "step": step, "points": points, "forward": forward}
     with subprocess.Popen(
-        [PYTHON, "-W", "ignore", str(PROGRAM), json.dumps(task)], env=_environment(), text=True,
+        [PYTHON, "-W", "ignore", str(PROGRAM), json.dumps(task)], env=environment(), text=True,
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=1,
     ) as program:  # fmt: skip
         assert program.stdin is not None
@@ -128,11 +117,6 @@ def _branches(points: Sequence[tuple[float, float]], diagram: Diagram) -> Iterat
         hits = [hit for hit in diagram.at(p) if hit.branch.kind is BranchKind.FIXED_POINT]
         near = min(hits, key=lambda hit: abs(hit.x - x), default=None)
         yield near.branch.id if near is not None and abs(near.x - x) < 1e3 * SAME else ""
-
-
-def _environment() -> dict[str, str]:
-    """The packages of this process are not those of the other Python."""
-    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:

@@ -17,7 +17,6 @@ import json
 import math
 import os
 import subprocess
-from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -25,6 +24,7 @@ import numpy as np
 
 from studies.common.laws import CONTACT_BY_CONTACT
 from studies.common.record import Results, command
+from studies.peers.elsewhere import environment, why_not
 from studies.peers.moreau import ENDED, LONGEST, LOST, word_of_states
 from studies.peers.ode import IMAGE, PHI_S
 from studies.peers.peer import LostError, PeerReturn, contact_by_contact
@@ -59,23 +59,9 @@ class Run(NamedTuple):
     seconds: float  # of CPU in the time loop
 
 
-@cache
 def available() -> str:
     """Empty if Siconos can run, otherwise the sentence that says why not."""
-    try:
-        asked = subprocess.run(
-            [PYTHON, "-c", "import siconos.kernel, siconos.numerics"],
-            env=_environment(),
-            capture_output=True,
-            text=True,
-            timeout=60,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return f"Siconos cannot be asked for: {error}"
-    if asked.returncode:
-        reason = (asked.stderr.strip().splitlines() or ["no reason given"])[-1]
-        return f"{PYTHON} cannot import Siconos: {reason}"
-    return ""
+    return why_not(PYTHON, "Siconos", "siconos.kernel, siconos.numerics")
 
 
 def simulate_siconos(
@@ -165,7 +151,7 @@ def _ask(scene: dict[str, Any]) -> dict[str, Any]:
     ran = subprocess.run(
         [PYTHON, str(PROGRAM)],
         input=json.dumps(scene),
-        env=_environment(),
+        env=environment(),
         capture_output=True,
         text=True,
     )
@@ -175,11 +161,6 @@ def _ask(scene: dict[str, Any]) -> dict[str, Any]:
         raise LostError(f"Siconos did not solve every contact problem: {ran.stderr.strip()[-80:]}")
     answer: dict[str, Any] = json.loads(ran.stdout)
     return answer
-
-
-def _environment() -> dict[str, str]:
-    """The packages of this process are not those of the system's Python."""
-    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
