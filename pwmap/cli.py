@@ -12,7 +12,7 @@ import typer
 from pwmap.cli_certificates import check_files, prove_map
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.cli_screen import bar_on, screen, tell_written
+from pwmap.cli_screen import bar_on, in_words, screen, tell_written
 from pwmap.diagrams.files import PictureFormat
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
@@ -138,7 +138,7 @@ def analyse(
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {error}", style="red", highlight=False, soft_wrap=True)
+        errors.print(f"Error: {in_words(error)}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
     console.print(table_of_branches(found))
     console.print(table_of_points(found))

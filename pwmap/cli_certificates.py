@@ -8,7 +8,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.cli_screen import screen
+from pwmap.cli_screen import in_words, screen
 
 
 def prove_map(
@@ -50,7 +50,7 @@ def prove_map(
             found = prove(diagram, map_, orders=wanted)
         found.save(out)
     except (ValueError, TypeError, OSError) as error:
-        _leave(f"Error: {error}", 2)
+        _leave(f"Error: {in_words(error)}", 2)
     console = screen()
     console.print(found.statement, highlight=False, soft_wrap=True)
     console.print(f"wrote {out}", soft_wrap=True)

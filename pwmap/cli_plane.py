@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.cli_screen import bar_on, screen, tell_written
+from pwmap.cli_screen import bar_on, in_words, screen, tell_written
 from pwmap.diagrams.files import PictureFormat, in_format
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
@@ -104,7 +104,7 @@ def draw_plane(
         errors.print("Interrupted: there is nothing to keep yet", style="red")
         raise typer.Exit(130) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {error}", style="red", highlight=False, soft_wrap=True)
+        errors.print(f"Error: {in_words(error)}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
     console = screen()
     for table in tables(found):

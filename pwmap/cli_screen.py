@@ -41,6 +41,19 @@ def bar_on(console: Console) -> Progress:
     )  # fmt: skip
 
 
+def in_words(error: Exception) -> str:
+    """What went wrong, without the number that an operating system has for it.
+
+    Parameters
+    ----------
+    error
+        What was raised.
+    """
+    if isinstance(error, OSError) and error.strerror and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
+
+
 def tell_written(
     console: Console, folder: Path, names: Sequence[str], gone: Sequence[str] = ()
 ) -> None:

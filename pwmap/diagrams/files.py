@@ -22,9 +22,13 @@ def write_whole(path: Path, content: bytes) -> None:
     ------
     FileNotFoundError
         If the folder does not exist.
+    IsADirectoryError
+        If there is a folder of this name.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
+    if path.is_dir():
+        raise IsADirectoryError(f"cannot write {path}: it is a folder, expected a file in it")
     temporary = path.with_name(f".{uuid.uuid4().hex}.tmp")
     try:
         with temporary.open("xb") as file:

@@ -287,6 +287,8 @@ def test_nothing_is_half_written(tmp_path: Path) -> None:
         wrong.__class__(parameter_name="p", x_name="x", branches=(), points=()).save(
             tmp_path / "none" / "d.json"
         )
+    with pytest.raises(IsADirectoryError, match="it is a folder, expected a file in it"):
+        with_open_point().save(tmp_path)
     with pytest.raises(FileNotFoundError):
         load_diagram(tmp_path / "none.json")
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.markup import escape
 
-from pwmap.cli_screen import bar_on, screen, tell_written
+from pwmap.cli_screen import bar_on, in_words, screen, tell_written
 from pwmap.diagrams.files import PictureFormat
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
 
@@ -77,7 +77,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             _asked.set((named, {"toy": asdict(toy), "options": options}))
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
-            complain(f"Error: {error}")
+            complain(f"Error: {in_words(error)}")
             raise typer.Exit(2) from None
         except CommandError as failure:
             complain(f"Failed: {failure}")

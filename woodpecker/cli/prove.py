@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pwmap.cli_screen import in_words
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.options import (
     GUESS,
@@ -123,7 +124,7 @@ def check(
             say(check_certificate(file))
         except (ValueError, OSError) as error:
             failed = True
-            reason = error.strerror if isinstance(error, OSError) else error
-            complain(f"Refused: {file}: {reason}")
+            name = "" if isinstance(error, OSError) else f"{file}: "
+            complain(f"Refused: {name}{in_words(error)}")
     if failed:
         raise typer.Exit(1)

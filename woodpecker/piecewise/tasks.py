@@ -30,6 +30,10 @@ class Worker:
     settings: Settings
     stop: StopRule | None = None
 
+    def __post_init__(self) -> None:
+        if self.stop is not None and not callable(self.stop):
+            raise TypeError(f"stop must be a function of a state on a branch, got {self.stop!r}")
+
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
         """Carry out a task, a method of :class:`Tasks`."""
         counted = self.map if isinstance(self.map, Counting) else _Counted(self.map)

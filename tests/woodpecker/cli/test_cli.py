@@ -473,6 +473,16 @@ def test_diagram_writes_picture_tables_and_graphs(tmp_path: Path) -> None:
     assert (tmp_path / "diagram.png").stat().st_size > 10_000
 
 
+def test_a_file_in_the_way_is_named_without_an_errno(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    for arguments in (("simulate", "--out", str(file)), ("simulate", "--out", str(file / "out"))):
+        status, text = run(*arguments)
+        assert status == 2
+        assert text.strip().startswith(f"Error: {arguments[-1]}: ")
+        assert "Errno" not in text
+
+
 @pytest.mark.slow
 def test_what_is_observed_stands_beside_the_multiplier(tmp_path: Path) -> None:
     """The motion of the paper falls 19.4454 mm in 0.14597607 s."""
