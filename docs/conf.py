@@ -5,6 +5,10 @@ from __future__ import annotations
 import importlib.metadata
 import sys
 from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))  # the studies, which are not installed
@@ -22,7 +26,6 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "sphinx_gallery.gen_gallery",
     "sphinxcontrib.bibtex",
@@ -70,6 +73,7 @@ sphinx_gallery_conf = {
 
 # --- Look ----------------------------------------------------------------------------------------
 
+html_math_renderer = "mathml"  # which browsers show by themselves: no script, no network
 html_theme = "pydata_sphinx_theme"
 html_title = "woodpecker and pwmap"
 html_copy_source = False
@@ -82,3 +86,14 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
+
+
+def _in_mathml(self: Any, node: nodes.math | nodes.math_block) -> None:
+    block = isinstance(node, nodes.math_block)
+    self.body.append(tex2mathml(node.astext(), as_block=block))
+    raise nodes.SkipNode
+
+
+def setup(app: Any) -> None:
+    """Formulas as MathML."""
+    app.add_html_math_renderer("mathml", (_in_mathml, None), (_in_mathml, None))
