@@ -18,7 +18,8 @@ from woodpecker.plane.regions import Region, Regions
 from woodpecker.plot.plane import draw_curve, label, line_handles
 
 MAPS = ("Greys", "Blues", "Oranges", "Purples")  # no stable cycle, one of period 1, 2, of both
-LIGHTEST, STEP, DARKEST = 0.04, 0.14, 0.75  # of a colour map: the more cycles, the darker
+LIGHTEST, STEP, DARKEST = 0.04, 0.14, 0.75  # of a colour map: the more cycles, the darker;
+BESIDE = 0.4  # of a step for an unstable cycle beside stable ones: each census has its own shade
 OPEN = "a place that disagrees"
 
 
@@ -71,11 +72,12 @@ def plot_regions(
 
 
 def colour(census: Census) -> tuple[float, float, float, float]:
-    """The colour of what lives in a region: its hue says what is stable."""
+    """The colour of what lives in a region: its hue says what is stable, its shade how many."""
     one = any(each.stable and each.period == 1 for each in census)
     more = any(each.stable and each.period > 1 for each in census)
-    total = sum(each.stable + each.unstable for each in census)
-    depth = min(LIGHTEST + STEP * total, DARKEST)
+    stable = sum(each.stable for each in census)
+    steps = stable + (BESIDE if stable else 1.0) * sum(each.unstable for each in census)
+    depth = min(LIGHTEST + STEP * steps, DARKEST)
     red, green, blue, alpha = mpl.colormaps[MAPS[one + 2 * more]](depth)
     return float(red), float(green), float(blue), float(alpha)
 

@@ -49,6 +49,7 @@ def test_colours_say_what_is_stable() -> None:
     none, one, two = (Count(1, 0, 1),), (Count(1, 1, 0),), (Count(1, 0, 1), Count(2, 1, 0))
     assert len({colour(each) for each in (none, one, two)}) == 3
     assert sum(colour((Count(1, 1, 2),))) < sum(colour(one))
+    assert colour((Count(1, 1, 1),)) != colour((Count(1, 2, 0),))
     assert described(one) == "period 1: 1 stable"
     assert described((Count(1, 0, 0), Count(2, 1, 3))) == "period 2: 1 stable, 3 unstable"
     assert described((Count(1, 0, 0),)) == "none"
