@@ -7,7 +7,10 @@ import pytest
 
 from woodpecker import Effect, Robustness, Toy, robustness, shoot
 from woodpecker.toypieces import ToyPieces
+from woodpecker.trouble.changes import space_of
 from woodpecker.trouble.lines import ToyLine
+from woodpecker.trouble.nearest import first_guesses
+from woodpecker.trouble.robustness import STEPPING
 
 GUESS = -0.53  # rad, near the stable cycle
 NAMES = ("r_m", "l_s", "mu_2", "eps_n1", "eps_n2")
@@ -98,6 +101,12 @@ def test_line_derivative_is_the_sum_of_single_ones() -> None:
         rate * ToyLine(toy, {name: 1.0}).at(GUESS, 0.0).d_parameter for name, rate in rates.items()
     ]
     assert whole.d_parameter == pytest.approx(sum(each), rel=1e-12)  # rounding of three terms
+
+
+def test_each_way_of_one_parameter_is_followed_once() -> None:
+    orbit = shoot(Toy(), GUESS)
+    ways = [np.sign(u) for u in first_guesses(space_of(orbit, ("mu_2",), STEPPING))]
+    assert len(ways) == len(np.unique(ways)) == 2
 
 
 def test_what_is_no_stable_motion_is_refused() -> None:

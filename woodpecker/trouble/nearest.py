@@ -65,7 +65,7 @@ def nearest(space: Space, seed: Met, seen: dict[Key, Met]) -> tuple[Met, float]:
         if closer is None or not closer.size < here.size:
             break
         here = closer
-    exact = _polished(space, here)
+    exact = _polished(space, here) if len(here.u) > 1 else None  # there is one line only
     if exact is not None:
         there = _same(space, here, exact, seen)
         if there is not None:
@@ -177,7 +177,11 @@ def first_guesses(space: Space) -> list[Floats]:
         u = space.projected(row, -condition.residual(orbit))
         if np.isfinite(u).all() and 0.0 < np.linalg.norm(u) < FARTHEST:
             found.append(u)
-    return sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
+    chosen = sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
+    if len(none) > 1:
+        return chosen
+    ways = {float(np.sign(u[0])): u for u in chosen}  # on one line the farthest passes the others
+    return list(ways.values())
 
 
 def _rows(space: Space, u: Floats, orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
