@@ -219,21 +219,19 @@ def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
     from woodpecker import observables as observed
 
     shown = observed(toy, found.diagram.named(shows.places), *shows.columns)
-    pictures = _draw(toy, shown, target, shows)
     write_results(shown, target)
+    pictures = _draw(shown, target, shows)
     console.print(table_of_points(shown))
     if found.summary:
         say(found.summary)
-    report(target, *pictures, *FILES)
+    pictures += _draw_models(toy, shown, target, shows.picture)
+    report(target, *pictures, *FILES, RUN)
 
 
-def _draw(toy: Toy, found: Diagram, target: Path, shows: _Shows) -> list[str]:
-    """The diagram, each order on its own if there are several, and fold-flips with their models."""
-    from pwmap import PointKind
+def _draw(found: Diagram, target: Path, shows: _Shows) -> list[str]:
+    """The diagram, and each order on its own if there are several."""
     from pwmap.diagrams.files import write_figure
     from pwmap.plot import plot_diagram
-    from woodpecker import ToyPieces, local_model
-    from woodpecker.plot.figures import plot_local
 
     words, form = shows.words, shows.picture
     names = [f"diagram.{form}"]
@@ -242,10 +240,24 @@ def _draw(toy: Toy, found: Diagram, target: Path, shows: _Shows) -> list[str]:
     for order in orders if len(orders) > 1 else ():
         names.append(f"order_{order}.{form}")
         write_figure(target / names[-1], plot_diagram(found.of_order(order), words=words).figure)
-    map_ = ToyPieces(toy, found.parameter_name)
+    return names
+
+
+def _draw_models(toy: Toy, found: Diagram, target: Path, form: PictureFormat) -> list[str]:
+    """Fold-flips of P_1 with their models, where there is one."""
+    from pwmap import PointKind
+    from pwmap.diagrams.files import write_figure
+    from woodpecker import ToyPieces, local_model
+    from woodpecker.plot.figures import plot_local
+
+    map_, names = ToyPieces(toy, found.parameter_name), list[str]()
     for point in found.points:
         if point.kind is PointKind.FF and point.order == 1:
-            model = local_model(map_, point.x, point.parameter)
+            try:
+                model = local_model(map_, point.x, point.parameter)
+            except ValueError as reason:
+                say(f"{point.id} has no local model: {reason}")
+                continue
             names.append(f"local_{point.id}.{form}")
             write_figure(target / names[-1], plot_local(model, found).figure)
     return names
