@@ -86,15 +86,32 @@ class Border:
         if math.isnan(self.jump):
             return BorderKind.LOST
         one, other = self.inner.slope, self.outer.slope
-        steepest = max([abs(slope) for slope in (one, other) if math.isfinite(slope)], default=0.0)
-        same = max(settings.jump, settings.nearest * steepest)  # as close as x is to the border
-        if abs(self.jump) > same * settings.x_scale:
+        images = ((self.inner, self.code), (self.outer, self.outer_code))
+        same = max(_unsure(image, code, self.x, settings) for image, code in images)
+        if abs(self.jump) > max(settings.jump * settings.x_scale, same):
             return BorderKind.JUMP
         steep = settings.numerics.steep
         if not (abs(one) < steep and abs(other) < steep):
             return BorderKind.GRAZING
         size = max(1.0, abs(one), abs(other))
         return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
+
+
+def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
+    """How far a value at a border may be off, as x is only close to the border.
+
+    A slope that is steep because x is closer than it must be is that of a square root, b sqrt(d):
+    there it is b / (2 sqrt(d)), and b sqrt(n) at the distance n at which x might as well be.
+    """
+    slope, near = abs(image.slope), settings.nearest * settings.x_scale
+    if not math.isfinite(slope):
+        return 0.0
+    rounded = settings.numerics.blur * abs(x)
+    margin, by = abs(image.margin(code)), abs(float(image.gradient(code)[0]))
+    away = max(margin / by, rounded) if by > 0.0 else near
+    if not away < near:
+        return slope * near
+    return min(slope * near, 2.0 * slope * math.sqrt(away * near))
 
 
 def beyond(
@@ -196,6 +213,8 @@ def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
     Beside a singularity, however steep, the slope at the nearer point is the largest on the way.
     """
     steepest = max(abs(here.slope), abs(there.slope))
+    if math.isnan(there.slope):  # at the end of a root there is none
+        return False
     rounding = max(1.0, steepest) * max(math.ulp(here.value), math.ulp(way))
     allowed = steepest * abs(way) + settings.spacings * rounding
     return abs(there.value - here.value) > settings.numerics.strays * allowed

@@ -75,7 +75,7 @@ def cycle_at_border(
         dx, dp = side * math.cos(angle) * settings.x_scale, math.sin(angle) * settings.p_scale
         for away in closer:
             pieces[on] = map_.at(float(x[on]) + away * dx, p + away * dp).piece
-            orbit = orbit_of(pieces, x, p)
+            orbit = differentiable(orbit_of(pieces, x, p), margin, settings)
             if pieces[on].key == key and _is_at_border(orbit, margin, settings):
                 return orbit
     return None
@@ -226,6 +226,17 @@ def _restarted(
 def replaced(images: tuple[Image, ...], i: int, image: Image) -> tuple[Image, ...]:
     """Images with another one in the place of one of them."""
     return (*images[:i], image, *images[i + 1 :])
+
+
+def differentiable(orbit: Orbit, margin: Margin, settings: Settings) -> Orbit:
+    """An orbit at a border; where a root begins right there with the derivatives beside it."""
+    i, image = margin.index, orbit.images[margin.index]
+    if math.isfinite(image.slope):
+        return orbit
+    away = image.onward(margin.code) * settings.converged * settings.x_scale
+    there = image.piece.at(float(orbit.x[i]) - away, orbit.p)
+    image = image._replace(slope=there.slope, d_parameter=there.d_parameter)
+    return Orbit(orbit.x, orbit.p, replaced(orbit.images, i, image))
 
 
 def is_inside(orbit: Orbit, closing: Condition) -> bool:

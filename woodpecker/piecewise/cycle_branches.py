@@ -33,6 +33,9 @@ from woodpecker.piecewise.orbits import (
     Margin,
     Orbit,
     minimal_period,
+    moved,
+    newton_step,
+    residuals,
     scales,
     solve,
 )
@@ -192,6 +195,8 @@ class Cycles:
         jumps = kind is BorderKind.JUMP
         if steep <= rooted * max(1.0, abs(border.outer.slope)) and not jumps:
             return arc
+        settled = replace(arc.samples[-1], orbit=_settled(orbit, margin, self.settings))
+        arc = replace(arc, samples=(*arc.samples[:-1], settled))
         beyond_it = Orbit(orbit.x, orbit.p, replaced(orbit.images, i, border.outer))
         root = solve(beyond_it, (Closed(), Margin(i, border.outer_code)), self.settings)
         away = np.abs((root.orbit.point - orbit.point) / scales(len(orbit), self.settings)).max()
@@ -298,6 +303,21 @@ def _ended(
             closing=Closed(), end=end, passed=stop, step=step,
         )  # fmt: skip
     return Leg(tuple(samples), tuple(marks), end, stop, onward)
+
+
+def _settled(orbit: Orbit, margin: Margin, settings: Settings) -> Orbit:
+    """A cycle as close to a border at which its piece ends in a root as it is, to rounding.
+
+    Newton's method expects of each step how short the next one is, which at a root is not so.
+    """
+    held = replace(margin, value=orbit.images[margin.index].margin(margin.code))
+    left = np.abs(residuals(orbit, (Closed(),))).max()
+    while True:
+        closer = moved(orbit, newton_step(orbit, (Closed(), held), settings))
+        now = np.abs(residuals(closer, (Closed(),))).max() if closer.defined else math.inf
+        if not now < left:
+            return orbit
+        orbit, left = closer, now
 
 
 def _at_nearest(arc: Arc, settings: Settings) -> Arc:

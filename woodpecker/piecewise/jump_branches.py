@@ -17,7 +17,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.corrector import Corrector
-from woodpecker.piecewise.crossings import border_at, is_inside, restart
+from woodpecker.piecewise.crossings import border_at, differentiable, is_inside, restart
 from woodpecker.piecewise.curves import (
     Beginning,
     Followed,
@@ -427,6 +427,7 @@ def collision(
     jumps of P_2n then starts at the preimage of the border just if the multiplier exceeds 1. The
     other points of the cycle see the same F, but a D of their own.
     """
+    orbit = differentiable(orbit, margin, settings)
     n = minimal_period(orbit, settings)
     first = int(np.argmin(orbit.x[:n]))
     small = orbit.head(n).rotated(first)
@@ -472,17 +473,18 @@ def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:
     Where that piece begins with a square root its slope at the border is infinite, and the second
     sample lies right beside it.
     """
-    direction = tangent(met.orbit, Closed(), settings)
+    orbit = differentiable(met.orbit, met.margin, settings)
+    direction = tangent(orbit, Closed(), settings)
     if not np.isfinite(direction).all():
         return ()
-    scale, i = scales(len(met.orbit), settings), met.margin.index
-    image = met.orbit.images[i]
+    scale, i = scales(len(orbit), settings), met.margin.index
+    image = orbit.images[i]
     gradient = image.gradient(met.margin.code)
     forward = float(gradient @ (direction * scale)[[i, -1]]) > 0.0
-    first = Sample(met.orbit, direction if forward else -direction, forward)
+    first = Sample(orbit, direction if forward else -direction, forward)
     if abs(image.slope) < settings.numerics.steep:
         return (first,)
     code, side = met.margin.code, 1 if gradient[0] > 0.0 else -1
-    border = Border(float(met.orbit.x[i]), met.orbit.p, image, code, side, image, code)
-    there = restart(met.orbit, Closed(), border, i, settings)
+    border = Border(float(orbit.x[i]), orbit.p, image, code, side, image, code)
+    there = restart(orbit, Closed(), border, i, settings)
     return (first,) if there is None else (first, there.sample)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.margins import depth
@@ -29,10 +31,40 @@ def at_diagonal(corrector: Corrector, a: Sample, b: Sample, step: float) -> list
         border = a.jump.at_border(inner, corrector.settings)
         solution = solve(guess, (Closed(), border), corrector.settings)
         ending = _at_head(corrector, a, step, Stop.LIMIT, solution, inner, (margin,))
+        if ending is None and not math.isfinite(one.images[-1].slope):
+            ending = _closing(corrector, a, step, inner, margin)
         if ending is None:
             raise UnclearError
         found.append(ending)
     return found
+
+
+def _closing(
+    corrector: Corrector, a: Sample, step: float, inner: bool, margin: Margin
+) -> Ending | None:
+    """Where a limit meets the diagonal whose slope at its border is infinite, as at a root.
+
+    Newton's method for the cycle would need that slope; its limit along the branch is smooth.
+    """
+
+    def at(distance: float) -> Sample:
+        sample = corrector.advance(a, distance) if distance else a
+        if not isinstance(sample, Sample) or sample.jump is None:
+            raise UnclearError
+        return sample
+
+    def offset(distance: float) -> float:
+        jump = at(distance).jump
+        assert jump is not None
+        return jump.offsets[0 if inner else 1]
+
+    if not offset(0.0) * offset(step) < 0.0:
+        return None
+    distance = float(brentq(offset, 0.0, step, xtol=corrector.settings.min_step))
+    sample = at(distance)
+    assert sample.jump is not None
+    cycle = sample.jump.cycle(inner)
+    return Ending(Stop.LIMIT, sample, distance, (margin,), inner=inner, meeting=cycle)
 
 
 def still_crosses(corrector: Corrector, a: Sample, ending: Ending) -> bool:

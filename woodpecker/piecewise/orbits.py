@@ -394,12 +394,16 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
 
 
 def blurred(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> float:
-    """How far rounding of a map moves the parameter of an orbit that obeys two conditions."""
+    """How far the parameter of an orbit that obeys two conditions may be off.
+
+    By rounding of the map, and by what is left of the equations.
+    """
     scale = scales(len(orbit), settings)
     matrix = jacobian(orbit, conditions, scale)
     point = np.abs(orbit.point / scale)
     rounding = settings.numerics.blur
-    noise = rounding * (np.abs(matrix) @ point)
+    left = settings.numerics.safety * np.abs(residuals(orbit, conditions))
+    noise = rounding * (np.abs(matrix) @ point) + left
     noise[: len(orbit)] += rounding * settings.x_scale * point[:-1]
     try:
         back: Floats = np.linalg.inv(matrix)[-1]
