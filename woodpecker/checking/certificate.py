@@ -8,11 +8,12 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 from woodpecker.checking.forms import Box, F, constant
-from woodpecker.checking.intervals import Context, I, Span, T, Undecided
+from woodpecker.checking.intervals import I, Span, T, Undecided, unit
 from woodpecker.checking.motion import Follower, Fork, Guard
 from woodpecker.checking.toy import NAMES, Toy
 
@@ -91,9 +92,9 @@ def _checked(content: Any) -> str:
     digits = content["digits"]
     if not isinstance(digits, int) or not 20 <= digits <= 200:
         raise Refused(f"digits must be a whole number from 20 to 200, got {digits!r}")
-    Context.bits = int(digits * 3.33) + 30
     expected = {"format", "version", "kind", "statement", "digits", "toy", "law", "parameter"}
-    statement, keys = kinds[content["kind"]](content, _Data(content))
+    with unit(int(digits * 3.33) + 30):
+        statement, keys = kinds[content["kind"]](content, _Data(content))
     if set(content) != expected | {"order", "seal"} | keys:
         raise Refused("the certificate has other entries than its kind needs")
     if statement != content["statement"]:
@@ -195,6 +196,7 @@ class _Return:
         motion.run(events)
         if " ".join(motion.word) != way["word"]:
             raise Refused(f"the word is {' '.join(motion.word)}, not {way['word']}")
+        assert motion.time is not None
         self.image, self.drop = motion.q[2], -motion.q[0]
         self.period, self.forks = motion.time, motion.forks
 
@@ -203,8 +205,10 @@ def _both(returns: Sequence[_Return], kinds: Sequence[str]) -> None:
     """Refuse two ways that are not the two sides of one decision; or one way with a fork."""
     if len(returns) == 1 and not returns[0].forks:
         return
+    if len(returns) != 2 or any(len(each.forks) != 1 for each in returns):
+        raise Undecided("a decision is open, and its two ways are not there")
     forks: list[Fork] = [fork for each in returns for fork in each.forks]
-    if len(returns) != 2 or len(forks) != 2 or any(fork.kind not in kinds for fork in forks):
+    if any(fork.kind not in kinds for fork in forks):
         raise Undecided("a decision is open, and its two ways are not there")
     first, second = forks
     meets = first.kind == "meeting"
@@ -235,6 +239,7 @@ class _Piece:
             raise Refused("a point has a curve, a radius and ways")
         if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
             raise Refused("a tube has a curve and a positive radius")
+        _apart(self.curves, self.radii, span)
         misses, slopes, self.returns = [], [], []
         for k, point in enumerate(points):
             box = Box(I.of(self.radii[k]), span, 6 if turns else 2)
@@ -331,6 +336,21 @@ def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
     return [str(x) for x in c]
 
 
+def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span: Span) -> None:
+    """Refuse tubes in which a cycle might be a shorter one that is passed several times."""
+    n = len(curves)
+
+    def meet(i: int, k: int) -> bool:
+        both = zip_longest(curves[i], curves[k], fillvalue=Fraction(0))
+        distance = T.of(span, [a - b for a, b in both]).range
+        wide = I.of(radii[i] + radii[k])
+        return (distance - wide).sign() != 1 and (distance + wide).sign() != -1
+
+    for period in range(1, n):
+        if n % period == 0 and all(meet(k, (k + period) % n) for k in range(n)):
+            raise Undecided(f"the cycle may be one of {period}, passed several times")
+
+
 def _rising(line: Sequence[Fraction], span: Span) -> bool:
     return T.of(span, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
 
@@ -381,12 +401,11 @@ def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     for k in range(data.order):
         if not inner.place(1, k)[1].inside(outer.place(1, k)[1]):
             raise Refused("the inner box does not lie in the outer one")
-    found = [each[0] for each in inner.returns]
     claimed("the multiplier", inner.multiplier, content["multiplier"])
     period, drop = I.of(0), I.of(0)
-    for each in found:
-        assert each.period is not None
-        period, drop = period + each.period.value, drop + each.drop.value
+    for ways in inner.returns:
+        period = period + _hull([way.period.value for way in ways])
+        drop = drop + _hull([way.drop.value for way in ways])
     claimed("the period", period, content["period"])
     claimed("the drop", drop, content["drop"])
     if content["stable"] is not _stable(I.of(*interval(content["multiplier"]))):
@@ -396,7 +415,7 @@ def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     points = content["inner"]["points"]
     where = ", ".join(f"{p['curve'][0]} within {p['radius']}" for p in points)
     radius = ", ".join(p["radius"] for p in content["outer"]["points"])
-    words = " | ".join(p["ways"][0]["word"] for p in points)
+    words = " | ".join(" or ".join(way["word"] for way in p["ways"]) for p in points)
     name = data.parameter
     return (
         f"{_head(data)} {name} = {content['toy'][name]} has exactly one {what} of the return map "
@@ -418,10 +437,10 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     terms, flips, texts = content["terms"], content["flips"], content["pieces"]
     if not isinstance(terms, int) or not 1 <= terms <= 30:
         raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
-    if not isinstance(flips, list) or any(not isinstance(k, int) for k in flips):
-        raise Refused("flips are numbers of pieces")
     if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
         raise Refused("each piece has a multiplier and a claim on stability")
+    if not isinstance(flips, list) or flips != [k for k in range(len(texts)) if k in flips]:
+        raise Refused("flips are numbers of pieces, each once, in ascending order")
     gaps = [interval(gap) for gap in content["gaps"]]
     open_, before, sides, joints = list(gaps), None, [], []
     for k, text in enumerate(texts):

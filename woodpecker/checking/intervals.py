@@ -8,10 +8,12 @@ that is rounded goes to the rest.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from functools import lru_cache
 from math import factorial, isqrt
+from threading import RLock
 from typing import Any
 
 from mpmath import libmp
@@ -24,9 +26,21 @@ class Undecided(Exception):  # noqa: N818  (no error: an answer)
 
 
 class Context:
-    """The unit is 2^-bits; one for the whole process."""
+    """The unit is 2^-bits, one for the whole process: :func:`unit` sets it for one computation."""
 
     bits = 160
+    taken = RLock()
+
+
+@contextmanager
+def unit(bits: int) -> Iterator[None]:
+    """Compute with a unit of 2^-bits inside a ``with`` statement; other threads wait."""
+    with Context.taken:
+        before, Context.bits = Context.bits, bits
+        try:
+            yield
+        finally:
+            Context.bits = before
 
 
 class I:  # noqa: E742  (the name of intervals in the field)

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
+from woodpecker.proofs.balls import ZERO, decimal, fraction, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, Frame, sign
 from woodpecker.proofs.model import Model
@@ -33,13 +34,10 @@ from woodpecker.proofs.pieces import (
     TooNarrow,
     Tube,
     curves_near,
-    decimal,
     nearest,
-    number,
     proved,
     value_of,
 )
-from woodpecker.proofs.taylor import ZERO
 from woodpecker.shooting import shoot
 from woodpecker.undecided import Undecided
 
@@ -357,7 +355,7 @@ class _Walk:
                     raise
                 radii = [max(a, b) for a, b in zip(radii, wider, strict=True)]
                 continue
-            if self._new(line) or joined(self.pieces[-1], piece):
+            if self._new(line) or joined(end_of(self.pieces[-1], 1), end_of(piece, -1)):
                 return piece
             radii = [max(r, 2 * need) for r, need in zip(radii, self._needs(piece), strict=True)]
         raise AssertionError
@@ -422,16 +420,46 @@ class _Walk:
         return Interval(low, high)
 
 
-def joined(first: Piece, second: Piece) -> bool:
-    """Whether what was found in one piece where they meet lies in the tubes of the other."""
-    return _holds(first, 1, second, -1) or _holds(second, -1, first, 1)
+class End(NamedTuple):
+    """Where a piece ends, in numbers that travel between processes.
+
+    Attributes
+    ----------
+    p
+        The parameter.
+    tubes
+        For each point of the cycle the starts among which it is the only one [rad].
+    found
+        For each point where it is [rad].
+    """
+
+    p: Fraction
+    tubes: tuple[Interval, ...]
+    found: tuple[Interval, ...]
 
 
-def _holds(outer: Piece, side: int, inner: Piece, end: int) -> bool:
+def end_of(piece: Piece, side: int) -> End:
+    """The low (-1) or the high (1) end of a piece."""
+    tubes, found = [], []
+    for k, tube in enumerate(piece.tubes):
+        at, place = value_of(tube.curve, side * piece.line.half), piece.end(side, k)
+        tubes.append(Interval(at - tube.radius, at + tube.radius))
+        found.append(Interval(fraction(place.lower()), fraction(place.upper())))
+    return End(piece.line.at(side * piece.line.half), tuple(tubes), tuple(found))
+
+
+def joined(first: End, second: End) -> bool:
+    """Whether two pieces hold the same cycle where they meet.
+
+    It is so if what was found in one of them lies in the tubes of the other.
+    """
+    return first.p == second.p and (_holds(first, second) or _holds(second, first))
+
+
+def _holds(outer: End, inner: End) -> bool:
     return all(
-        abs(inner.end(end, k) - number(value_of(tube.curve, side * outer.line.half)))
-        < number(tube.radius)
-        for k, tube in enumerate(outer.tubes)
+        tube.low < place.low and place.high < tube.high
+        for tube, place in zip(outer.tubes, inner.found, strict=True)
     )
 
 
@@ -465,8 +493,7 @@ def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Line:
 
 def _short(x: Any, digits: int) -> Fraction:
     """A decimal near a number, to so many digits of it."""
-    mantissa, exponent = x.mid().man_exp()
-    exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    exact = fraction(x.mid())
     if not exact:
         return exact
     places = digits - len(str(int(abs(exact)))) if abs(exact) >= 1 else digits

@@ -17,6 +17,7 @@ from typing import Any
 
 from pwmap.diagrams.files import write_whole
 from woodpecker.mechanics.toy import LAW, Toy
+from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import ProvedBranch
 from woodpecker.proofs.model import data
 from woodpecker.proofs.motions import Way
@@ -77,15 +78,9 @@ def text(x: Fraction) -> str:
     return sign + (f"{digits[:-places]}.{digits[-places:]}" if places else digits)
 
 
-def exact(ball: Any) -> Fraction:
-    """The rational number that an exact ball is."""
-    mantissa, exponent = ball.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-
-
 def interval(ball: Any, slack: Fraction = SLACK) -> list[str]:
     """Decimal ends of an interval that holds a ball, and a little more."""
-    low, high = exact(ball.lower()), exact(ball.upper())
+    low, high = fraction(ball.lower()), fraction(ball.upper())
     more = (high - low) * slack + Fraction(1, 10**30)
     low, high = low - more, high + more
     unit = Fraction(1)
@@ -172,7 +167,7 @@ def orbit_sentence(content: Mapping[str, Any]) -> str:
     where = ", ".join(f"{p['curve'][0]} within {p['radius']}" for p in inner["points"])
     what = "fixed point" if order == 1 else f"cycle of {order} points"
     radius = ", ".join(p["radius"] for p in outer["points"])
-    words = " | ".join(p["ways"][0]["word"] for p in inner["points"])
+    words = " | ".join(" or ".join(way["word"] for way in p["ways"]) for p in inner["points"])
     stable = {True: "it is stable", False: "it is unstable", None: "its stability is open"}
     parameter = content["parameter"]
     return (

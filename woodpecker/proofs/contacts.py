@@ -14,13 +14,12 @@ from flint import arb
 
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST
 from woodpecker.mechanics.modes import SIGN
+from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.forms import box, reciprocal, sign
-from woodpecker.proofs.model import Model, ball, sum_of
+from woodpecker.proofs.model import Model, sum_of
 from woodpecker.undecided import Undecided
 
 Numbers = Sequence[Any]
-ZERO = arb(0)
-STICKS = 3 * REST + HOLD
 
 
 class Phase(NamedTuple):

@@ -20,8 +20,6 @@ from functools import partial
 from itertools import product
 from typing import Any
 
-from flint import arb
-
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.impacts import MARKS
 from woodpecker.mechanics.modes import (
@@ -40,10 +38,11 @@ from woodpecker.mechanics.modes import (
     Contact,
     watched,
 )
+from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
 from woodpecker.proofs.flights import landing
 from woodpecker.proofs.forms import Frame, box, centre, sign, start
-from woodpecker.proofs.model import Model, State, ball, sum_of
+from woodpecker.proofs.model import Model, State, sum_of
 from woodpecker.proofs.motions import (
     NO_GUARD,
     Fired,
@@ -63,7 +62,6 @@ from woodpecker.simulation.guards import first_root
 from woodpecker.simulation.words import word
 from woodpecker.undecided import Undecided
 
-ZERO = arb(0)
 MOST_EVENTS = 400
 
 

@@ -16,9 +16,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from flint import arb, arb_poly, ctx, fmpq
+from flint import arb_poly, ctx
 
-from woodpecker.proofs.taylor import ZERO, Span, Taylor, constant, cut, inverse
+from woodpecker.proofs.balls import ZERO, ball
+from woodpecker.proofs.taylor import Span, Taylor, constant, cut, inverse
 from woodpecker.undecided import Undecided
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
@@ -173,7 +174,7 @@ def varying(frame: Frame, line: Sequence[Any]) -> Form:
 
 def reciprocal(x: Any) -> Any:
     """1 / x of a form or a ball; Undecided where x may vanish."""
-    x = exact(x)
+    x = ball(x)
     if box(x).contains(0):
         raise Undecided("a divisor may vanish")
     if not isinstance(x, Form):
@@ -195,14 +196,9 @@ def centre(x: Any) -> Any:
 
 def sign(x: Any) -> int | None:
     """-1, 1, 0 if it is exactly zero, None if the range does not decide."""
-    ball = box(x)
-    if ball > 0:
+    whole = box(x)
+    if whole > 0:
         return 1
-    if ball < 0:
+    if whole < 0:
         return -1
-    return 0 if ball.is_zero() else None
-
-
-def exact(value: Any) -> Any:
-    """The ball of a rational number."""
-    return arb(value) if isinstance(value, fmpq | int) else value
+    return 0 if whole.is_zero() else None

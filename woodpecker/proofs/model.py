@@ -28,6 +28,7 @@ from woodpecker.mechanics.equations import (
 )
 from woodpecker.mechanics.modes import ANGLE, OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
+from woodpecker.proofs.balls import ball
 from woodpecker.proofs.forms import Form, Frame, box, centre, sign, varying
 from woodpecker.undecided import Undecided
 
@@ -238,11 +239,6 @@ class Model:
         return [[ball(x) for x in row] for row in solved(matrix, right)]
 
 
-def ball(x: Any) -> Any:
-    """The ball of a rational; forms and balls are what they are."""
-    return arb(x) if isinstance(x, fmpq | int) else x
-
-
 def sum_of(terms: Any) -> Any:
     """The sum of at least one term."""
     first, *others = terms
@@ -260,7 +256,7 @@ def solved(matrix: list[list[Any]], right: list[list[Any]]) -> list[list[Any]]:
         if _size(rows[pivot][i]) == 0.0:
             raise Undecided("a contact problem may be singular")
         rows[i], rows[pivot] = rows[pivot], rows[i]
-        over = _inverse(rows[i][i])
+        over = 1 / rows[i][i]
         rows[i] = [x * over for x in rows[i]]
         for k in range(n):
             if k != i and not _vanishes(rows[k][i]):
@@ -274,10 +270,6 @@ def _size(x: Any) -> float:
     if isinstance(x, fmpq):
         return abs(float(arb(x)))
     return abs(float(centre(x))) if sign(x) else 0.0
-
-
-def _inverse(x: Any) -> Any:
-    return 1 / x
 
 
 def _vanishes(x: Any) -> bool:

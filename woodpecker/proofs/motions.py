@@ -7,14 +7,12 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, NamedTuple
 
-from flint import arb
-
 from woodpecker.mechanics.modes import ANGLE, SECTION
+from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import Form
 from woodpecker.proofs.model import Mode, Model, State
 from woodpecker.proofs.oscillator import stumpff
 
-ZERO = arb(0)
 NO_GUARD = -1
 KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
 

@@ -13,16 +13,10 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, ctx
 
-from woodpecker.proofs.forms import (
-    ALONG,
-    VALUE,
-    Form,
-    box,
-    chained,
-    sign,
-)
+from woodpecker.proofs.balls import ZERO
+from woodpecker.proofs.forms import ALONG, VALUE, Form, box, chained, sign
 from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
-from woodpecker.proofs.taylor import ZERO, Taylor, constant, inverse
+from woodpecker.proofs.taylor import Taylor, constant, inverse
 from woodpecker.undecided import Undecided
 
 Derivatives = Callable[[int], Any]

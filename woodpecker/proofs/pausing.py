@@ -9,16 +9,16 @@ from flint import arb
 
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
+from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark
 from woodpecker.proofs.forms import VALUE, Form, box, sign
-from woodpecker.proofs.model import Model, State, ball, sum_of
+from woodpecker.proofs.model import Model, State, sum_of
 from woodpecker.proofs.motions import NO_GUARD, Fired, Fork, ForkKind, Motion, flown, touch
 from woodpecker.proofs.oscillator import Guard
 from woodpecker.proofs.plateaus import Plateau, Touch, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
 from woodpecker.undecided import Undecided
 
-ZERO = arb(0)
 NEAR = 0.02  # of a swing: landings so near to the middle of a plateau are taken together with it
 FREE: State = (OPEN, OPEN, OPEN)
 

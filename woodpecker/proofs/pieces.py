@@ -15,18 +15,18 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from flint import arb, arb_poly, fmpq
+from flint import arb, arb_poly
 
 from woodpecker.mechanics.toy import Toy
+from woodpecker.proofs.balls import ZERO, decimal, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S
 from woodpecker.proofs.model import Model
 from woodpecker.proofs.motions import ForkKind, Way
-from woodpecker.proofs.taylor import ZERO, Taylor, inverse
+from woodpecker.proofs.taylor import Taylor, inverse
 from woodpecker.undecided import Undecided
 
 ROOM = 0.7  # of a tube that may be filled: other arithmetic needs some room, too
-DIGITS = 30  # decimals of the numbers that describe a tube
 STEPS = 12  # of Newton's method at most
 CLOSE = 1e-15  # rad: a step that changes nothing
 
@@ -160,18 +160,6 @@ class Piece:
         return number(there) + self.off[point]
 
 
-def number(x: Fraction) -> Any:
-    """The ball of a rational number."""
-    return arb(fmpq(x.numerator, x.denominator))
-
-
-def decimal(x: Any, digits: int = DIGITS) -> Fraction:
-    """A number rounded to so many decimals."""
-    mantissa, exponent = x.mid().man_exp()
-    exact = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-    return Fraction(round(exact * 10**digits), 10**digits)
-
-
 def proved(
     toy: Toy, parameter: str, line: Line, tubes: Sequence[Tube], terms: int = 1,
     turns: bool = False, plateaus: bool = False,
@@ -210,11 +198,25 @@ def proved(
         slopes.append(_hull([way.image.parts[S].box for way in found]))
         ways.append(found)
     off = around(misses, slopes)
+    _apart(tubes, ball)
     for tube, s in zip(tubes, off, strict=True):
         if not abs(s) < ROOM * number(tube.radius):
             raise TooNarrow(off)
     turn = _turn(tubes, [found[0] for found in ways], slopes) if turns else None
     return Piece(line, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
+
+
+def _apart(tubes: Sequence[Tube], ball: Any) -> None:
+    """Undecided if the cycle in the tubes may be a shorter one that is passed several times."""
+    n = len(tubes)
+
+    def meet(a: Tube, b: Tube) -> bool:
+        polys = [arb_poly([number(c) for c in tube.curve]) for tube in (a, b)]
+        return not abs((polys[0] - polys[1])(ball)) > number(a.radius + b.radius)
+
+    for period in range(1, n):
+        if n % period == 0 and all(meet(tubes[k], tubes[(k + period) % n]) for k in range(n)):
+            raise Undecided(f"the cycle may be one of {period}, passed several times")
 
 
 class TooNarrow(Undecided):

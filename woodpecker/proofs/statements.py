@@ -7,6 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 from fractions import Fraction
 from itertools import pairwise
 from multiprocessing import get_context
+from typing import NamedTuple
 
 import numpy as np
 from flint import arb
@@ -14,7 +15,7 @@ from flint import arb
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import March, ProvedBranch, marched
+from woodpecker.proofs.branches import End, March, ProvedBranch, end_of, joined, marched
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import rational
@@ -67,8 +68,8 @@ def prove_branch(
     low, high = float(span[0]), float(span[1])
     if not low < high or not branch.parameter.min() <= low <= branch.parameter.max():
         raise ValueError(f"span must begin on the branch and ascend, got {(low, high)}")
-    ends = [rational(x) for x in np.linspace(low, high, workers + 1).round(6)[1:-1]]
-    cuts = [rational(low), *ends, rational(high)]
+    ends = Interval(rational(low), rational(high))
+    cuts = [ends.low + ends.length * k / workers for k in range(workers + 1)]
     starts = _starts(toy, parameter, branch, cuts[:-1])
     tasks = [
         (toy, parameter, Interval(a, b), points)
@@ -78,8 +79,12 @@ def prove_branch(
         parts = [_march(task, progress) for task in tasks]
     else:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            texts = list(pool.map(_march_away, tasks))
-        return certificates.merged(texts)
+            away = list(pool.map(_march_away, tasks))
+        for before, after in pairwise(away):
+            if not joined(before.high, after.low):
+                at = f"{parameter} = {float(after.low.p):.12g}"
+                raise Undecided(f"two parts may hold different cycles at {at}")
+        return certificates.merged([part.certificate for part in away])
     return certificates.of_branch(parts[0], DIGITS["branch"])
 
 
@@ -114,10 +119,20 @@ def _march(task: Task, progress: Progress) -> ProvedBranch:
         return marched(toy, parameter, span, points, March(), progress)
 
 
-def _march_away(task: Task) -> Certificate:
-    """The same in another process: balls do not travel, certificates do."""
+class Part(NamedTuple):
+    """A part of a branch from another process: balls do not travel, certificates and ends do."""
+
+    certificate: Certificate
+    low: End
+    high: End
+
+
+def _march_away(task: Task) -> Part:
+    """The same in another process."""
+    found = _march(task, lambda done: None)
     with precision(BITS["branch"]):
-        return certificates.of_branch(_march(task, lambda done: None), DIGITS["branch"])
+        certificate = certificates.of_branch(found, DIGITS["branch"])
+        return Part(certificate, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1))
 
 
 def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Certificate:

@@ -14,7 +14,7 @@ from typing import Any
 
 from flint import arb, arb_poly
 
-ZERO = arb(0)
+from woodpecker.proofs.balls import ZERO
 
 
 @dataclass(frozen=True)

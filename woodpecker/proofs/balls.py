@@ -1,0 +1,32 @@
+"""Balls of Arb [Johansson2017] from rational numbers, and back."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, fmpq
+
+ZERO = arb(0)
+DIGITS = 30  # decimals of the numbers that describe a tube
+
+
+def ball(x: Any) -> Any:
+    """The ball of a rational of flint or a whole number; all else is what it is."""
+    return arb(x) if isinstance(x, fmpq | int) else x
+
+
+def number(x: Fraction) -> Any:
+    """The ball of a rational number."""
+    return arb(fmpq(x.numerator, x.denominator))
+
+
+def fraction(exact: Any) -> Fraction:
+    """The rational number that a ball without radius is."""
+    mantissa, exponent = exact.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def decimal(x: Any, digits: int = DIGITS) -> Fraction:
+    """The middle of a ball, rounded to so many decimals."""
+    return Fraction(round(fraction(x.mid()) * 10**digits), 10**digits)
