@@ -28,7 +28,8 @@ from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, Undecided, bifurcation_diagram, first_return, prove, return_map, shoot
 from woodpecker.checking.certificate import check
-from woodpecker.proofs.certificates import Certificate, exact
+from woodpecker.proofs.balls import fraction
+from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Frame, precision
 from woodpecker.proofs.model import Model
@@ -189,7 +190,7 @@ def _holds(ball: Any, value: Any) -> bool:
     sign, mantissa, exponent, _ = value._mpf_
     x = (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
     room = Fraction(1, 10**27)
-    return bool(exact(ball.lower()) - room <= x <= exact(ball.upper()) + room)
+    return bool(fraction(ball.lower()) - room <= x <= fraction(ball.upper()) + room)
 
 
 def _in_doubles() -> float:

@@ -22,6 +22,7 @@ METHODS = {  # colour and marker of everything that is compared
     "kernel, compiled": (STABLE, "o"),
     "kernel, plain Python": ("#4292c6", "o"),
     "kernel, mpmath": ("#9ecae1", "o"),
+    "ball arithmetic": (RED, "*"),
     "RK45": (UNSTABLE, "s"),
     "DOP853": ("#a63603", "s"),
     "Radau": ("#fd8d3c", "D"),

@@ -14,9 +14,10 @@ from matplotlib.ticker import LogLocator, NullLocator
 from studies.common.style import GREY, METHODS, WIDTH, grid
 from studies.peers.cases import SCENES
 from studies.precision.measuring import Row
-from studies.precision.methods import KERNEL, TWIN
+from studies.precision.methods import KERNEL, PROVER, TWIN
 
 FLOOR = 1e-17  # rad; where smaller errors are drawn, a tenth of the spacing of doubles near 0.5
+NOTES = {TWIN: f", below {FLOOR:.0e}", PROVER: ": what is proved"}  # of the legend
 
 
 def draw(tasks: dict[str, list[Row]]) -> Figure:
@@ -79,7 +80,7 @@ def legend(ax: Axes, present: set[str]) -> None:
             marker=marker,
             linewidth=0.9,
             markersize=4.5,
-            label=f"{method}, below {FLOOR:.0e}" if method == TWIN else method,
+            label=method + NOTES.get(method, ""),
         )
         for method, (color, marker) in METHODS.items()
         if method in present

@@ -78,5 +78,6 @@ def affordable(
 
 def name(row: Row) -> str:
     """Method, variant and knob of a row in words."""
-    knob = f"{row['knob']} {row['value']:.0e}" if row["knob"] else ""
+    digits = ".0e" if row["knob"] in ("rtol", "step") else "g"
+    knob = f"{row['knob']} {row['value']:{digits}}" if row["knob"] else ""
     return " ".join(filter(None, (row["method"], row["variant"], knob)))

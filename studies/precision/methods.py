@@ -8,6 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 from studies.peers.cases import CYCLE, DIGITS
+from studies.peers.enclosed import Enclosed, first_return_enclosed
 from studies.peers.kernel import Precise, first_return_kernel, first_return_mpmath
 from studies.peers.moreau import SCHEMES, SOLVERS, first_return_moreau
 from studies.peers.ode import first_return_ode
@@ -15,8 +16,9 @@ from studies.peers.peer import LostError, PeerReturn
 from woodpecker import Toy
 
 KERNEL, PLAIN, TWIN = "kernel, compiled", "kernel, plain Python", "kernel, mpmath"
-OURS = (KERNEL, PLAIN, TWIN)
-AnyReturn = PeerReturn | Precise
+PROVER = "ball arithmetic"
+OURS = (KERNEL, PLAIN, TWIN, PROVER)
+AnyReturn = PeerReturn | Precise | Enclosed
 
 
 class Setting(NamedTuple):
@@ -43,6 +45,7 @@ class Plan:
     steps: tuple[float, ...] = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
     siconos: tuple[float, ...] = (1e-3, 1e-4, 1e-5)
     digits: tuple[int, ...] = (10, DIGITS, 50)
+    bits: tuple[int, ...] = (53, 64, 80, 96, 128)
     rounds: int = 4
     whole_map: bool = True  # also for the plain kernel
     patience: float = 0.5  # s; a setting slower than this on the cycle goes no further
@@ -55,6 +58,7 @@ FAST = Plan(
     steps=(1e-4, 1e-5),
     siconos=(1e-3,),
     digits=(10,),
+    bits=(128,),
     rounds=1,
     whole_map=False,
     patience=0.05,
@@ -66,6 +70,8 @@ def peers(plan: Plan) -> Iterator[Setting]:
     """All methods but the kernel itself, over their knobs."""
     for digits in plan.digits:
         yield Setting(TWIN, "", "digits", digits, partial(first_return_mpmath, digits=digits))
+    for bits in plan.bits:
+        yield Setting(PROVER, "", "bits", bits, partial(first_return_enclosed, bits=bits))
     for solver in plan.solvers:
         for rtol in plan.rtols:
             peer = partial(first_return_ode, method=solver, rtol=rtol, atol=1e-2 * rtol)

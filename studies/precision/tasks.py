@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from decimal import Decimal
 from functools import partial
 from statistics import median
 from typing import Any, NamedTuple
@@ -26,10 +25,11 @@ from studies.peers.cases import (
     sample,
     starts,
 )
+from studies.peers.enclosed import Enclosed, fixed_point_proved
 from studies.peers.kernel import PlainPython, first_return_kernel
 from studies.peers.peer import LostError, PeerReturn
 from studies.peers.siconos_peer import available, first_return_siconos, simulate_siconos
-from studies.precision.methods import KERNEL, PLAIN, TWIN, AnyReturn, Plan, Setting
+from studies.precision.methods import KERNEL, OURS, PLAIN, PROVER, TWIN, AnyReturn, Plan, Setting
 from woodpecker import ReturnMap, Toy, return_map, shoot
 
 MAP, FIXED = "map of 1000 points", "fixed point, multiplier"
@@ -63,12 +63,17 @@ def evaluations_of(once: AnyReturn) -> int | None:
     return once.evaluations if isinstance(once, PeerReturn) else None
 
 
+def error_of(once: AnyReturn, exact: str) -> float:
+    """Distance from the reference; of an enclosure what is proved: half its width."""
+    return once.radius if isinstance(once, Enclosed) else distance(once.phi_s, exact)
+
+
 def scene_entries(scene: Scene, settings: Iterable[Setting], other: PlainPython) -> Iterator[Entry]:
     """One return of a scene by everyone."""
 
     def judge(once: AnyReturn) -> Answer:
         right = same_events(once.word, scene.word)
-        return Answer(distance(once.phi_s, scene.image), right, evaluations_of(once))
+        return Answer(error_of(once, scene.image), right, evaluations_of(once))
 
     def judge_plain(result: Sequence[Any]) -> Answer:
         images, words = result
@@ -110,27 +115,28 @@ def map_entries(
     part = POINTS / len(few)
     known = return_map(toy, few).words  # a test checks these words
 
-    def judge(
-        images: Iterable[float | Decimal], words: Iterable[str], evaluations: int | None
-    ) -> Answer:
-        errors = [distance(x, exact) for x, exact in zip(images, SAMPLE_IMAGES, strict=True)]
+    def judge(errors: Sequence[float], words: Iterable[str], evaluations: int | None) -> Answer:
         right = all(map(same_events, words, known))
         return Answer(max(errors), right, evaluations, {"error_median": median(errors)})
 
     def judge_few(returns: Sequence[AnyReturn]) -> Answer:
         counts = [count for count in map(evaluations_of, returns) if count is not None]
         total = sum(counts) if len(counts) == len(returns) else None
-        return judge([once.phi_s for once in returns], [once.word for once in returns], total)
+        errors = [error_of(*each) for each in zip(returns, SAMPLE_IMAGES, strict=True)]
+        return judge(errors, [once.word for once in returns], total)
 
-    def judge_whole(map_: ReturnMap) -> Answer:
-        return judge(map_.phi_s[SAMPLED].tolist(), map_.words[SAMPLED], None)
+    def judge_images(images: Sequence[float], words: Iterable[str]) -> Answer:
+        return judge([*map(distance, images, SAMPLE_IMAGES)], words, None)
 
     chosen = SAMPLED if whole else everywhere
     begin = starts() if whole else few
     ask = partial(other.ask, "studies.peers.kernel:returns", numbers(toy), begin.tolist())
 
+    def judge_whole(map_: ReturnMap) -> Answer:
+        return judge_images(map_.phi_s[SAMPLED].tolist(), map_.words[SAMPLED])
+
     def judge_plain(result: Sequence[Any]) -> Answer:
-        return judge(result[0][chosen], result[1][chosen], None)
+        return judge_images(result[0][chosen], result[1][chosen])
 
     compiled = partial(return_map, toy, starts(), executor=one_core)
     yield Entry(KERNEL, "", "", None, compiled, judge_whole)
@@ -157,15 +163,19 @@ def fixed_entries(settings: Iterable[Setting], other: PlainPython) -> Iterator[E
         }
         return Answer(max(detail.values()), None, evaluations, detail)
 
+    def judge_proved(radii: Sequence[float]) -> Answer:
+        return Answer(max(radii), None, None)
+
     toy = CONTACT_BY_CONTACT
     yield Entry(KERNEL, "", "", None, partial(shoot, toy, GUESS),
                 lambda orbit: judge(orbit.phi_s, orbit.multiplier))  # fmt: skip
     ask = partial(other.ask, "studies.peers.kernel:fixed_point", numbers(toy), GUESS)
     yield Entry(PLAIN, "", "", None, lambda: ask()[0], lambda r: judge(*r[:2]), elsewhere(ask))
+    yield Entry(PROVER, "", "", None, partial(fixed_point_proved, toy, GUESS), judge_proved)
     for setting in settings:
-        if setting.method != TWIN:
+        if setting.method not in OURS:
             yield Entry(*setting[:4], partial(newton, setting), lambda r: judge(*r))
-        elif setting.value == DIGITS:
+        elif setting.method == TWIN and setting.value == DIGITS:
             yield Entry(*setting[:4], recomputed_fixed_point, lambda r: judge(*r[:2]))
 
 

@@ -4,11 +4,12 @@
 
 Five tasks: three scenes of :mod:`studies.peers.cases`, the map at 1000 points, and the fixed point
 with its multiplier. Each method runs over its own knob: rtol of ``solve_ivp``, the step of a
-time-stepping scheme, the digits of mpmath. The kernel has none. Errors are distances from 30-digit
-references. Friction is Coulomb's contact by contact (``expansion_friction="separate"``): Moreau's
-scheme and Siconos know no other, and ``solve_ivp``, which has the project's contact problems, is
-held to it. Methods run in turn, round after round, and every time is that of a call as a user makes
-it.
+time-stepping scheme, the digits of mpmath, the bits of ball arithmetic. The kernel has none. Errors
+are distances from 30-digit references; of ball arithmetic, which knows none, what it proves of its
+own: half the width of the enclosure. Friction is Coulomb's contact by contact
+(``expansion_friction="separate"``): Moreau's scheme and Siconos know no other, and ``solve_ivp``,
+which has the project's contact problems, is held to it. Methods run in turn, round after round, and
+every time is that of a call as a user makes it.
 
 - A method that would take minutes over the map runs on twelve of its points; its time is scaled to
   the thousand, and marked ``scaled``.

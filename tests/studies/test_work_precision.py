@@ -12,7 +12,9 @@ from short_runs import is_picture, short_run
 
 from studies.common.laws import CONTACT_BY_CONTACT
 from studies.peers import cases, kernel
+from studies.peers.enclosed import first_return_enclosed, fixed_point_proved
 from studies.peers.ode import first_return_ode
+from studies.peers.peer import LostError
 from studies.precision.comparing import ahead, compared, order_of
 from studies.precision.measuring import measured
 from studies.precision.methods import KERNEL, TWIN, Setting
@@ -146,6 +148,28 @@ def test_every_scene_is_under_the_law_that_all_methods_know() -> None:
     assert cases.numbers(Toy())["expansion_friction"] == "summed"
     image = first_return(Toy(), cases.DOUBLE.phi_s).phi_s
     assert cases.distance(image, cases.DOUBLE.image) > 0.01  # the sum gives another motion
+
+
+@pytest.mark.parametrize("scene", cases.SCENES, ids=lambda scene: scene.name)
+def test_what_is_proved_of_a_scene_is_right(scene: cases.Scene) -> None:
+    coarse, fine = (first_return_enclosed(scene.toy, scene.phi_s, bits) for bits in (64, 128))
+    # the prover's data are decimals, the reference's the doubles beside them
+    for once in (coarse, fine):
+        assert cases.distance(once.phi_s, scene.image) <= once.radius + 10 * ROUNDING
+        assert cases.same_events(once.word, scene.word)
+    assert fine.radius < 1e-25
+    assert coarse.radius / fine.radius == pytest.approx(2.0**64, rel=0.5)  # by the balls' rounding
+
+
+def test_a_return_that_cannot_be_proved_is_lost() -> None:
+    with pytest.raises(LostError, match="accumulate"):
+        first_return_enclosed(Toy(eps_n1=0.028), -1.567, 128)
+
+
+def test_a_proof_of_the_cycle_is_as_wide_as_its_boxes() -> None:
+    x, multiplier = fixed_point_proved(CONTACT_BY_CONTACT, -0.53)
+    assert x == pytest.approx(1e-22)
+    assert 0.0 < multiplier < 1e-15
 
 
 @pytest.mark.slow

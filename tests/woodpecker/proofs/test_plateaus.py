@@ -15,8 +15,9 @@ from woodpecker import Toy, Undecided, shoot
 from woodpecker.checking.certificate import Refused, check
 from woodpecker.checking.intervals import Context, I
 from woodpecker.checking.plateaus import Landing
+from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import March, ProvedBranch, marched
-from woodpecker.proofs.certificates import exact, of_branch, sealed
+from woodpecker.proofs.certificates import of_branch, sealed
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, Frame, S, precision
 from woodpecker.proofs.model import Model
@@ -90,7 +91,7 @@ def test_small_terms_hold_their_integrals(late: bool, sigma: float) -> None:
         Context.bits = 200
         other = Landing(I.of(rational(eta)), late, I.of(KAPPA), I.of(SLIDING), I.of(TURN))
         found = [touch.velocity.value, touch.place.value, touch.velocity.slope, touch.place.slope]
-        ranges = [(exact(x.lower()), exact(x.upper())) for x in found]
+        ranges = [(fraction(x.lower()), fraction(x.upper())) for x in found]
         again = [other.velocity, other.place, other.velocity_slope, other.place_slope]
         unit = Fraction(1, 2**200)
         ranges += [(x.a * unit, x.b * unit) for x in again]
@@ -114,7 +115,9 @@ def test_small_terms_hold_over_a_range_and_vanish_on_the_other_side(late: bool) 
         for part in (mpf(1), mpf(1) / 2, mpf(1) / 1000):
             v, a = terms(side * most * part, late)
             for effect, x in ((touch.velocity, v), (touch.place, a)):
-                assert exact(effect.value.lower()) <= rational(x) <= exact(effect.value.upper())
+                assert (
+                    fraction(effect.value.lower()) <= rational(x) <= fraction(effect.value.upper())
+                )
                 assert effect.slope.contains(0)
         nothing = plateau.late(-abs(ball) - 1) if late else plateau.early(abs(ball) + 1)
         assert nothing.sigma.is_zero()

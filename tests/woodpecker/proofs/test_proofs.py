@@ -18,13 +18,14 @@ from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, Undecided, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.proofs.balls import fraction, number
 from woodpecker.proofs.branches import March, joined, marched
-from woodpecker.proofs.certificates import exact, of_branch, text
+from woodpecker.proofs.certificates import of_branch, text
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Frame, S, precision, start, varying
 from woodpecker.proofs.model import Model, rational
 from woodpecker.proofs.oscillator import stumpff
-from woodpecker.proofs.pieces import Interval, Line, Tube, curves_near, number, proved
+from woodpecker.proofs.pieces import Interval, Line, Tube, curves_near, proved
 from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
 from woodpecker.proofs.taylor import ZERO
 
@@ -50,7 +51,7 @@ def value(x: mpf) -> Fraction:
 
 
 def ends(ball: arb) -> tuple[Fraction, Fraction]:
-    return exact(ball.lower()), exact(ball.upper())
+    return fraction(ball.lower()), fraction(ball.upper())
 
 
 def holds(ball: arb, x: mpf, room: Fraction = Fraction(1, 10**27)) -> bool:
