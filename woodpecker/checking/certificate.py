@@ -7,24 +7,35 @@ import json
 import os
 import re
 from collections.abc import Mapping, Sequence
+from decimal import ROUND_CEILING, Decimal
+from decimal import Context as Decimals
 from fractions import Fraction
 from itertools import zip_longest
+from operator import gt
 from pathlib import Path
 from typing import Any
 
 from woodpecker.checking.forms import Box, F, constant
 from woodpecker.checking.intervals import I, Span, T, Undecided, unit
 from woodpecker.checking.motion import Follower, Fork, Guard
-from woodpecker.checking.toy import NAMES, Toy
+from woodpecker.checking.toy import NAMES, PAPER, Toy
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
-NUMBER = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(/\d{1,2000})?")
+NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
 LONGEST = 50_000_000  # characters of a file
 MOST = 400  # events of a return
+LATEST = 10  # s: no phase of a return lasts longer, and ranges over longer ones say nothing
 DEPTH = 3  # halvings of a piece's line
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 Interval = tuple[Fraction, Fraction]
+
+
+NOT_MADE_SO = (
+    ArithmeticError, AttributeError, IndexError, KeyError, MemoryError, RecursionError, TypeError,
+    ValueError,
+)  # fmt: skip
+"""What reading something else than a certificate comes to."""
 
 
 class Refused(ValueError):  # noqa: N818  (what a checker says)
@@ -73,8 +84,10 @@ def check(content: Any) -> str:
         return _checked(content)
     except Undecided as error:
         raise Refused(f"the certificate does not hold: {error}") from None
-    except (KeyError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
-        raise Refused(f"the certificate is not complete: {error!r}") from None
+    except Refused:
+        raise
+    except NOT_MADE_SO as error:
+        raise Refused(f"the certificate is not made as one is: {error!a:.200}") from None
 
 
 def _checked(content: Any) -> str:
@@ -105,7 +118,7 @@ def _checked(content: Any) -> str:
 def number(text: Any) -> Fraction:
     """A rational number from text."""
     if not isinstance(text, str) or not NUMBER.fullmatch(text):
-        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!r:.60}")
+        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
     top, _, bottom = text.partition("/")
     return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
 
@@ -113,7 +126,7 @@ def number(text: Any) -> Fraction:
 def interval(pair: Any) -> Interval:
     """An interval from two texts."""
     if not isinstance(pair, list) or len(pair) != 2:
-        raise Refused(f"an interval must have two ends, got {pair!r:.60}")
+        raise Refused(f"an interval must have two ends, got {pair!a:.60}")
     low, high = number(pair[0]), number(pair[1])
     if low > high:
         raise Refused(f"an interval must not end before it begins, got {pair}")
@@ -122,7 +135,8 @@ def interval(pair: Any) -> Interval:
 
 def claimed(name: str, found: I, pair: Any) -> None:
     """Refuse a claim that does not hold what was found."""
-    if not found.inside(I.of(*interval(pair))):
+    low, high = interval(pair)
+    if not (low <= found.ends[0] and found.ends[1] <= high):
         raise Refused(f"{name} could not be shown to lie in {pair}")
 
 
@@ -147,7 +161,7 @@ class _Data:
             raise Refused("masses, lengths and stiffness must be positive")
         if any(x < 0 for x in values.values()) or values["r_m"] <= values["r_0"]:
             raise Refused("the toy cannot have these numbers")
-        self.values, self.order, self.law = values, content["order"], law
+        self.values, self.order, self.law, self.texts = values, content["order"], law, toy
         self.toy = Toy(values, law == "summed")
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
             raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
@@ -186,12 +200,20 @@ class _Return:
         if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
             raise Refused("a way has a word and events")
         events: list[tuple[Guard, I]] = []
-        for name, low, high in way["events"]:
+        for event in way["events"]:
+            if not isinstance(event, list) or len(event) != 3:
+                raise Refused(
+                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
+                )
+            name, low, high = event
             if not isinstance(name, str) or not GUARD.fullmatch(name):
-                raise Refused(f"there is no guard {name!r:.40}")
+                raise Refused(f"there is no guard {name!a:.40}")
             kind, _, contact = name.partition(" ")
             guard = (kind, int(contact) - 1 if contact else 0)
-            events.append((guard, I.of(*interval([low, high]))))
+            bracket = interval([low, high])
+            if max(map(abs, bracket)) > LATEST:
+                raise Refused(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
+            events.append((guard, I.of(*bracket)))
         motion = data.follower(box, line, curve)
         motion.run(events)
         if " ".join(motion.word) != way["word"]:
@@ -231,6 +253,8 @@ class _Piece:
             raise Refused("a line has one to forty coefficients and a length")
         if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
             raise Refused("the parameter is not that of the toy")
+        if data.moves and self.half == 0:
+            raise Refused("a piece of a branch has a length")
         if self.half > 0 and _rising(self.line, span) is False:
             raise Undecided("the parameter may turn round")
         self.curves = [[number(c) for c in point["curve"]] for point in points]
@@ -274,10 +298,10 @@ class _Piece:
         """The value of the parameter at an end."""
         return _value(self.line, side * self.half)
 
-    def place(self, side: int, k: int) -> tuple[I, I, I]:
-        """At an end: the curve, the tube about it, and where the cycle is."""
-        at = I.of(_value(self.curves[k], side * self.half))
-        return at, at + I.of(self.radii[k]).ball, at + self.off[k]
+    def place(self, side: int, k: int) -> tuple[Interval, Interval]:
+        """At an end: the tube of a point, and where the point is."""
+        at, radius = _value(self.curves[k], side * self.half), self.radii[k]
+        return (at - radius, at + radius), (I.of(at) + self.off[k]).ends
 
 
 class _Halves:
@@ -294,8 +318,8 @@ class _Halves:
         """The value of the parameter at an end."""
         return (self.low if side < 0 else self.high).parameter(side)
 
-    def place(self, side: int, k: int) -> tuple[I, I, I]:
-        """At an end: the curve, the tube about it, and where the cycle is."""
+    def place(self, side: int, k: int) -> tuple[Interval, Interval]:
+        """At an end: the tube of a point, and where the point is."""
         return (self.low if side < 0 else self.high).place(side, k)
 
 
@@ -398,9 +422,8 @@ def _stable(multiplier: I) -> bool | None:
 def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     outer = _Piece(data, content["outer"], 1, False)
     inner = _Piece(data, content["inner"], 1, False)
-    for k in range(data.order):
-        if not inner.place(1, k)[1].inside(outer.place(1, k)[1]):
-            raise Refused("the inner box does not lie in the outer one")
+    if inner.curves != outer.curves or any(map(gt, inner.radii, outer.radii)):
+        raise Refused("the inner box does not lie in the middle of the outer one")
     claimed("the multiplier", inner.multiplier, content["multiplier"])
     period, drop = I.of(0), I.of(0)
     for ways in inner.returns:
@@ -426,7 +449,10 @@ def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
 
 
 def _head(data: _Data) -> str:
-    return f"The Woodpecker Toy (expansion friction {data.law}) with"
+    named = {data.parameter, *(name for name in NAMES if data.values.get(name) == PAPER[name])}
+    others = [f"{name} = {data.texts[name]}" for name in NAMES if name not in named]
+    law = "; ".join([f"expansion friction {data.law}", *others])
+    return f"The Woodpecker Toy ({law}) with"
 
 
 def _ends(pair: Sequence[str]) -> str:
@@ -439,7 +465,8 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
         raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
     if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
         raise Refused("each piece has a multiplier and a claim on stability")
-    if not isinstance(flips, list) or flips != [k for k in range(len(texts)) if k in flips]:
+    places = [k for k in range(len(texts)) if k in flips]
+    if not isinstance(flips, list) or flips != places or any(type(k) is not int for k in flips):
         raise Refused("flips are numbers of pieces, each once, in ascending order")
     gaps = [interval(gap) for gap in content["gaps"]]
     open_, before, sides, joints = list(gaps), None, [], []
@@ -474,25 +501,34 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     if (low, high) != (_value([number(c) for c in line], -half), before.parameter(1)):
         raise Refused("the pieces do not cover the span")
     what = "one fixed point" if data.order == 1 else f"one cycle of {data.order} points"
-    without = "without a gap"
-    if gaps:
-        total = sum((b - a for a, b in gaps), Fraction(0))
-        without = (
-            f"but in {len(gaps)} interval{'s' if len(gaps) > 1 else ''} of a total length of "
-            f"{float(total):.2g}, in which nothing is said"
-        )
     count = {0: "no flip", 1: "exactly one flip"}.get(len(flips), f"exactly {len(flips)} flips")
     return (
         f"{_head(data)} {data.parameter} in {_ends(content['span'])} has, in each of {len(texts)} "
-        f"tubes that join, exactly {what} of the return map for each value: one branch, {without}, "
-        f"with {count}."
+        f"tubes, exactly {what} of the return map for each value: {_hangs_together(gaps)}, with "
+        f"{count}."
     ), {"terms", "pieces", "multiplier", "stable", "flips", "gaps", "span"}
+
+
+def _hangs_together(gaps: Sequence[Interval]) -> str:
+    """How pieces between gaps belong together."""
+    if not gaps:
+        return "one branch, for the tubes join, without a gap"
+    total = sum((high - low for low, high in gaps), Fraction(0))
+    above = Decimals(prec=2, rounding=ROUND_CEILING)
+    length = above.divide(Decimal(total.numerator), Decimal(total.denominator))
+    many = "intervals" if len(gaps) > 1 else "interval"
+    return (
+        f"{len(gaps) + 1} stretches of tubes that join, and between them {len(gaps)} {many}, of a "
+        f"total length of at most {length}, in which nothing is said, nor whether the stretches "
+        "belong together"
+    )
 
 
 def _joined(before: _Verified, piece: _Verified, order: int) -> None:
     """The cycle of one piece lies in the tubes of the other where they meet."""
     for outer, a, inner, b in ((before, 1, piece, -1), (piece, -1, before, 1)):
-        if all(inner.place(b, k)[2].within(outer.place(a, k)[1]) for k in range(order)):
+        places = [(outer.place(a, k)[0], inner.place(b, k)[1]) for k in range(order)]
+        if all(low < x and y < high for (low, high), (x, y) in places):
             return
     raise Undecided("two pieces may hold different cycles where they meet")
 

@@ -136,6 +136,11 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return I(min(self.a, other.a), max(self.b, other.b))
 
     @property
+    def ends(self) -> tuple[Fraction, Fraction]:
+        """Both ends, exactly."""
+        return Fraction(self.a, 1 << Context.bits), Fraction(self.b, 1 << Context.bits)
+
+    @property
     def low(self) -> I:
         """The lower end."""
         return I(self.a, self.a)

@@ -21,6 +21,7 @@ from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Motion, 
 
 Guard = tuple[str, int]
 HALVINGS = 36
+PARTS = 5000  # of a phase at most: certificates of what is proved take some hundred
 
 
 @dataclass
@@ -192,9 +193,9 @@ class Follower:
         kappa = I.of(m.kappa)
         curves = {g: Curve(self, g, kappa) for g in self.watched()}
         if guard not in curves:
-            raise Undecided(f"{guard} is no guard of the mode")
+            raise Undecided(f"{named(guard)} is no guard of the mode")
         own = curves[guard]
-        if bracket.high.sign() != 1:
+        if (bracket.low if guard[0] == "section" else bracket.high).sign() != 1:
             raise Undecided("a phase has no duration")
         flies = guard[0] == "gap" and own.zeros == 2
         found = own.landing(bracket) if flies else None
@@ -205,13 +206,13 @@ class Follower:
             else own.crossing(bracket, 1 if guard[0] == "section" else -1)
         )
         if self.since.sign() == 1 and not self.since.less(t.value):
-            raise Undecided(f"{guard} may fire while a contact lands")
+            raise Undecided(f"{named(guard)} may fire while a contact lands")
         self.since = I.of(0)
         end = t.value.high
         for other, curve in curves.items():
             if other == guard:
                 if found is None and not curve.lasts(bracket.low, bracket):
-                    raise Undecided(f"{guard} may fire earlier")
+                    raise Undecided(f"{named(guard)} may fire earlier")
             elif not curve.lasts(end, None):
                 self.meeting(curve, other, own, guard, bracket, t)
         self.move(m, kappa, t)
@@ -223,12 +224,12 @@ class Follower:
     ) -> None:
         """Another gap closes at nearly the same time: this way is taken where it closes later."""
         if other[0] != "gap" or guard[0] != "gap":
-            raise Undecided(f"{other} may fire before {guard}")
+            raise Undecided(f"{named(other)} may fire before {named(guard)}")
         later = rival.crossing(bracket + (bracket - bracket.mid) * I.of(4), -1)
         both = bracket.hull(later.value)
         for curve in (rival, own):
             if curve.over(both, 1).sign() != -1 or not curve.lasts(both.low, both):
-                raise Undecided(f"{other} may fire before {guard}")
+                raise Undecided(f"{named(other)} may fire before {named(guard)}")
         comparator = rival.at(t)
         assert isinstance(comparator, F)
         self.forks.append(Fork("meeting", (guard[1], other[1]), comparator, self.events))
@@ -531,6 +532,12 @@ class Follower:
         self.states = after
 
 
+def named(guard: Guard) -> str:
+    """A guard as certificates have it, with contacts from 1 on."""
+    kind, i = guard
+    return kind if kind == "section" else f"{kind} {i + 1}"
+
+
 @dataclass
 class Solution:
     """One phase of an impact: its index combination, impulses and velocities."""
@@ -614,9 +621,10 @@ class Curve:
         first = self.begin(end)
         if first is None:
             return False
-        todo = [(first, end, 0)]
+        todo, parts = [(first, end, 0)], 0
         while todo:
             a, b, depth = todo.pop()
+            parts += 1
             if not a.less(b):
                 continue
             t = a.hull(b)
@@ -626,7 +634,7 @@ class Curve:
             if slope and self.value(a if slope == 1 else b).sign() == 1:
                 continue
             middle = t.mid
-            if depth == HALVINGS or self.value(middle).sign() == -1:
+            if depth == HALVINGS or parts == PARTS or self.value(middle).sign() == -1:
                 return False
             todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
         return True
@@ -649,9 +657,10 @@ class Curve:
 
     def turns_not(self, end: I) -> bool:
         """Whether the bird's velocity does not rise through zero in (0, end]."""
-        todo = [(I.of(0), end, 0)]
+        todo, parts = [(I.of(0), end, 0)], 0
         while todo:
             a, b, depth = todo.pop()
+            parts += 1
             t = a.hull(b)
             slope = self.over(t, 1).sign()
             if self.over(t).sign() or slope == -1:
@@ -659,7 +668,7 @@ class Curve:
             starts = a.sign() == 0 and self.zeros == 1
             if slope == 1 and (starts or self.value(b).sign() == -1):
                 continue
-            if depth == HALVINGS:
+            if depth == HALVINGS or parts == PARTS:
                 return False
             middle = t.mid
             todo += [(a, middle, depth + 1), (middle, b, depth + 1)]
@@ -668,7 +677,7 @@ class Curve:
     def crossing(self, bracket: I, direction: int) -> F:
         """When the guard crosses zero: once, inside the bracket."""
         if self.over(bracket, 1).sign() != direction:
-            raise Undecided(f"{self.guard} may turn where it fires")
+            raise Undecided(f"{named(self.guard)} may turn where it fires")
         return root(self.at, self.over, bracket, self.box)
 
     def landing(self, bracket: I) -> F | None:

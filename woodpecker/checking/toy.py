@@ -10,27 +10,28 @@ from functools import lru_cache
 from typing import NamedTuple
 
 OPEN, STICK, UP, DOWN = range(4)
-NAMES = [
-    "m_m",
-    "j_m",
-    "m_s",
-    "j_s",
-    "g",
-    "r_0",
-    "r_m",
-    "h_m",
-    "l_m",
-    "l_g",
-    "h_s",
-    "l_s",
-    "c_phi",
-    "mu_1",
-    "mu_2",
-    "mu_3",
-    "eps_n1",
-    "eps_n2",
-    "eps_n3",
-]
+PAPER = {  # the data of the paper, and two that it leaves out; SI units
+    "m_m": Fraction("0.0003"),
+    "j_m": Fraction("0.000000005"),
+    "m_s": Fraction("0.0045"),
+    "j_s": Fraction("0.0000007"),
+    "g": Fraction("9.81"),
+    "r_0": Fraction("0.0025"),
+    "r_m": Fraction("0.0031"),
+    "h_m": Fraction("0.0058"),
+    "l_m": Fraction("0.01"),
+    "l_g": Fraction("0.015"),
+    "h_s": Fraction("0.02"),
+    "l_s": Fraction("0.0201"),
+    "c_phi": Fraction("0.0056"),
+    "mu_1": Fraction("0.3"),
+    "mu_2": Fraction("0.3"),
+    "mu_3": Fraction("0.3"),
+    "eps_n1": Fraction("0.5"),
+    "eps_n2": Fraction("0"),
+    "eps_n3": Fraction("0"),
+}
+NAMES = list(PAPER)
 ANGLE, SIDE = (2, 1, 1), (-1, 1, -1)  # the coordinate that closes a gap, and in which direction
 
 

@@ -11,6 +11,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ FORMAT = "certificate of the Woodpecker Toy"
 VERSION = 1
 SLACK = Fraction(
     1, 10
-)  # claimed intervals are wider by that part: other arithmetic rounds otherwise
+)  # of claimed intervals: wider by that, for other arithmetic rounds otherwise
 
 
 @dataclass(frozen=True)
@@ -179,7 +180,11 @@ def orbit_sentence(content: Mapping[str, Any]) -> str:
 
 
 def _toy(content: Mapping[str, Any]) -> str:
-    return f"The Woodpecker Toy (expansion friction {content['law']}) with"
+    """The toy, with the numbers that are not the paper's; the parameter is named apart."""
+    paper, other = {name: text(x) for name, x in data(Toy()).items()}, content["parameter"]
+    numbers = [f"{k} = {x}" for k, x in content["toy"].items() if k != other and x != paper[k]]
+    law = "; ".join([f"expansion friction {content['law']}", *numbers])
+    return f"The Woodpecker Toy ({law}) with"
 
 
 def _span(ends: Sequence[str]) -> str:
@@ -218,20 +223,27 @@ def branch_sentence(content: Mapping[str, Any]) -> str:
     """The sentence of a branch."""
     order, parameter, gaps = content["order"], content["parameter"], content["gaps"]
     what = "one fixed point" if order == 1 else f"one cycle of {order} points"
-    without = "without a gap"
+    together = "one branch, for the tubes join, without a gap"
     if gaps:
         total = sum((Fraction(high) - Fraction(low) for low, high in gaps), Fraction(0))
-        without = (
-            f"but in {len(gaps)} interval{'s' if len(gaps) > 1 else ''} of a total length of "
-            f"{float(total):.2g}, in which nothing is said"
+        together = (
+            f"{len(gaps) + 1} stretches of tubes that join, and between them {len(gaps)} "
+            f"interval{'s' if len(gaps) > 1 else ''}, of a total length of at most "
+            f"{_above(total)}, in which nothing is said, nor whether the stretches belong together"
         )
     flips = len(content["flips"])
     count = {0: "no flip", 1: "exactly one flip"}.get(flips, f"exactly {flips} flips")
     return (
         f"{_toy(content)} {parameter} in {_span(content['span'])} has, in each of "
-        f"{len(content['pieces'])} tubes that join, exactly {what} of the return map for each "
-        f"value: one branch, {without}, with {count}."
+        f"{len(content['pieces'])} tubes, exactly {what} of the return map for each value: "
+        f"{together}, with {count}."
     )
+
+
+def _above(x: Fraction) -> str:
+    """Two digits of a number, rounded up."""
+    up = Context(prec=2, rounding=ROUND_CEILING)
+    return str(up.divide(Decimal(x.numerator), Decimal(x.denominator)))
 
 
 def of_point(point: ProvedPoint, digits: int) -> Certificate:

@@ -246,7 +246,10 @@ def _guess(guard: Guard) -> float:
 def _fires(guard: Guard, guess: float) -> Crossing:
     """When a guard fires."""
     if guard.code == SECTION:
-        return crossing(guard, guess, falls=1)
+        turns = crossing(guard, guess, falls=1)
+        if not turns.bracket > 0:
+            raise Undecided("the bird may turn where the sleeve jams")
+        return turns
     if guard.code < NORMAL and guard.order == 1 and sign(guard.jet[1]) != 1:
         raise Undecided("impacts may accumulate")
     if guard.code < NORMAL and guard.order == 2:

@@ -68,24 +68,24 @@ def prove_branch(
     low, high = float(span[0]), float(span[1])
     if not low < high or not branch.parameter.min() <= low <= branch.parameter.max():
         raise ValueError(f"span must begin on the branch and ascend, got {(low, high)}")
-    ends = Interval(rational(low), rational(high))
-    cuts = [ends.low + ends.length * k / workers for k in range(workers + 1)]
-    starts = _starts(toy, parameter, branch, cuts[:-1])
-    tasks = [
-        (toy, parameter, Interval(a, b), points)
-        for (a, b), points in zip(pairwise(cuts), starts, strict=True)
-    ]
+    spans = parts_of(Interval(rational(low), rational(high)), workers)
+    starts = _starts(toy, parameter, branch, [part.low for part in spans])
+    tasks = [(toy, parameter, part, points) for part, points in zip(spans, starts, strict=True)]
     if workers == 1:
-        parts = [_march(task, progress) for task in tasks]
-    else:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            away = list(pool.map(_march_away, tasks))
-        for before, after in pairwise(away):
-            if not joined(before.high, after.low):
-                at = f"{parameter} = {float(after.low.p):.12g}"
-                raise Undecided(f"two parts may hold different cycles at {at}")
-        return certificates.merged([part.certificate for part in away])
-    return certificates.of_branch(parts[0], DIGITS["branch"])
+        return certificates.of_branch(_march(tasks[0], progress), DIGITS["branch"])
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        parts = list(pool.map(_march_away, tasks))
+    for before, after in pairwise(parts):
+        if not joined(before.high, after.low):
+            at = f"{parameter} = {float(after.low.p):.12g}"
+            raise Undecided(f"two parts may hold different cycles at {at}")
+    return certificates.merged([part.certificate for part in parts])
+
+
+def parts_of(span: Interval, count: int) -> list[Interval]:
+    """Equal parts of a span, in ascending order, each from where the one before ends."""
+    ends = [span.low + span.length * k / count for k in range(count + 1)]
+    return [Interval(*each) for each in pairwise(ends)]
 
 
 def _starts(

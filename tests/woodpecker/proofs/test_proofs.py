@@ -19,7 +19,7 @@ from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, Undecided, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.proofs.balls import fraction, number
-from woodpecker.proofs.branches import March, joined, marched
+from woodpecker.proofs.branches import March, marched
 from woodpecker.proofs.certificates import of_branch, text
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Frame, S, precision, start, varying
@@ -265,7 +265,6 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
     left, right = (shoot(toy.replace(eps_n1=0.65 + s * h), -0.518).multiplier for s in (-1.0, 1.0))
     slope = (right - left) / (2.0 * h)
     assert float(low) - 0.05 * abs(slope) <= slope <= float(high) + 0.05 * abs(slope)
-    assert joined(piece, piece) is joined(piece, piece)
 
 
 @pytest.mark.slow
