@@ -128,6 +128,8 @@ def analyse(
         asked: dict[str, object] = {
             "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
             "given": given or [], "orders": orders, "span": span, "sample": sample or [],
+            "pieces": pieces, "attractors": attractors, "entropy": entropy,
+            "density": density or [], "format": picture,
         }  # fmt: skip
         found = more.added(found)
         found = replace(found, about={**found.about, "map": formula, "set": set_ or []})

@@ -98,6 +98,7 @@ def draw_plane(
             "map": formula, "variable": variable, "across": across, "along": along,
             "across_span": across_span, "along_span": along_span, "set": set_ or [],
             "given": given or [], "orders": orders, "colours": colours, "crises": crises,
+            "raster": raster, "pieces": pieces, "format": picture,
         }  # fmt: skip
         gone = keep_record(out, "plane", files, asked)
     except KeyboardInterrupt:

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
@@ -16,7 +16,7 @@ from woodpecker.base.checks import interval
 from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.piecewise.checkpoint import Record, read_record, restore
 from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Numerics, Settings, differing
 from woodpecker.toypieces import ToyPieces
 from woodpecker.window import WINDOW
 
@@ -110,17 +110,7 @@ def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Se
 def made_from(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, float]) -> Entry:
     """What a diagram says of how it was made: of the settings those that are not the default."""
     fixed = about(toy, parameter, settings, wanted)["toy"]
-    found: Entry = plain({SPAN: wanted, "toy": fixed, "settings": _changed(settings, DEFAULT)})
-    return found
-
-
-def _changed(settings: Settings | Numerics, default: Settings | Numerics) -> Entry:
-    """Fields that differ from a default, but for the span, which is that of the call."""
-    found: Entry = {}
-    for each in fields(settings):
-        value, usual = getattr(settings, each.name), getattr(default, each.name)
-        if value != usual and each.name != SPAN:
-            found[each.name] = _changed(value, usual) if isinstance(value, Numerics) else value
+    found: Entry = plain({SPAN: wanted, "toy": fixed, "settings": differing(settings, DEFAULT)})
     return found
 
 

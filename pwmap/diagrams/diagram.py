@@ -93,7 +93,7 @@ _MEANINGS = {
     "LP": "fold: multiplier +1",
     "PD": "flip: multiplier -1",
     "BP": "branch point: multiplier +1, two branches cross",
-    "BC": "border collision: a fixed point meets a jump",
+    "BC": "border collision: a fixed point meets a jump, a kink or a grazing",
     "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
     "FALL": "free fall: the return is lost",
     "EP": "end point: end of the parameter span or of the window",
@@ -567,7 +567,8 @@ class Diagram:
         Parameters
         ----------
         places
-            For each name a parameter and an x. The nearest border collision gets the name.
+            For each name a parameter and an x. A border collision so near gets the name: of those
+            of the lowest order, the nearest.
         within
             Largest distance in either, as a part of what the diagram extends over. A name is left
             out if no border collision lies so close to its place.
@@ -591,20 +592,26 @@ class Diagram:
         return replace(self, points=points)
 
     def _collision_near(self, place: tuple[float, float], within: float) -> SpecialPoint | None:
-        """The border collision nearest to a place, in parts of what the diagram extends over."""
+        """The border collision of a place, in parts of what the diagram extends over.
+
+        Points of iterates lie beside those of the map, closer to a rounded place than these.
+        """
         ends = (
             [branch.parameter for branch in self.branches],
             [branch.x for branch in self.branches],
         )
         sizes = [float(np.ptp(np.concatenate(values))) or 1.0 for values in ends if values]
-        best, least = None, within
-        for point in self.points:
-            if point.kind in (PointKind.BC, PointKind.FF):
-                gaps = (point.parameter - place[0], point.x - place[1])
-                away = max(abs(gap) / size for gap, size in zip(gaps, sizes, strict=True))
-                if away <= least:
-                    best, least = point, away
-        return best
+
+        def away(point: SpecialPoint) -> float:
+            gaps = (point.parameter - place[0], point.x - place[1])
+            return max(abs(gap) / size for gap, size in zip(gaps, sizes, strict=True))
+
+        near = [
+            point
+            for point in self.points
+            if point.kind in (PointKind.BC, PointKind.FF) and away(point) <= within
+        ]
+        return min(near, key=lambda point: (point.order, away(point)), default=None)
 
     def sides(self, point_id: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Ids of the branches that meet at a point, at smaller and at larger parameters.
@@ -615,9 +622,9 @@ class Diagram:
         point = self.point(point_id)
         left: list[str] = []
         right: list[str] = []
-        for branch in self._incident[point_id]:
+        for branch in self._incident[point.id]:
             for end, side in zip(branch.ends, _sides_of_ends(branch, point), strict=True):
-                if end == point_id and side:
+                if end == point.id and side:
                     (left if side < 0 else right).append(branch.id)
         return tuple(left), tuple(right)
 
@@ -665,8 +672,7 @@ class Diagram:
 
     def component_of(self, point_id: str) -> Diagram:
         """All that is connected with a special point; KeyError if there is no such point."""
-        self.point(point_id)
-        near = nx.node_connected_component(self.graph(), point_id)
+        near = nx.node_connected_component(self.graph(), self.point(point_id).id)
         return self._part([branch for branch in self.branches if branch.ends[0] in near])
 
     def of_order(self, order: int) -> Diagram:
@@ -991,20 +997,22 @@ def _hits_of(
 
 
 def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:
-    """Where the straight lines between the samples of a branch are at a parameter."""
+    """Where the straight lines between the samples of a branch are at a parameter.
+
+    Samples there are hits; of several in a row, along one value, the first and the last.
+    """
     p = branch.parameter
-    if len(branch) == 1 and p[0] == at:
-        yield Hit(branch, float(branch.x[0]), float(branch.multiplier[0]))
-    for i in range(len(branch) - 1):
-        low, high = sorted((p[i], p[i + 1]))
-        last = i == len(branch) - 2 and at == p[i + 1]
-        if low < high and low <= at <= high and (at != p[i + 1] or last):
-            s = (at - p[i]) / (p[i + 1] - p[i])
-            x, m = (
-                float((1.0 - s) * values[i] + s * values[i + 1])
-                for values in (branch.x, branch.multiplier)
-            )
-            yield Hit(branch, x, m)
+    for run in runs_of(p == at):
+        for i in sorted(set(run)):
+            yield Hit(branch, float(branch.x[i]), float(branch.multiplier[i]))
+    sides = np.sign(p - at)
+    for i in np.flatnonzero(sides[:-1] * sides[1:] < 0.0).tolist():
+        s = (at - p[i]) / (p[i + 1] - p[i])
+        x, m = (
+            float((1.0 - s) * values[i] + s * values[i + 1])
+            for values in (branch.x, branch.multiplier)
+        )
+        yield Hit(branch, x, m)
 
 
 def runs_of(flags: BoolArray) -> list[tuple[int, int]]:

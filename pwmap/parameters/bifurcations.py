@@ -248,7 +248,7 @@ def _assembled(
         points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in continuation.axis.given),
         sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
-        about={"program": PROGRAM},
+        about={"program": PROGRAM, "map": str(map_).splitlines(), "orders": [*orders]},
     )
 
 

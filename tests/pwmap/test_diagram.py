@@ -465,3 +465,52 @@ def test_sides_of_a_point() -> None:
     diagram = looped()
     assert diagram.sides("LP1") == (("F1", "F2"), ())
     assert diagram.sides("BC1") == ((), ("F2", "J1"))
+
+
+def along(*rows: tuple[float, float]) -> Diagram:
+    """One branch through places (parameter, x)."""
+    p, x = zip(*rows, strict=True)
+    only = branch(parameter=p, x=x, multiplier=[0.5] * len(x), ends=("P1", "P2"))
+    ends = (point("P1", parameter=p[0], x=x[0]), point("P2", parameter=p[-1], x=x[-1]))
+    return Diagram(parameter_name="p", x_name="x", branches=(only,), points=ends)
+
+
+@pytest.mark.parametrize(
+    ("rows", "where", "expected"),
+    [
+        (((0.0, 0.0), (1.0, 1.0), (1.0, 2.0)), 1.0, [1.0, 2.0]),
+        (((1.0, 1.0), (1.0, 2.0), (1.0, 3.0)), 1.0, [1.0, 3.0]),
+        (((1.0, 1.0), (1.0, 2.0), (2.0, 3.0)), 1.0, [1.0, 2.0]),
+        (((0.0, 0.0), (1.0, 1.0), (0.0, 2.0)), 1.0, [1.0]),  # a fold, met in its tip
+        (((0.0, 0.0), (1.0, 1.0), (0.0, 2.0)), 0.5, [0.5, 1.5]),
+        (((0.0, 0.0), (1.0, 1.0), (2.0, 2.0)), 1.0, [1.0]),
+        (((0.0, 0.0), (1e-200, 1.0), (3e-200, 2.0)), 2e-200, [1.5]),
+        (((0.0, 0.0), (1.0, 1.0)), 2.0, []),
+    ],
+)
+def test_each_place_at_a_value_is_met_once(
+    rows: tuple[tuple[float, float], ...], where: float, expected: list[float]
+) -> None:
+    assert [hit.x for hit in along(*rows).at(where)] == pytest.approx(expected, rel=1e-15)
+
+
+def test_names_serve_where_ids_do() -> None:
+    named = diagram()
+    assert named.point("A").id == "BC1"
+    assert named.sides("A") == named.sides("BC1") != ((), ())
+    assert [b.id for b in named.component_of("A").branches] == [
+        b.id for b in named.component_of("BC1").branches
+    ]
+
+
+def test_a_name_goes_to_the_map_before_its_iterates() -> None:
+    """A point of P_3 lies closer to the rounded place of a point of P_1 than this itself."""
+    places = (("BC1", 1, 0.50012), ("FF1", 3, 0.50005), ("BC2", 2, 0.9))
+    points = tuple(
+        point(name, kind=PointKind(name[:2]), order=order, parameter=p, branches=("b1",))
+        for name, order, p in places
+    )
+    ends = (point("P1", parameter=0.1, x=-0.5), point("P2", parameter=0.4, x=-0.4))
+    found = Diagram(parameter_name="p", x_name="x", branches=(branch(),), points=(*ends, *points))
+    assert found.named({"C": (0.5, 0.0)}).point("C").id == "BC1"
+    assert found.named({"C": (0.9, 0.0)}).point("C").id == "BC2"  # none of P_1 is near

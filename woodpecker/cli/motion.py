@@ -19,7 +19,6 @@ from woodpecker.cli.options import (
     progress,
     report,
     results_in,
-    say,
 )
 from woodpecker.mechanics.toy import Toy
 
@@ -79,6 +78,8 @@ def animate(
     from woodpecker import simulate as run_simulation
     from woodpecker.plot import drawing
 
+    if Path(file).name != file:
+        raise ValueError(f"file must be a name without folders, got {file!r}")
     with results_in(out) as target:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
         trajectory = run_simulation(toy, start, finish)
@@ -89,7 +90,7 @@ def animate(
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
     console.print(f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}")
-    say(f"wrote {target / file}")
+    report(target, file)
     _complete(trajectory)
 
 
@@ -99,7 +100,12 @@ def _start_and_end(
     """Where to start [rad] and when to stop [s]; what is not given is that of the motion."""
     if phi_s is not None and t_end is not None:
         return phi_s, t_end
-    orbit = motion(toy, GUESS if phi_s is None else phi_s)
+    try:
+        orbit = motion(toy, GUESS if phi_s is None else phi_s)
+    except CommandError as reason:
+        if t_end is not None:
+            raise
+        raise CommandError(f"{reason}; how long to follow another one, --t-end says") from None
     return (
         orbit.phi_s if phi_s is None else phi_s,
         periods * orbit.period if t_end is None else t_end,

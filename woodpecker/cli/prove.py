@@ -18,6 +18,7 @@ from woodpecker.cli.options import (
     motion,
     option,
     progress,
+    report,
     results_in,
     say,
 )
@@ -68,7 +69,7 @@ def prove(
             raise CommandError(f"undecided: {answer}") from None
         certificate.save(target / FILE)
     say(certificate.statement)
-    say(f"wrote {target / FILE}")
+    report(target, FILE)
 
 
 def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:

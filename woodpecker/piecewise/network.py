@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.accumulations import limit_of
 from woodpecker.piecewise.curves import Curve, agree, from_point, words_between
@@ -17,7 +18,7 @@ from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.nearby import Nearby
 from woodpecker.piecewise.orbits import shifts
 from woodpecker.piecewise.records import precision, stretches
-from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.settings import Settings, differing
 
 TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
 COLLISIONS = (PointKind.BC, PointKind.FF)
@@ -92,9 +93,11 @@ class Network:
             replace(branch, ends=(names[branch.ends[0]], names[branch.ends[1]]))
             for branch in self.branches
         )
+        made = {"span": self.settings.span, "settings": differing(self.settings, Settings())}
         return Diagram(
-            parameter_name=parameter_name, x_name=x_name, branches=branches, points=points
-        )
+            parameter_name=parameter_name, x_name=x_name, branches=branches, points=points,
+            about={"program": PROGRAM, **plain(made)},
+        )  # fmt: skip
 
     def _names(self) -> dict[str, str]:
         """Names of special points, by those that they were given when they were met."""

@@ -461,3 +461,13 @@ class Settings:
     def p_scale(self) -> float:
         """The unit of the parameter."""
         return self.span[1] - self.span[0]
+
+
+def differing(settings: Settings | Numerics, default: Settings | Numerics) -> dict[str, Any]:
+    """Fields that differ from a default, but for the span, which is that of the call."""
+    found: dict[str, Any] = {}
+    for each in fields(settings):
+        value, usual = getattr(settings, each.name), getattr(default, each.name)
+        if value != usual and each.name != "span":
+            found[each.name] = differing(value, usual) if isinstance(value, Numerics) else value
+    return found

@@ -231,6 +231,14 @@ def test_rest_is_no_periodic_motion(command: str, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_a_motion_that_is_not_periodic_needs_an_end(tmp_path: Path) -> None:
+    status, text = run("simulate", "--phi-s", "-0.05", "--out", str(tmp_path))
+    assert status == 1
+    assert "how long to follow another one, --t-end says" in " ".join(text.split())
+    status, text = run("simulate", "--phi-s", "-0.05", "--t-end", "0.1", "--out", str(tmp_path))
+    assert status == 0, text
+
+
 @pytest.mark.slow
 def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> None:
     arguments = ("--span", "0.45", "0.5", "--order", "2", "--out", str(tmp_path))
@@ -590,6 +598,11 @@ def test_animate_writes_a_picture_that_moves(tmp_path: Path) -> None:
     status, text = run("animate", "--slow", "4", "--fps", "10", "--out", str(tmp_path))
     assert status == 0, text
     assert (tmp_path / "woodpecker.gif").stat().st_size > 10_000
+    record = json.loads((tmp_path / "about_animate.json").read_text())
+    assert record["options"]["slow"] == 4.0
+    assert list(record["files"]) == ["woodpecker.gif"]
+    status, text = run("animate", "--file", "../toy.gif", "--out", str(tmp_path))
+    assert (status, "a name without folders, got '../toy.gif'" in text) == (2, True)
     status, text = run("animate", "--file", "toy.bmp", "--out", str(tmp_path))
     assert status == 2
     assert ".gif" in text

@@ -163,6 +163,7 @@ def test_commands(tmp_path: Path) -> None:
     made = run.invoke(app, ["prove", "--eps-n1", "0.5", "--out", str(out)])
     assert made.exit_code == 0, made.output
     assert "exactly one fixed point" in made.output
+    assert json.loads((out / "about_prove.json").read_text())["toy"]["eps_n1"] == 0.5
     checked = run.invoke(app, ["check", str(out / "certificate.json")])
     assert checked.exit_code == 0, checked.output
     assert checked.output.strip() in made.output
