@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
+from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
 from pwmap.longrun.line import Branch, Germ, Line, Owner, line_of
 from pwmap.longrun.numbers import Exact, exact_to_sympy, key, sign
@@ -114,6 +115,12 @@ class FoundCycles:
     order: int
     words: int
     left_out: str = ""
+
+    def __repr__(self) -> str:
+        """How many, up to which period, of how many words."""
+        found, words = counted(len(self), "cycle"), counted(self.words, "word")
+        rest = f"; {self.left_out}" if self.left_out else ""
+        return f"FoundCycles({found} of period up to {self.order}, {words} looked at{rest})"
 
     def of_period(self, period: int) -> tuple[FoundCycle, ...]:
         """Those of one period, from left to right."""

@@ -10,6 +10,7 @@ import sympy
 from pwmap.algebra.exact import Number
 from pwmap.algebra.terms import own_name
 from pwmap.diagrams.frames import DataFrame, dataframe
+from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -58,6 +59,22 @@ class ParameterPlane:
     strips: tuple[Strip, ...]
     curves: tuple[PlaneCurve, ...]
     points: tuple[CodimensionTwo, ...]
+
+    def __repr__(self) -> str:
+        """Both parameters with their spans, and how much was found."""
+        spans = (
+            f"{name} in [{low}, {high}]"
+            for name, (low, high) in (
+                (self.across, self.across_span), (self.along, self.along_span),
+            )
+        )  # fmt: skip
+        sizes = (
+            counted(len(found), noun)
+            for found, noun in (
+                (self.curves, "curve"), (self.points, "point"), (self.strips, "strip"),
+            )
+        )  # fmt: skip
+        return f"ParameterPlane({', '.join(spans)}: {', '.join(sizes)})"
 
     def at(self, across: object, along: object) -> Dynamics:
         """The long run at a point, exactly; see :func:`pwmap.dynamics`.

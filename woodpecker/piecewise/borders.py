@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
+from pwmap.diagrams.shown import brief
 from woodpecker.piecewise.margins import depth, nearest_code
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Numerics, Settings
@@ -70,6 +71,14 @@ class Border:
     side: int
     outer: Image
     outer_code: int
+
+    def __repr__(self) -> str:
+        """Where, how far the map jumps, between which words, and why."""
+        words = f"{brief(self.inner.piece.word)!r} to {brief(self.outer.piece.word)!r}"
+        return (
+            f"Border(x={self.x:.10g}, p={self.p:.10g}: {words}, jump {self.jump:.6g}, "
+            f"{self.cause!r})"
+        )
 
     @property
     def jump(self) -> float:

@@ -18,6 +18,7 @@ from typing import Protocol
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
+from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.newton import newton
 from woodpecker.piecewise.pieces import Image, Piece
@@ -57,6 +58,12 @@ class Orbit:
 
     def __len__(self) -> int:
         return len(self.images)
+
+    def __repr__(self) -> str:
+        """Its points and words."""
+        x = ", ".join(f"{each:.10g}" for each in self.x)
+        words = brief(" | ".join(self.words))
+        return f"Orbit(p={self.p:.10g}, x={x}, multiplier={self.multiplier:.6g}, {words!r})"
 
     @property
     def pieces(self) -> tuple[Piece, ...]:

@@ -13,6 +13,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
+from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats, Ints
 
 
@@ -57,6 +58,16 @@ class Image(NamedTuple):
     causes: Ints
     piece: Piece
     reason: str = ""
+
+    def __repr__(self) -> str:
+        """The value with its derivatives, and how far the piece reaches."""
+        if self.reason:
+            return f"Image({self.reason!r})"
+        least = f", least margin {self.margins.min():.6g}" if self.margins.size else ""
+        return (
+            f"Image({self.value:.10g}, slope={self.slope:.6g}, "
+            f"d_parameter={self.d_parameter:.6g}{least}, {brief(self.piece.word)!r})"
+        )
 
     def margin(self, code: int) -> float:
         """The margin of a code; nan if there is none here."""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pwmap.diagrams.shown import counted
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.bracketing import bracketed
 from woodpecker.piecewise.crossings import is_inside
@@ -67,6 +68,11 @@ class Slice:
     cycles: tuple[Orbit, ...]
     jumps: tuple[Jump, ...]
     unresolved: float
+
+    def __repr__(self) -> str:
+        """Where, of which iterate, and how much there is."""
+        found = f"{counted(len(self.cycles), 'cycle')}, {counted(len(self.jumps), 'jump')}"
+        return f"Slice(p={self.p:.10g}, order {self.order}: {found})"
 
 
 def slices_at(

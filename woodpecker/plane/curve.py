@@ -10,6 +10,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.diagrams.frames import Column, DataFrame, dataframe
+from pwmap.diagrams.shown import table
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import BorderKind
@@ -194,6 +195,13 @@ class Curve:
             f"Curve({self.kind} over {over}: {len(self)} samples, from {first.id} to {last.id}, "
             f"{len(self.points) - 2} special points)"
         )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (each.id, each.kind.label, *(f"{value:.10g}" for value in each.values), each.cause)
+            for each in self.points
+        ]
+        return table(repr(self), ("point", "what", *self.names, "cause"), rows)
 
     @property
     def ends(self) -> tuple[PlanePoint, PlanePoint]:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from pwmap.diagrams.files import write_whole
+from pwmap.diagrams.shown import brief
 from woodpecker.mechanics.toy import LAW, Toy
 from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import ProvedBranch
@@ -48,6 +49,10 @@ class Certificate:
     def statement(self) -> str:
         """What is proved, in a sentence."""
         return str(self.content["statement"])
+
+    def __repr__(self) -> str:
+        """What kind of statement, and how it begins."""
+        return f"Certificate({self.content['kind']}: {brief(self.statement)!r})"
 
     def __str__(self) -> str:
         return self.statement

@@ -33,7 +33,6 @@ Work = npt.NDArray[Any]  # (1,) of WORK
 NO_STARTS: Floats = np.zeros((0, START_COLUMNS))
 NO_WORDS: Codes = np.zeros((0, 0), dtype=np.int16)
 NO_PHASES: Floats = np.zeros((0, PHASE_COLUMNS))
-NO_STEPS: Ints = np.zeros((0, STEP_COLUMNS), dtype=np.int64)
 NO_TIMES: Floats = np.zeros(0)
 NO_EVENTS: Floats = np.zeros((0, EVENT_COLUMNS))
 NO_NOTES: Floats = np.zeros((NOTES, 0))

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.frames import DataFrame, dataframe
-from pwmap.diagrams.shown import counted, span, tally
+from pwmap.diagrams.shown import brief, counted, span, table, tally
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.checks import number, real_array, whole
 from woodpecker.base.compiled import COMPILED, announce
@@ -101,6 +101,17 @@ class ReturnMap:
             f"ReturnMap({counted(len(self), 'start')}{where}, "
             f"{counted(len(set(self.words)), 'word')}: {outcomes})"
         )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (*(f"{value:.10g}" for value in values), brief(word), reason.name.lower())
+            for *values, word, reason in zip(
+                self.start, self.phi_s, self.period, self.drop, self.slope, self.words, self.status,
+                strict=True,
+            )
+        ]  # fmt: skip
+        header = ("from [rad]", "to [rad]", "period [s]", "drop [m]", "slope", "word", "status")
+        return table(repr(self), header, rows)
 
     def to_dataframe(self) -> DataFrame:
         """The returns, one in each row.

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.frames import DataFrame, dataframe
-from pwmap.diagrams.shown import brief, counted
+from pwmap.diagrams.shown import brief, counted, table
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive, real_array, whole
 from woodpecker.base.compiled import announce
@@ -195,6 +195,10 @@ class Trajectory:
             f"{counted(len(self.t), 'sample')}, {counted(len(self.events), 'event')} "
             f"{brief(self.word)!r}, {self.status.value!r})"
         )
+
+    def _repr_html_(self) -> str:
+        rows = [(f"{event.time:.9f}", event.symbol, event.kind.value) for event in self.events]
+        return table(repr(self), ("t [s]", "event", "what"), rows)
 
     def to_dataframe(self) -> DataFrame:
         """The samples, one in each row; times of events come twice, before and after them.

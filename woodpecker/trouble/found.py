@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from pwmap.diagrams.shown import counted
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import PeriodicOrbit
 
@@ -143,6 +144,17 @@ class Robustness:
     troubles: tuple[Trouble, ...]
     harmless: tuple[Trouble, ...]
     limits: tuple[Limit, ...]
+
+    def __repr__(self) -> str:
+        """What is nearest, how far, and how much more was found."""
+        first = self.nearest
+        what = "nothing near" if first is None else f"{first.kind} at {100.0 * first.size:.4g} %"
+        cause = "" if first is None else f", {first.cause}"
+        sizes = (
+            counted(len(self.troubles), "trouble"), f"{len(self.harmless)} harmless",
+            counted(len(self.limits), "limit"),
+        )  # fmt: skip
+        return f"Robustness({what}{cause}; {', '.join(sizes)})"
 
     @property
     def nearest(self) -> Trouble | None:
