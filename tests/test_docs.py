@@ -81,20 +81,22 @@ def test_works_that_are_cited_are_in_the_list(page: Path) -> None:
 
 # --- Equations ------------------------------------------------------------------------------------
 
-EQUATIONS = [
+ROWS = [
     line.strip("| \n").split(" | ")
     for line in (DOCS / "reference" / "equations.md").read_text(encoding="utf-8").splitlines()
-    if re.match(r"\| \(\d+\) \|", line)
+    if line.startswith("| ") and "`" in line
 ]
 
 
 def test_every_equation_of_the_paper_has_a_row() -> None:
-    assert [row[0] for row in EQUATIONS] == [f"({number})" for number in range(1, 16)]
+    numbered = [row[0] for row in ROWS if len(row) == 4]
+    assert numbered == [f"({number})" for number in range(1, 16)]
+    assert len(ROWS) - len(numbered) >= 10  # of what goes beyond it
 
 
-@pytest.mark.parametrize("row", EQUATIONS, ids=lambda row: row[0])
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row[0])
 def test_an_equation_has_code_and_a_test(row: list[str]) -> None:
-    _, what, code, test = row
+    *_, what, code, test = row
     assert what
     for column, start in ((code, ("pwmap/", "woodpecker/")), (test, ("tests/",))):
         named = re.findall(r"`([\w/.]+)::(\w+)`", column)
