@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import logging
 import sys
 from pathlib import Path
 from typing import Any
@@ -94,6 +95,20 @@ def _in_mathml(self: Any, node: nodes.math | nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def _compile_quietly(app: Any) -> None:
+    """Compile the kernel before a tutorial does, whose page would show the message of it."""
+    from woodpecker import Toy, first_return
+
+    logger = logging.getLogger("woodpecker")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        first_return(Toy(), -0.53)
+    finally:
+        logger.setLevel(level)
+
+
 def setup(app: Any) -> None:
-    """Formulas as MathML."""
+    """Formulas as MathML; the kernel is compiled before the tutorials run."""
+    app.connect("builder-inited", _compile_quietly, priority=1)
     app.add_html_math_renderer("mathml", (_in_mathml, None), (_in_mathml, None))

@@ -143,7 +143,7 @@ def test_every_page_is_reached_from_the_index() -> None:
 TUTORIALS = {  # what each prints, among other things
     "1_the_toy": [
         "phi_S -0.5294719671 rad, period 0.1459760651 s",
-        "FF2  FF  0.1119709145 -0.88477334",
+        "A    FF  0.1119709145 -0.88477334",
         "7 special points, 6 branches",
     ],
     "2_your_own_map": [
@@ -165,7 +165,7 @@ TUTORIALS = {  # what each prints, among other things
     "5_the_paper": [
         "phi_M -0.103448, phi_S -0.221694 rad, mu_2 at least 0.2851875",
         "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2",
-        "FF2  fold-flip        0.11197091  fold",
+        "A    fold-flip        0.11197091  fold",
         "P_2 jump RR|RL, along 4.3160 rad",
     ],
 }
