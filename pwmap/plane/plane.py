@@ -140,6 +140,11 @@ def parameter_plane(
     budget
         How many pieces may be computed in all strips together.
 
+    Returns
+    -------
+    ParameterPlane
+        Strips of cells, the curves on which cycles bifurcate, and the points in which curves meet.
+
     Raises
     ------
     ValueError

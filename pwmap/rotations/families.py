@@ -223,6 +223,11 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     n
         The name of the exponent.
 
+    Returns
+    -------
+    WordFamily
+        Point, multiplier and conditions of the cycle as formulas in n.
+
     Raises
     ------
     TypeError

@@ -214,6 +214,11 @@ _DESCRIPTIONS: dict[str, Description] = {
 def parameters() -> tuple[str, ...]:
     """Names of the toy's parameters: all of its numbers.
 
+    Returns
+    -------
+    tuple of str
+        In the order of the fields of :class:`Toy`.
+
     Examples
     --------
     >>> from woodpecker import parameters

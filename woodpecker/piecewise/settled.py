@@ -184,6 +184,11 @@ def orbit_diagram(
     settings
         What counts as a period, see :class:`woodpecker.Numerics`; by default in units of x.
 
+    Returns
+    -------
+    OrbitDiagram
+        At most n m orbits, each with its last ``keep`` points; those lost are counted.
+
     Raises
     ------
     ValueError
@@ -271,6 +276,11 @@ def unexplained(
         How far a branch may stray from the line between two of its samples.
     settings
         Tolerances.
+
+    Returns
+    -------
+    list of SettledOrbit
+        Empty where the diagram accounts for all.
 
     Examples
     --------

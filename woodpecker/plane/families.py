@@ -149,6 +149,11 @@ def family_from_sympy(
     parameters
         The two symbols that vary.
 
+    Returns
+    -------
+    SymbolicFamily
+        The family, over the parameters in the order that was given.
+
     Raises
     ------
     ValueError, TypeError
@@ -184,6 +189,11 @@ def family_from_pwmap(
         The map.
     parameters
         Its parameters in the order that is wanted, symbols or names.
+
+    Returns
+    -------
+    SymbolicFamily
+        The family, over the parameters in the order that was given.
 
     Raises
     ------

@@ -265,6 +265,12 @@ def simulate(
     max_events
         Limit on the number of events.
 
+    Returns
+    -------
+    Trajectory
+        The exact motion, its events and word. It ends before ``t_end`` where the toy falls off the
+        pole or the contact laws leave open what follows; the status says so.
+
     Raises
     ------
     ValueError
@@ -379,6 +385,11 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     ----------
     trajectory
         The motion.
+
+    Returns
+    -------
+    EnergyBalance
+        Energies [J], and what the balance misses.
 
     Examples
     --------
