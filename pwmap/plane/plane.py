@@ -66,11 +66,26 @@ class ParameterPlane:
         ----------
         across, along
             Values of both parameters: rationals, their texts, or algebraic numbers.
+
+        Returns
+        -------
+        Dynamics
+            Of the map with these values.
         """
         return dynamics(self.map, {self.across: across, self.along: along})
 
     def curve(self, curve_id: str) -> PlaneCurve:
         """The curve with a name.
+
+        Parameters
+        ----------
+        curve_id
+            Its id, such as ``"BC1"``.
+
+        Returns
+        -------
+        PlaneCurve
+            The curve.
 
         Raises
         ------

@@ -62,7 +62,18 @@ class SweptMap(Protocol):
     """
 
     def sweep(self, x: Floats, p: float) -> Swept:
-        """The map at points (n,) and a parameter."""
+        """The map at points (n,) and a parameter.
+
+        Parameters
+        ----------
+        x, p
+            Points of shape (n,), and the parameter.
+
+        Returns
+        -------
+        Swept
+            Images and slopes, shapes (n,); nan where there is no image.
+        """
 
 
 class Sweep(NamedTuple):

@@ -71,6 +71,11 @@ class State:
             The toy; phi_M is its lower limit.
         phi_s
             Angle of the woodpecker [rad].
+
+        Returns
+        -------
+        State
+            With y = 0 [m] and all velocities zero.
         """
         return cls(phi_m=-toy.phi_m_max, phi_s=phi_s)
 
@@ -172,6 +177,12 @@ class Trajectory:
             Times [s], of any shape.
         left
             Whether an event shows its velocities before it.
+
+        Returns
+        -------
+        q, u
+            (y, phi_M, phi_S) [m, rad, rad] and their rates [m/s, rad/s, rad/s], each of shape (...,
+            3).
 
         Raises
         ------
