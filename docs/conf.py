@@ -46,7 +46,10 @@ bibtex_reference_style = "author_year"
 # --- Reference -----------------------------------------------------------------------------------
 
 autosummary_generate = True
-autodoc_typehints = "none"
+autodoc_typehints = "signature"  # sections of numpydoc leave no room for them
+autodoc_typehints_format = "short"
+autodoc_type_aliases = {"npt.ArrayLike": "npt.ArrayLike"}  # not all that it stands for
+python_maximum_signature_line_length = 88  # longer ones have a line for each argument
 autodoc_preserve_defaults = True  # such as Settings(), and not all that they hold
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
@@ -79,7 +82,19 @@ html_theme = "pydata_sphinx_theme"
 html_title = "woodpecker and pwmap"
 html_copy_source = False
 html_show_sourcelink = False
+html_static_path = ["_static"]
+html_css_files = ["custom.css"]
+html_sidebars = {  # pages that have none beside them: an empty list of these would be shown
+    page: []
+    for page in (
+        "index", "get_started", "guide/*", "reproduce", "long_run", "reference/commands",
+        "reference/plots", "reference/symbols", "reference/special_points", "reference/equations",
+        "proofs", "certificates_of_maps", "results", "comparison", "limits", "testing",
+        "bibliography", "genindex", "py-modindex", "search",
+    )
+}  # fmt: skip
 html_theme_options = {
+    "header_links_before_dropdown": 3,  # more do not fit into one row
     "logo": {"text": "woodpecker and pwmap"},
     "navigation_with_keys": False,
     "secondary_sidebar_items": ["page-toc"],
