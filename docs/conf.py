@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.metadata
+import logging
 import sys
 from pathlib import Path
 from typing import Any
@@ -45,7 +46,10 @@ bibtex_reference_style = "author_year"
 # --- Reference -----------------------------------------------------------------------------------
 
 autosummary_generate = True
-autodoc_typehints = "none"
+autodoc_typehints = "signature"  # sections of numpydoc leave no room for them
+autodoc_typehints_format = "short"
+autodoc_type_aliases = {"npt.ArrayLike": "npt.ArrayLike"}  # not all that it stands for
+python_maximum_signature_line_length = 88  # longer ones have a line for each argument
 autodoc_preserve_defaults = True  # such as Settings(), and not all that they hold
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
@@ -78,7 +82,19 @@ html_theme = "pydata_sphinx_theme"
 html_title = "woodpecker and pwmap"
 html_copy_source = False
 html_show_sourcelink = False
+html_static_path = ["_static"]
+html_css_files = ["custom.css"]
+html_sidebars = {  # pages that have none beside them: an empty list of these would be shown
+    page: []
+    for page in (
+        "index", "get_started", "guide/*", "reproduce", "long_run", "reference/commands",
+        "reference/plots", "reference/symbols", "reference/special_points", "reference/equations",
+        "proofs", "certificates_of_maps", "results", "comparison", "limits", "testing",
+        "bibliography", "genindex", "py-modindex", "search",
+    )
+}  # fmt: skip
 html_theme_options = {
+    "header_links_before_dropdown": 3,  # more do not fit into one row
     "logo": {"text": "woodpecker and pwmap"},
     "navigation_with_keys": False,
     "secondary_sidebar_items": ["page-toc"],
@@ -94,6 +110,20 @@ def _in_mathml(self: Any, node: nodes.math | nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def _compile_quietly(app: Any) -> None:
+    """Compile the kernel before a tutorial does, whose page would show the message of it."""
+    from woodpecker import Toy, first_return
+
+    logger = logging.getLogger("woodpecker")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        first_return(Toy(), -0.53)
+    finally:
+        logger.setLevel(level)
+
+
 def setup(app: Any) -> None:
-    """Formulas as MathML."""
+    """Formulas as MathML; the kernel is compiled before the tutorials run."""
+    app.connect("builder-inited", _compile_quietly, priority=1)
     app.add_html_math_renderer("mathml", (_in_mathml, None), (_in_mathml, None))

@@ -343,15 +343,25 @@ def general(results: All) -> str:
         "towards",
         "points",
         "images",
-        "one curve, on our branches",
+        "where its points lie, in order",
         "leaps",
         "last ε_N1",
     ]
+    ids = sorted({name for run in found["runs"] for name in run["route"] if name})
     return (
         f"{rows(header, lines)}\n\n"
         f"`continuation` finds {found['branches']} branches and {found['points']} special points that hang together "
-        "there: F1 ends at C, F3 goes from FF1 to A, and jump crossings lie between them."
+        f"there. Its fixed points on the branches above live at these ε_N1: {_lives(results, ids)}."
     )
+
+
+def _lives(results: All, ids: Sequence[str]) -> str:
+    """Between which values of ε_N1 branches of the main job lie."""
+    ends: dict[str, list[float]] = {name: [] for name in ids}
+    for _, _, _, p, *_, left, right in results["main_job"]["points"]:
+        for name in f"{left} {right}".split():
+            ends.get(name, []).append(p)
+    return ", ".join(f"{name} {min(ps):.4f} to {max(ps):.4f}" for name, ps in ends.items())
 
 
 def orders(results: All) -> str:

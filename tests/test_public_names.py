@@ -1,8 +1,10 @@
 """What a user meets: every type in a public signature has a public name, every argument a text."""
 
+import ast
 import dataclasses
 import inspect
 import re
+import textwrap
 import typing
 from collections.abc import Callable, Iterator
 from importlib import import_module
@@ -42,6 +44,8 @@ ENGINE = {
     "woodpecker.simulation.paths.Follower": "a return that is followed with its word prescribed",
     "woodpecker.toypieces._Room": "what threads do not share",
 }
+# Methods whose one sentence says what they take and give.
+SHORT = {"pwmap.certificates", "pwmap.diagrams.diagram"}
 POINT = {"x", "p"}  # of a map that is asked for its image: a point and a parameter
 
 
@@ -113,6 +117,35 @@ def test_every_argument_is_described(package: ModuleType, name: str) -> None:
         names = set(inspect.signature(routine).parameters) - {"self", "cls"}
         if inspect.isfunction(value) or len(names - POINT) > 1:
             assert names <= described(text), own
+
+
+def sections(text: str) -> set[str]:
+    """Titles of the sections of a docstring."""
+    return set(re.findall(r"^(\w[\w ]*)\n-{3,}$", text, re.MULTILINE))
+
+
+def wanted(routine: Callable[..., object]) -> set[str]:
+    """Sections that a docstring must have: of what goes in, comes out, and is raised."""
+    signature = inspect.signature(routine)
+    tree = ast.parse(textwrap.dedent(inspect.getsource(routine)))
+    raises = any(isinstance(node, ast.Raise) and node.exc is not None for node in ast.walk(tree))
+    parts = {
+        "Parameters": bool(set(signature.parameters) - {"self", "cls"}),
+        "Returns": signature.return_annotation not in (None, "None"),
+        "Raises": raises,
+    }
+    return {title for title, there in parts.items() if there}
+
+
+@pytest.mark.parametrize(("package", "name"), PUBLIC, ids=IDS)
+def test_what_comes_out_and_what_is_raised_is_described(package: ModuleType, name: str) -> None:
+    """Of functions, and of methods that take arguments but for those of diagrams."""
+    value = getattr(package, name)
+    for own, routine in routines(value, name):
+        is_function = inspect.isfunction(value)
+        takes = set(inspect.signature(routine).parameters) - {"self", "cls"}
+        if is_function or (takes and routine.__module__ not in SHORT and not own.endswith("__")):
+            assert wanted(routine) <= sections(inspect.getdoc(routine) or ""), own
 
 
 def test_what_is_called_engine_is_there_and_not_public() -> None:

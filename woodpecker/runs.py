@@ -69,6 +69,11 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     run
         The file that ``run=`` named.
 
+    Returns
+    -------
+    Diagram
+        What was finished; branches that are being followed are not in it.
+
     Raises
     ------
     ValueError

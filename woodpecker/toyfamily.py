@@ -57,6 +57,11 @@ class ToyFamily:
             Which parameter the map is over, 0 or 1.
         values
             Values of both; that of the axis does not matter.
+
+        Returns
+        -------
+        PiecewiseMap
+            A map of one parameter.
         """
         other = 1 - axis
         return self._maps[axis].holding(**{self.names[other]: values[other]})
@@ -70,6 +75,11 @@ class ToyFamily:
             A piece of one of the maps.
         map_
             The other map.
+
+        Returns
+        -------
+        Piece
+            A piece of ``map_``.
         """
         assert isinstance(piece, ToyPiece)
         assert isinstance(map_, ToyPieces)

@@ -201,6 +201,16 @@ class ToyPieces:
         The values are looked at where the map is asked for an image: it has none if the toy cannot
         have them.
 
+        Parameters
+        ----------
+        **values
+            Values of parameters by name, in SI units.
+
+        Returns
+        -------
+        ToyPieces
+            A new map.
+
         Raises
         ------
         TypeError
@@ -221,16 +231,43 @@ class ToyPieces:
         ----------
         x, p
             phi_S [rad] at the start, and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        Image
+            The next phi_S [rad], derivatives and margins; without a return it carries the reason.
         """
         return image_taken(self, x, p)
 
     def ready(self, x: float, p: float) -> tuple[Follower, str]:
-        """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
+        """The follower, with the numbers of p; why the toy cannot start from there, or nothing.
+
+        Parameters
+        ----------
+        x, p
+            phi_S [rad] at the start, and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        follower, reason
+            The reason is empty if the toy can start.
+        """
         room = self.room()
         return room.follower, room.obstacle(x, p, self._held)
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
-        """The key of the piece that the toy takes there, and its image as the search finds it."""
+        """The key of the piece that the toy takes there, and its image as the search finds it.
+
+        Parameters
+        ----------
+        x, p
+            phi_S [rad] at the start, and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        key, image
+            The image in rad.
+        """
         follower, obstacle = self.ready(x, p)
         if obstacle:
             return NO_PATH.tobytes(), math.nan
@@ -239,6 +276,16 @@ class ToyPieces:
 
     def sweep(self, x: Floats, p: float) -> Sweep:
         """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
+
+        Parameters
+        ----------
+        x, p
+            Starts [rad] of shape (n,), and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        Sweep
+            Images [rad] and slopes [-], shapes (n,); nan where the toy does not return.
 
         Raises
         ------

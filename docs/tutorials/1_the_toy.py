@@ -73,16 +73,18 @@ print(f"multiplier {orbit.multiplier:.6f}")
 from pwmap.plot import plot_diagram
 from woodpecker import continuation
 
-diagram = continuation(toy, orbit, "eps_n1", span=(0.10, 0.70))
+paper = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # read off its Figure 10
+diagram = continuation(toy, orbit, "eps_n1", span=(0.10, 0.70)).named(paper)
 for point in diagram.points:
-    print(f"{point.id:4} {point.kind!s:3} {point.parameter:.10f} {point.x:+.8f}  {point.cause}")
+    name = point.name or point.id
+    print(f"{name:4} {point.kind!s:3} {point.parameter:.10f} {point.x:+.8f}  {point.cause}")
 fig, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
 drawn = plot_diagram(diagram, ax)
 
 # %%
-# Read it from the right: the stable motion ends at 0.185127 in a jump, turns back as a jump
-# crossing, turns again into an unstable motion, which leads to the paper's point A at 0.111971.
-# There it turns into the crossing that leads to 0.291522, where a second stable motion begins.
+# Read it from the right: the stable motion ends in a jump, at the paper's point C. It turns back as
+# a jump crossing, turns again into an unstable motion, which leads to A. There it turns into the
+# crossing that leads to B, where a second stable motion begins.
 # The graph of the branches can be used by itself:
 
 graph = diagram.graph()

@@ -62,18 +62,19 @@ drawn = plot_return_map(toy, return_map(toy, np.linspace(-2.5, -0.24, 1000)), ax
 from pwmap.plot import plot_diagram
 from woodpecker import continuation
 
-diagram = continuation(toy, orbit, "eps_n1", span=(0.05, 0.7))
+paper = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # read off its Figure 10
+diagram = continuation(toy, orbit, "eps_n1", span=(0.05, 0.7)).named(paper)
 for point in diagram.points:
     if point.order == 1 and str(point.kind) != "EP":
-        print(f"{point.id:4} {point.kind.label:16} {point.parameter:.8f}  {point.note}")
+        name = point.name or point.id
+        print(f"{name:4} {point.kind.label:16} {point.parameter:.8f}  {point.note}")
 figure, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
 drawn = plot_diagram(diagram, ax)
 
 # %%
-# From the right: the stable motion flips (``PD1``); at C (``BC1``) it meets a jump of the map, as
-# does a jump crossing, and both end there, as in a fold. The crossing turns into an unstable motion
-# (``FF1``), which leads to A (``FF2``), and from A another crossing leads to B (``BC2``), where the
-# second stable motion begins.
+# From the right: the stable motion flips (``PD1``); at C it meets a jump of the map, as does a jump
+# crossing, and both end there, as in a fold. The crossing turns into an unstable motion (``FF1``),
+# which leads to A, and from A another crossing leads to B, where the second stable motion begins.
 #
 # Why A is a fold-flip
 # --------------------
@@ -93,7 +94,7 @@ drawn = plot_return_map(near, return_map(near, np.linspace(-1.15, -0.68, 600)), 
 from woodpecker import ToyPieces, local_model
 from woodpecker.plot.figures import plot_local
 
-at_a = diagram.point("FF2")
+at_a = diagram.point("A")
 model = local_model(ToyPieces(toy), at_a.x, at_a.parameter, orders=(1, 2))
 print(f"slopes {model.left.slope:.6f} and {model.right.slope:.6f}: {model.point.kind.label}")
 for start in model.starts:

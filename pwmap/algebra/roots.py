@@ -141,7 +141,18 @@ class RealRoot:
         return self._above(n, bits) and not self._above(n + 1, bits)
 
     def sign_of(self, polynomial: tuple[int, ...]) -> int:
-        """Sign of another polynomial, with integer coefficients, at this root."""
+        """Sign of another polynomial, with integer coefficients, at this root.
+
+        Parameters
+        ----------
+        polynomial
+            Integer coefficients.
+
+        Returns
+        -------
+        int
+            -1, 0 or 1.
+        """
         found = self._sure_sign(polynomial) if polynomial else 0
         if found is None:
             rest = self.reduced(tuple(map(QQ, polynomial)))
@@ -182,6 +193,11 @@ class RealRoot:
         ----------
         top, bottom
             Coefficients of the polynomials, from the highest degree on.
+
+        Returns
+        -------
+        float
+            The quotient.
         """
         if not self.reduced(top):
             return 0.0
@@ -196,7 +212,18 @@ class RealRoot:
         return to_float(QQ(above << max(0, -shift), below << max(0, shift)) * scale)
 
     def reduced(self, polynomial: Dense) -> Dense:
-        """Remainder modulo the root's polynomial: the canonical form of a number of its field."""
+        """Remainder modulo the root's polynomial: the canonical form of a number of its field.
+
+        Parameters
+        ----------
+        polynomial
+            Coefficients from the highest degree on.
+
+        Returns
+        -------
+        coefficients
+            From the highest degree on.
+        """
         return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
@@ -206,6 +233,11 @@ class RealRoot:
         ----------
         top, bottom
             Coefficients of the polynomials, from the highest degree on.
+
+        Returns
+        -------
+        coefficients
+            From the highest degree on.
         """
         modulus = list(self.polynomial)
         inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)
@@ -216,7 +248,18 @@ class RealRoot:
         return _root_to_sympy(self.polynomial, self.index)
 
     def element_to_sympy(self, value: Dense) -> sympy.Expr:
-        """A number of the root's field, given in canonical form."""
+        """A number of the root's field, given in canonical form.
+
+        Parameters
+        ----------
+        value
+            Coefficients from the highest degree on.
+
+        Returns
+        -------
+        sympy.Expr
+            The exact number.
+        """
         root = self.to_sympy()
         found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
         if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals

@@ -60,7 +60,18 @@ class Bands:
         return len(self.intervals)
 
     def holds(self, x: Exact) -> bool:
-        """Whether a point lies inside one of them."""
+        """Whether a point lies inside one of them.
+
+        Parameters
+        ----------
+        x
+            An exact number.
+
+        Returns
+        -------
+        bool
+            False at the ends of a band.
+        """
         return any(low < x < high for low, high in self.intervals)
 
 

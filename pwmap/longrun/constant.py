@@ -233,6 +233,11 @@ def constant_entropy(
     steps
         How far orbits of breaks are followed.
 
+    Returns
+    -------
+    EntropyIntervals
+        The intervals with the entropy of each, and the gaps about which nothing is said.
+
     Raises
     ------
     ValueError

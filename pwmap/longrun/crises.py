@@ -297,6 +297,12 @@ def attractor_diagram(
         up to that, everywhere. All changes by such words are found; of changes by longer ones those
         which do not undo each other between two of these places.
 
+    Returns
+    -------
+    AttractorDiagram
+        Cells of the parameter from left to right, each with what attracts there, and the crises
+        between them.
+
     Raises
     ------
     ValueError

@@ -123,7 +123,18 @@ class FoundCycles:
         return f"FoundCycles({found} of period up to {self.order}, {words} looked at{rest})"
 
     def of_period(self, period: int) -> tuple[FoundCycle, ...]:
-        """Those of one period, from left to right."""
+        """Those of one period, from left to right.
+
+        Parameters
+        ----------
+        period
+            The least period.
+
+        Returns
+        -------
+        tuple of FoundCycle
+            Empty if there is none.
+        """
         return tuple(cycle for cycle in self.cycles if len(cycle.word) == period)
 
     def __len__(self) -> int:

@@ -99,6 +99,11 @@ class Density:
         ----------
         low, high
             The points, exact numbers.
+
+        Returns
+        -------
+        exact number, or interval of mpmath
+            From 0 to 1; all of the attractor has the measure 1.
         """
         total = QQ.zero if self.exact else mpmath.iv.mpf(0)
         for a, b, value in self.steps():

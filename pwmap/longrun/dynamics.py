@@ -248,6 +248,18 @@ class Attractor:
         ----------
         window
             Two rationals.
+
+        Returns
+        -------
+        sympy.Expr
+            From 0 to 1, exact.
+
+        Raises
+        ------
+        ValueError
+            If the window is no interval.
+        TypeError
+            If an end is a float.
         """
         low, high = (rational(end) for end in window)
         if not low < high:
@@ -342,6 +354,16 @@ class Dynamics:
         """Into how many intervals, each with one affine piece, iterates up to one cut the line.
 
         It takes time in proportion to the square of the order, not to the number of laps.
+
+        Parameters
+        ----------
+        order
+            The largest order, at least 1.
+
+        Returns
+        -------
+        list of int
+            One number for each order from 1 to ``order``.
         """
         return lap_numbers(self.line, checked_order(order))
 

@@ -54,7 +54,18 @@ class AttractingCycle:
     reach: tuple[Exact | None, ...]
 
     def draws(self, x: Exact) -> bool:
-        """Whether an orbit that comes to a point is known to be drawn in."""
+        """Whether an orbit that comes to a point is known to be drawn in.
+
+        Parameters
+        ----------
+        x
+            An exact number.
+
+        Returns
+        -------
+        bool
+            False also where it is not known.
+        """
         return any(
             reach is None or abs_(x - point) < reach
             for point, reach in zip(self.points, self.reach, strict=True)

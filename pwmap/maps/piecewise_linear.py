@@ -383,6 +383,11 @@ class PiecewiseLinearMap:
             A ``sympy.Piecewise`` of affine formulas, one such formula, or the text of either.
         x, given, letters
             As for the class.
+
+        Returns
+        -------
+        PiecewiseLinearMap
+            The map, its pieces in the order of the line.
         """
         self = cls.__new__(cls)
         self._set(read_formula(piecewise, x, given, letters), (0,))
@@ -429,6 +434,11 @@ class PiecewiseLinearMap:
             Affine forms in the ring of all parameters, and their signs there.
         iterates
             What iterates show there.
+
+        Returns
+        -------
+        PiecewiseLinearMap
+            The same map, for which all signs of the cell are known.
         """
         self = cls.__new__(cls)
         self._set(map_._definition, map_._chain, Decided(scope, orbits, oracle, iterates))
@@ -509,7 +519,18 @@ class PiecewiseLinearMap:
         return tuple(Piece(cylinder, self) for cylinder in self.cylinders)
 
     def spelled(self, word: Word) -> str:
-        """A word in letters."""
+        """A word in letters.
+
+        Parameters
+        ----------
+        word
+            Numbers of pieces.
+
+        Returns
+        -------
+        str
+            Its letters, in the order in which pieces are visited.
+        """
         return "".join(self.letters[letter] for letter in word)
 
     def cut_to_sympy(self, word: Word, cut: Cut) -> sympy.Expr:
@@ -521,6 +542,11 @@ class PiecewiseLinearMap:
             Word of a piece, as numbers.
         cut
             An end of it.
+
+        Returns
+        -------
+        sympy.Expr
+            A formula in the parameters, or infinity.
         """
         return fraction_to_sympy(self.orbits.preimage(cut.k, word[: cut.steps]))
 
@@ -533,6 +559,11 @@ class PiecewiseLinearMap:
         ----------
         values
             By symbol or by name, for instance ``{a: Rational(5, 4), "r": 1}``.
+
+        Returns
+        -------
+        PiecewiseLinearMap
+            A new map; parameters that got no value stay symbols.
 
         Raises
         ------
@@ -574,12 +605,24 @@ class PiecewiseLinearMap:
     def iterate(self, j: int) -> PiecewiseLinearMap:
         """The j-th iterate, j >= 1, with the words of its pieces.
 
+        Parameters
+        ----------
+        j
+            The order, at least 1.
+
+        Returns
+        -------
+        PiecewiseLinearMap
+            The iterate, whose pieces are computed when they are asked for.
+
         Raises
         ------
         BudgetError
             If its words would be too long, or when its pieces are asked for and are too many.
         UndecidedError
             When its pieces are asked for, if they differ within what is assumed of the parameters.
+        ValueError
+            If j is no integer of at least 1.
         """
         order = checked_order(j)
         checked_size(order, len(self._chain))
@@ -590,6 +633,16 @@ class PiecewiseLinearMap:
 
         Maps of one cell make a map of this cell. If two different maps both have parameters,
         only their assumptions are kept.
+
+        Parameters
+        ----------
+        inner
+            The map that is applied first.
+
+        Returns
+        -------
+        PiecewiseLinearMap
+            The composition.
 
         Raises
         ------
@@ -632,11 +685,40 @@ class PiecewiseLinearMap:
         return fraction_to_sympy(self._follow(x, 0)[1])
 
     def word_of(self, x: object) -> str:
-        """The pieces of the original map that a point visits."""
+        """The pieces of the original map that a point visits.
+
+        Parameters
+        ----------
+        x
+            An exact number; parameters may occur in it.
+
+        Returns
+        -------
+        str
+            Its letters. At a break it is the piece that owns the break.
+        """
         return self.spelled(self._follow(x, 0)[0])
 
     def limit(self, x: object, side: str) -> sympy.Expr:
-        """The one-sided limit at a point, from the side ``"-"`` (left) or ``"+"`` (right)."""
+        """The one-sided limit at a point, from the side ``"-"`` (left) or ``"+"`` (right).
+
+        Parameters
+        ----------
+        x
+            An exact number; parameters may occur in it.
+        side
+            ``"-"`` or ``"+"``.
+
+        Returns
+        -------
+        sympy.Expr
+            The exact limit, whoever owns the value at the point itself.
+
+        Raises
+        ------
+        ValueError
+            If the side is neither.
+        """
         if side not in ("-", "+"):
             raise ValueError(f"the side must be '-' or '+', got {side!r}")
         return fraction_to_sympy(self._follow(x, 1 if side == "+" else -1)[1])
@@ -718,6 +800,11 @@ class PiecewiseLinearMap:
         ----------
         virtual
             Whether to add the virtual ones, in the order of their formulas' pieces.
+
+        Returns
+        -------
+        tuple of FixedPoint
+            Each with its exact x, multiplier and stability.
 
         Raises
         ------
@@ -816,6 +903,16 @@ class PiecewiseLinearMap:
         """All isolated cycles of a minimal period, each once.
 
         Each starts at its point with the alphabetically first word.
+
+        Parameters
+        ----------
+        period
+            The least period.
+
+        Returns
+        -------
+        tuple of Cycle
+            In the alphabetical order of their words.
         """
         found = self.iterate(period).fixed_points()
         words = [p.word for p in found if p.period // math.gcd(p.period, self.order) == period]
@@ -831,6 +928,11 @@ class PiecewiseLinearMap:
         word
             Letters of :attr:`letters`, for instance ``"RLL"``; each names a piece of the map that
             acts at its position, in a composition those of the inner map and the outer in turn.
+
+        Returns
+        -------
+        Cycle
+            Its exact points and multiplier; it need not be admissible.
 
         Raises
         ------

@@ -63,6 +63,11 @@ def with_crises(
     progress
         Is told after each how many are done.
 
+    Returns
+    -------
+    ParameterPlane
+        Another plane; the one that was given stays as it is.
+
     Raises
     ------
     ValueError

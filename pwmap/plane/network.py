@@ -125,6 +125,16 @@ class PlaneCurve:
         """Exact values of the second parameter on the curve, for a rational one of the first.
 
         Where the curve is upright it has no single values; where two arcs meet it is not asked.
+
+        Parameters
+        ----------
+        across
+            A rational value of the first parameter, or its text.
+
+        Returns
+        -------
+        tuple of sympy.Expr
+            Ascending; empty where the curve does not exist.
         """
         value = rational(across)
         found = [

@@ -83,11 +83,26 @@ class ParameterPlane:
         ----------
         across, along
             Values of both parameters: rationals, their texts, or algebraic numbers.
+
+        Returns
+        -------
+        Dynamics
+            Of the map with these values.
         """
         return dynamics(self.map, {self.across: across, self.along: along})
 
     def curve(self, curve_id: str) -> PlaneCurve:
         """The curve with a name.
+
+        Parameters
+        ----------
+        curve_id
+            Its id, such as ``"BC1"``.
+
+        Returns
+        -------
+        PlaneCurve
+            The curve.
 
         Raises
         ------
@@ -156,6 +171,11 @@ def parameter_plane(
         The iterates to look at; those of orders that divide them are, too.
     budget
         How many pieces may be computed in all strips together.
+
+    Returns
+    -------
+    ParameterPlane
+        Strips of cells, the curves on which cycles bifurcate, and the points in which curves meet.
 
     Raises
     ------

@@ -77,6 +77,11 @@ def plane_raster(
     progress
         Is told after each column how many are done.
 
+    Returns
+    -------
+    PlaneRaster
+        Arrays of shape (rows, columns) over the middles of equal rectangles.
+
     Raises
     ------
     ValueError

@@ -117,6 +117,11 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
         Two of its parameters, symbols or names. If there are others, both limits at the break
         must be linear in these two.
 
+    Returns
+    -------
+    OrganisingCentre
+        Values of both parameters there, the slopes at the break, and what lives around it.
+
     Raises
     ------
     TypeError, ValueError
@@ -152,6 +157,11 @@ def organising_centres(
     ----------
     map_, across, along
         As for :func:`organising_centre`.
+
+    Returns
+    -------
+    tuple of OrganisingCentre
+        None, one or several; see :func:`organising_centre`.
 
     Examples
     --------

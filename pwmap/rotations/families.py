@@ -137,6 +137,16 @@ class WordFamily:
     def word(self, n: int) -> str:
         """The word for a value of n.
 
+        Parameters
+        ----------
+        n
+            A value of the exponent, an integer of at least :attr:`least`.
+
+        Returns
+        -------
+        str
+            Its letters.
+
         Raises
         ------
         ValueError
@@ -151,6 +161,16 @@ class WordFamily:
         """The cycle for a value of n, from the formulas that hold for every n.
 
         It agrees with ``map_.cycle(word)``, of whose conditions it has those that bind.
+
+        Parameters
+        ----------
+        n
+            A value of the exponent, an integer of at least :attr:`least`.
+
+        Returns
+        -------
+        FamilyCycle
+            Its first point, multiplier and conditions.
 
         Raises
         ------
@@ -174,6 +194,16 @@ class WordFamily:
         """Where each of :attr:`conditions` is met with equality, in a parameter linear in it.
 
         Conditions in which the parameter does not occur are left out.
+
+        Parameters
+        ----------
+        parameter
+            Symbol or name of a parameter.
+
+        Returns
+        -------
+        tuple of sympy.Expr
+            Formulas in n and the other parameters, in the order of the conditions.
 
         Raises
         ------
@@ -222,6 +252,11 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
         or a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
     n
         The name of the exponent.
+
+    Returns
+    -------
+    WordFamily
+        Point, multiplier and conditions of the cycle as formulas in n.
 
     Raises
     ------

@@ -109,6 +109,11 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
         How many may be used. A rational number is found exactly once this is enough; that of a
         contracted rotation, x -> a x + d mod 1, always is one [Laurent2018].
 
+    Returns
+    -------
+    RotationNumber
+        Bounds of the number, which are equal where it is known exactly.
+
     Raises
     ------
     TypeError, ValueError
@@ -146,6 +151,11 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
         A map without parameters; see :meth:`PiecewiseLinearMap.at`.
     iterates
         How many may be used for each of the two.
+
+    Returns
+    -------
+    RotationInterval
+        Bounds of both numbers, which are equal where one is known exactly.
 
     Raises
     ------

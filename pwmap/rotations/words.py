@@ -23,6 +23,11 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
     q_max
         The largest denominator, at least 1.
 
+    Returns
+    -------
+    tuple of Fraction
+        Ascending, 0 and 1 included.
+
     Raises
     ------
     ValueError
@@ -58,6 +63,11 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     letters
         The names of the left and the right piece.
 
+    Returns
+    -------
+    str
+        As many letters as the reduced denominator says.
+
     Raises
     ------
     TypeError
@@ -88,6 +98,11 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
         Letters of the pieces that a cycle visits, such as ``"LLR"``.
     letters
         The letter of the left and that of the right piece.
+
+    Returns
+    -------
+    Fraction
+        From 0 to 1, reduced.
 
     Raises
     ------

@@ -5,10 +5,13 @@
 PyCont [Clewley2012] follows curves of zeros by pseudo-arclength, with derivatives by differences,
 as AUTO and MatCont do; it is the one of its kind that a Python runs which is at hand. It gets
 P(x, eps_N1) - x as a function, from the paper's motion on, in both directions. Where a curve ends
-in a jump it can do two things: stop, or land on another branch and go on. Which it is, the branches
-of :func:`woodpecker.continuation` tell, on which the points are looked up.
+in a jump it can do two things: stop, or converge on another branch and go on. That need not be the
+nearest one: a point that is predicted beyond a jump has the value and the derivatives of another
+piece, and nothing bounds how far Newton's method leads from there. Which branch it is, those of
+:func:`woodpecker.continuation` tell, on which the points are looked up.
 
-Beyond the ends of eps_N1 the map is that at the end, so that the program may try values there.
+Beyond the ends of eps_N1 the map is that at the end, so that the program may try values there. It
+does: between two branches a curve can run outside of the range.
 PyDSTool wants a numpy before 1.24; PYDSTOOL_PYTHON names a Python that has both. Without it the
 study says so and measures nothing.
 """
@@ -98,7 +101,11 @@ def _image(toy: Toy, x: float, p: float) -> float:
 
 
 def route(traced: Traced, diagram: Diagram) -> list[str]:
-    """Ids of the fixed-point branches on which the points lie, one after the other; "" for none."""
+    """Ids of the fixed-point branches on which the points lie, one after the other; "" for none.
+
+    A point lies on none if its eps_N1 is outside of the range of the diagram, or if it is taken for
+    a zero just beyond the end of a branch, where the residual is within the program's tolerance.
+    """
     return [name for name, _ in groupby(_branches(traced.points, diagram))]
 
 
@@ -133,8 +140,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         ``runs``, each with ``step``, ``forward``, ``points``, ``asked`` (images), ``route`` (ids of
-        branches, empty between them), ``leaps`` (pairs of them that do not meet), ``last`` (eps_N1
-        and phi_S) and ``said``; ``branches`` and ``points`` of the diagram, in numbers. Or
+        branches, empty for points on none), ``leaps`` (pairs of them that do not meet), ``last``
+        (eps_N1 and phi_S) and ``said``; ``branches`` and ``points`` of the diagram, in numbers. Or
         ``skipped``, the sentence why not.
     """
     if reason := available():

@@ -106,6 +106,11 @@ def equilibrium(toy: Toy) -> Equilibrium:
     toy
         The toy.
 
+    Returns
+    -------
+    Equilibrium
+        The angles phi_M and phi_S [rad].
+
     Examples
     --------
     >>> from woodpecker import Toy, equilibrium
@@ -125,6 +130,11 @@ def jam_limit(toy: Toy) -> float:
     ----------
     toy
         The toy; its own mu_2 does not matter.
+
+    Returns
+    -------
+    float
+        The friction coefficient [-].
 
     Examples
     --------
@@ -147,6 +157,11 @@ def free_frequency(toy: Toy) -> float:
     toy
         The toy.
 
+    Returns
+    -------
+    float
+        The frequency [Hz].
+
     Examples
     --------
     >>> from woodpecker import Toy, free_frequency
@@ -166,6 +181,11 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
         The toy.
     q, u
         Coordinates (y, phi_M, phi_S) and velocities [m, rad, m/s, rad/s], shape (..., 3).
+
+    Returns
+    -------
+    kinetic, potential
+        Arrays of shape (...) [J]; the potential energy is zero at q = 0.
 
     Examples
     --------

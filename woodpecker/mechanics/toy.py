@@ -187,7 +187,25 @@ class Toy:
             )
 
     def replace(self, **changes: Any) -> Toy:
-        """Copy with some values changed; TypeError names an unknown one."""
+        """Copy with some values changed; TypeError names an unknown one.
+
+        Parameters
+        ----------
+        **changes
+            Fields by name, in SI units, for instance ``eps_n1=0.3``.
+
+        Returns
+        -------
+        Toy
+            A new toy; this one stays as it is.
+
+        Raises
+        ------
+        TypeError
+            If a name is unknown.
+        ValueError
+            If a value is outside of its range.
+        """
         for name in changes:
             if name != LAW:
                 known_parameter(name)
@@ -213,6 +231,11 @@ _DESCRIPTIONS: dict[str, Description] = {
 
 def parameters() -> tuple[str, ...]:
     """Names of the toy's parameters: all of its numbers.
+
+    Returns
+    -------
+    tuple of str
+        In the order of the fields of :class:`Toy`.
 
     Examples
     --------

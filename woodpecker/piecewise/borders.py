@@ -91,7 +91,18 @@ class Border:
         return self.inner.piece.cause(self.code)
 
     def kind(self, settings: Settings) -> BorderKind:
-        """What the map does there."""
+        """What the map does there.
+
+        Parameters
+        ----------
+        settings
+            What counts as a jump or as steep.
+
+        Returns
+        -------
+        BorderKind
+            From values and slopes on both sides.
+        """
         if math.isnan(self.jump):
             return BorderKind.LOST
         one, other = self.inner.slope, self.outer.slope

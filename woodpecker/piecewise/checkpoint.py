@@ -65,15 +65,33 @@ class Record:
         self.entries, self.path = self._file.entries, self._file.path
 
     def followed(self, curves: Sequence[Curve]) -> None:
-        """Keep the curves that a task has come to."""
+        """Keep the curves that a task has come to.
+
+        Parameters
+        ----------
+        curves
+            The curves.
+        """
         self._file.write({CURVES: [_of_curve(curve) for curve in curves]})
 
     def done(self, met: Collision | End) -> None:
-        """Keep that all that starts at the next special point was followed."""
+        """Keep that all that starts at the next special point was followed.
+
+        Parameters
+        ----------
+        met
+            The special point.
+        """
         self._file.write({DONE if isinstance(met, Collision) else SWITCHED: met.p})
 
     def seen(self, found: Seen) -> None:
-        """Keep that all that a slice shows was followed."""
+        """Keep that all that a slice shows was followed.
+
+        Parameters
+        ----------
+        found
+            What the slice shows.
+        """
         self._file.write({SLICE: found._asdict()})
 
     def close(self) -> None:

@@ -74,6 +74,11 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
     settings
         Scales and tolerances.
 
+    Returns
+    -------
+    Orbit
+        Its points in the order of the guess, each with its image and derivatives.
+
     Raises
     ------
     ValueError
@@ -131,6 +136,11 @@ def connected(
         What the diagram calls them.
     progress
         Called with every branch.
+
+    Returns
+    -------
+    Diagram
+        Branches of fixed points and jumps, with the special points in which they meet.
 
     Raises
     ------

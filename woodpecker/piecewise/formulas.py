@@ -72,6 +72,11 @@ class Smooth:
         ----------
         x, p
             The point and the parameter.
+
+        Returns
+        -------
+        value, d_x, d_p
+            Three floats.
         """
         if self.dx is not None and self.dp is not None:
             try:
@@ -199,6 +204,11 @@ class FormulaPiece:
         ----------
         x, p
             The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives and margins; without a value it carries the reason.
         """
         value, slope, d_parameter = self.map.at(x, p)
         flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
@@ -209,21 +219,65 @@ class FormulaPiece:
         )  # fmt: skip
 
     def holds(self, x: float, p: float) -> bool:
-        """Whether no margin is negative."""
+        """Whether no margin is negative.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        bool
+            Whether it holds the point.
+        """
         return all(real(margin.value, x, p) >= 0.0 for margin in self.margins.values())
 
     def values(self, x: Floats, p: float) -> Floats:
-        """The images of many points, of any shape, also outside."""
+        """The images of many points, of any shape, also outside.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of the shape of x
+            The images; nan where there is none.
+        """
         flat = [real(self.map.value, each, p) for each in x.ravel().tolist()]
         return np.array(flat, dtype=float).reshape(x.shape)
 
     def holding(self, x: Floats, p: float) -> Bools:
-        """Which of many points it holds."""
+        """Which of many points it holds.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of bool of the shape of x
+            Whether it holds each point.
+        """
         flat = [self.holds(each, p) for each in x.ravel().tolist()]
         return np.array(flat, dtype=bool).reshape(x.shape)
 
     def cause(self, code: int) -> str:
-        """What happens where a margin vanishes."""
+        """What happens where a margin vanishes.
+
+        Parameters
+        ----------
+        code
+            Which margin, from 0 on.
+
+        Returns
+        -------
+        str
+            The name that the margin was given.
+        """
         return list(self.margins)[code]
 
     def __repr__(self) -> str:
@@ -260,13 +314,46 @@ class BoundedPiece(Piece, Protocol):
     """
 
     def holds(self, x: float, p: float) -> bool:
-        """Whether the map takes this piece at a point, unless an earlier one holds it too."""
+        """Whether the map takes this piece at a point, unless an earlier one holds it too.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        bool
+            Whether it holds the point.
+        """
 
     def values(self, x: Floats, p: float) -> Floats:
-        """The images of many points, also outside."""
+        """The images of many points, also outside.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of the shape of x
+            The images; nan where there is none.
+        """
 
     def holding(self, x: Floats, p: float) -> Bools:
-        """Which of many points it holds."""
+        """Which of many points it holds.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of bool of the shape of x
+            Whether it holds each point.
+        """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -326,6 +413,11 @@ class FormulaMap:
         ----------
         x, p
             The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives and margins; without a value it carries the reason.
         """
         for piece in self.pieces:
             if piece.holds(x, p):
@@ -348,7 +440,23 @@ class FormulaMap:
         return table(f"Map of {len(rows)} pieces", ("piece", "its borders"), rows)
 
     def piece(self, word: str) -> BoundedPiece:
-        """The piece of a name; KeyError if there is none."""
+        """The piece of a name; KeyError if there is none.
+
+        Parameters
+        ----------
+        word
+            Its name.
+
+        Returns
+        -------
+        BoundedPiece
+            The piece.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
         for piece in self.pieces:
             if piece.word == word:
                 return piece
@@ -359,6 +467,16 @@ class FormulaMap:
 
         Pieces made from sympy are evaluated by numpy, whose functions may differ in the last bit
         from those of :mod:`math` that :meth:`at` uses.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of the shape of x
+            The images.
 
         Raises
         ------

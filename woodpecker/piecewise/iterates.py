@@ -65,6 +65,11 @@ class Iterate:
         ----------
         x, p
             The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives by the chain rule, and margins of all returns.
         """
         return _composed([lambda x: self.map.at(x, p)] * self.order, x)
 

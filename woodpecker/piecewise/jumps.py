@@ -128,7 +128,18 @@ class Jump:
         return f"{outer} / {inner}" if self.inner_side > 0 else f"{inner} / {outer}"
 
     def cycle(self, inner: bool) -> Orbit:
-        """The orbit x_0, x_1, .. that takes one of the limits at the border."""
+        """The orbit x_0, x_1, .. that takes one of the limits at the border.
+
+        Parameters
+        ----------
+        inner
+            Whether it is the limit of the piece inside.
+
+        Returns
+        -------
+        Orbit
+            It ends at the border.
+        """
         side = self.inner if inner else self.outer
         images = (*self.head.images[:-1], *side.images)
         return Orbit(np.append(self.head.x, side.x), self.p, images)
@@ -145,6 +156,11 @@ class Jump:
             Whether the piece inside says it.
         settings
             Its tolerances.
+
+        Returns
+        -------
+        condition
+            For the corrector.
         """
         k, own = self.closing.index, Margin(self.closing.index, self.code(inner))
         if inner:
@@ -157,7 +173,18 @@ class Jump:
         return OnBorder(k, self.closing.code, self.head.images[k].piece)
 
     def code(self, inner: bool) -> int:
-        """The margin that vanishes at the border on one of its sides."""
+        """The margin that vanishes at the border on one of its sides.
+
+        Parameters
+        ----------
+        inner
+            Whether it is that of the piece inside.
+
+        Returns
+        -------
+        int
+            The code of the margin.
+        """
         return self.closing.code if inner else self.outer_code
 
 

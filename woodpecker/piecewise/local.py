@@ -163,6 +163,12 @@ def local_model(
     settings
         Scales and tolerances.
 
+    Returns
+    -------
+    LocalModel
+        The two lines as an exact map, the special point, and the branches that start there with
+        their slopes dx/dp.
+
     Raises
     ------
     ValueError

@@ -101,11 +101,33 @@ class Orbit:
         return unknowns
 
     def head(self, n: int) -> Orbit:
-        """Its first n points."""
+        """Its first n points.
+
+        Parameters
+        ----------
+        n
+            How many points.
+
+        Returns
+        -------
+        Orbit
+            A shorter orbit.
+        """
         return Orbit(self.x[:n], self.p, self.images[:n])
 
     def rotated(self, first: int) -> Orbit:
-        """The same cycle from another of its points."""
+        """The same cycle from another of its points.
+
+        Parameters
+        ----------
+        first
+            Which point becomes the first, from 0 on.
+
+        Returns
+        -------
+        Orbit
+            Of as many points.
+        """
         return Orbit(np.roll(self.x, -first), self.p, (*self.images[first:], *self.images[:first]))
 
 

@@ -70,21 +70,65 @@ class Image(NamedTuple):
         )
 
     def margin(self, code: int) -> float:
-        """The margin of a code; nan if there is none here."""
+        """The margin of a code; nan if there is none here.
+
+        Parameters
+        ----------
+        code
+            The code of the margin, one of ``causes``.
+
+        Returns
+        -------
+        float
+            Positive where the map takes the piece.
+        """
         k = self._place(code)
         return math.nan if k < 0 else float(self.margins[k])
 
     def gradient(self, code: int) -> Floats:
-        """Derivatives (2,) of a margin; nan if there is none here."""
+        """Derivatives (2,) of a margin; nan if there is none here.
+
+        Parameters
+        ----------
+        code
+            The code of the margin, one of ``causes``.
+
+        Returns
+        -------
+        array of shape (2,)
+            In x and in p.
+        """
         k = self._place(code)
         return np.full(2, math.nan) if k < 0 else self.gradients[k]
 
     def onward(self, code: int) -> int:
-        """To which side of a point the border lies where a margin vanishes: -1 or 1."""
+        """To which side of a point the border lies where a margin vanishes: -1 or 1.
+
+        Parameters
+        ----------
+        code
+            The code of the margin, one of ``causes``.
+
+        Returns
+        -------
+        int
+            1 if the border lies at larger x.
+        """
         return -1 if self.gradient(code)[0] > 0.0 else 1
 
     def without(self, code: int) -> Image:
-        """The same but for one margin."""
+        """The same but for one margin.
+
+        Parameters
+        ----------
+        code
+            The code of the margin, one of ``causes``.
+
+        Returns
+        -------
+        Image
+            The image without that margin.
+        """
         kept = self.causes != code
         return self._replace(
             margins=self.margins[kept], gradients=self.gradients[kept], causes=self.causes[kept]
@@ -126,10 +170,26 @@ class Piece(Protocol):
         ----------
         x, p
             The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives and margins; without a value it carries the reason.
         """
 
     def cause(self, code: int) -> str:
-        """A sentence on what happens where a margin vanishes."""
+        """A sentence on what happens where a margin vanishes.
+
+        Parameters
+        ----------
+        code
+            The code of the margin, one of ``causes``.
+
+        Returns
+        -------
+        str
+            The sentence.
+        """
 
 
 class PiecewiseMap(Protocol):
@@ -156,6 +216,11 @@ class PiecewiseMap(Protocol):
         ----------
         x, p
             The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives and margins; without a value it carries the reason.
         """
 
 

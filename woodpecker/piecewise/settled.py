@@ -62,7 +62,18 @@ class SweptMap(Protocol):
     """
 
     def sweep(self, x: Floats, p: float) -> Swept:
-        """The map at points (n,) and a parameter."""
+        """The map at points (n,) and a parameter.
+
+        Parameters
+        ----------
+        x, p
+            Points of shape (n,), and the parameter.
+
+        Returns
+        -------
+        Swept
+            Images and slopes, shapes (n,); nan where there is no image.
+        """
 
 
 class Sweep(NamedTuple):
@@ -184,6 +195,11 @@ def orbit_diagram(
     settings
         What counts as a period, see :class:`woodpecker.Numerics`; by default in units of x.
 
+    Returns
+    -------
+    OrbitDiagram
+        At most n m orbits, each with its last ``keep`` points; those lost are counted.
+
     Raises
     ------
     ValueError
@@ -271,6 +287,11 @@ def unexplained(
         How far a branch may stray from the line between two of its samples.
     settings
         Tolerances.
+
+    Returns
+    -------
+    list of SettledOrbit
+        Empty where the diagram accounts for all.
 
     Examples
     --------

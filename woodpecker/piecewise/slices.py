@@ -89,6 +89,11 @@ def slices_at(
     settings
         The window, finite; orbits of which a point leaves it do not count.
 
+    Returns
+    -------
+    list of Slice
+        One for each order, in the order given.
+
     Examples
     --------
     >>> from sympy import Piecewise, symbols

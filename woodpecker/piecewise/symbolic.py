@@ -205,6 +205,11 @@ def from_sympy(
     words
         Names of the pieces, one for each in the order of the formula; by default A, B, C, ...
 
+    Returns
+    -------
+    FormulaMap
+        Pieces with values, derivatives and margins.
+
     Raises
     ------
     ValueError, TypeError
@@ -344,6 +349,11 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
         The map; give other parameters values by :meth:`pwmap.PiecewiseLinearMap.at`.
     parameter
         Symbol or name of the parameter.
+
+    Returns
+    -------
+    FormulaMap
+        Pieces with values, derivatives and margins.
 
     Raises
     ------

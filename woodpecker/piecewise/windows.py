@@ -34,6 +34,11 @@ def borders_in(
         Scales and cut-offs, those of the window by default. Pieces shorter than ``finest``, or
         ``coarse`` where they lead out of its window, are passed over.
 
+    Returns
+    -------
+    list of Border
+        Empty if one piece holds the whole window.
+
     Raises
     ------
     ValueError
@@ -68,6 +73,11 @@ def nearest_border(
         How far a border is looked for, to both sides.
     settings
         Scales, those of the default by default.
+
+    Returns
+    -------
+    Border or None
+        The border as the piece that holds the point meets it.
 
     Raises
     ------
@@ -118,6 +128,11 @@ def crosses(border: Border) -> bool:
     ----------
     border
         A border with the images on both sides of it.
+
+    Returns
+    -------
+    bool
+        False where a limit lies on the diagonal, or is not known.
 
     Examples
     --------

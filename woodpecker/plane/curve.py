@@ -209,14 +209,46 @@ class Curve:
         return self.points[0], self.points[-1]
 
     def point(self, name: str) -> PlanePoint:
-        """A special point by its id; KeyError lists those there are."""
+        """A special point by its id; KeyError lists those there are.
+
+        Parameters
+        ----------
+        name
+            Its id, such as ``"JC1"``.
+
+        Returns
+        -------
+        PlanePoint
+            The point.
+
+        Raises
+        ------
+        KeyError
+            If there is none; the message lists those there are.
+        """
         for each in self.points:
             if each.id == name:
                 return each
         raise KeyError(f"no point {name!r} on this curve, it has {[p.id for p in self.points]}")
 
     def word_at(self, sample: int) -> str:
-        """The word of a sample; IndexError if there is no such sample."""
+        """The word of a sample; IndexError if there is no such sample.
+
+        Parameters
+        ----------
+        sample
+            Its number, from 0 on.
+
+        Returns
+        -------
+        str
+            The word of the cycle there.
+
+        Raises
+        ------
+        IndexError
+            If there is no such sample.
+        """
         if not 0 <= sample < len(self):
             raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
         return [each for each in self.words if each.first <= sample][-1].word
@@ -267,6 +299,11 @@ class Curve:
             0 for the first parameter, 1 for the second.
         value
             Its value.
+
+        Returns
+        -------
+        list of pairs
+            Both parameters at each crossing, in the order of the curve.
         """
         found = []
         along = self.values[:, axis] - value

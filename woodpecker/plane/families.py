@@ -59,6 +59,11 @@ class Family(Protocol):
             Which parameter the map is over, 0 or 1.
         values
             Values of both; that of the axis does not matter.
+
+        Returns
+        -------
+        PiecewiseMap
+            A map of one parameter.
         """
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
@@ -70,6 +75,11 @@ class Family(Protocol):
             A piece of one of the maps.
         map_
             The other map.
+
+        Returns
+        -------
+        Piece
+            A piece of ``map_``.
         """
 
 
@@ -114,6 +124,11 @@ class SymbolicFamily:
             Which parameter the map is over, 0 or 1.
         values
             Values of both; that of the axis does not matter.
+
+        Returns
+        -------
+        FormulaMap
+            A map of one parameter.
         """
         x, *parameters = self.symbols
         first, held = Symbols(x, parameters[axis]), ((parameters[1 - axis], values[1 - axis]),)
@@ -128,6 +143,11 @@ class SymbolicFamily:
             A piece of one of the maps.
         map_
             The other map.
+
+        Returns
+        -------
+        Piece
+            A piece of ``map_``.
         """
         assert isinstance(map_, FormulaMap)
         return map_.piece(piece.word)
@@ -148,6 +168,11 @@ def family_from_sympy(
         As :func:`woodpecker.from_sympy` takes them.
     parameters
         The two symbols that vary.
+
+    Returns
+    -------
+    SymbolicFamily
+        The family, over the parameters in the order that was given.
 
     Raises
     ------
@@ -184,6 +209,11 @@ def family_from_pwmap(
         The map.
     parameters
         Its parameters in the order that is wanted, symbols or names.
+
+    Returns
+    -------
+    SymbolicFamily
+        The family, over the parameters in the order that was given.
 
     Raises
     ------

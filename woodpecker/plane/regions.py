@@ -154,6 +154,11 @@ class Regions:
         first, second
             Values of the parameters.
 
+        Returns
+        -------
+        Region
+            The region, with the cycles that live in it.
+
         Raises
         ------
         ValueError

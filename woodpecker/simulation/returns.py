@@ -150,6 +150,12 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     order
         Number of returns j >= 1; the toy is simulated again, P_1 is never interpolated.
 
+    Returns
+    -------
+    Return
+        Image P_j(phi_S) [rad], slope [-], period [s], drop [m], word and status. A toy that does
+        not return has the image nan, and its status says why: nothing is raised.
+
     Raises
     ------
     ValueError
@@ -189,6 +195,12 @@ def return_map(
     executor
         Any executor of :mod:`concurrent.futures` (a process pool, dask, MPI) to carry the work.
         By default the compiled kernel runs in threads and the plain one serially.
+
+    Returns
+    -------
+    ReturnMap
+        Arrays of shape (n,) in the order of the starts, with the meaning and units of
+        :class:`Return`.
 
     Raises
     ------

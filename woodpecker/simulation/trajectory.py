@@ -71,6 +71,11 @@ class State:
             The toy; phi_M is its lower limit.
         phi_s
             Angle of the woodpecker [rad].
+
+        Returns
+        -------
+        State
+            With y = 0 [m] and all velocities zero.
         """
         return cls(phi_m=-toy.phi_m_max, phi_s=phi_s)
 
@@ -173,6 +178,12 @@ class Trajectory:
         left
             Whether an event shows its velocities before it.
 
+        Returns
+        -------
+        q, u
+            (y, phi_M, phi_S) [m, rad, rad] and their rates [m/s, rad/s, rad/s], each of shape (...,
+            3).
+
         Raises
         ------
         ValueError
@@ -268,6 +279,12 @@ def simulate(
         Number of evenly spaced samples to which the event times are added.
     max_events
         Limit on the number of events.
+
+    Returns
+    -------
+    Trajectory
+        The exact motion, its events and word. It ends before ``t_end`` where the toy falls off the
+        pole or the contact laws leave open what follows; the status says so.
 
     Raises
     ------
@@ -383,6 +400,11 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     ----------
     trajectory
         The motion.
+
+    Returns
+    -------
+    EnergyBalance
+        Energies [J], and what the balance misses.
 
     Examples
     --------

@@ -119,7 +119,9 @@ def test_compilation_is_announced_once(
     with caplog.at_level(logging.WARNING, logger="woodpecker"):
         compiled.announce(function)
         compiled.announce(function)
-    assert caplog.messages == ["compiling the kernel; this happens once and takes some seconds"]
+    assert caplog.messages == [
+        "compiling the kernel; this happens once and takes about twenty seconds"
+    ]
 
 
 def test_a_cached_kernel_is_not_announced(

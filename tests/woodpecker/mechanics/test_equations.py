@@ -91,6 +91,26 @@ def test_tangential_directions_are_gradients_of_the_heights() -> None:
     assert_same(mechanics.tangential_directions(P), [gradient(point[1]) for point in POINTS])
 
 
+def test_contact_velocities_are_rates_of_gaps_and_heights() -> None:
+    """W_N^T u and W_T^T u against differences along motions of the exact geometry [Eq. 2].
+
+    A motion q = t u through the straight position: there the linearized kinematics are exact, and
+    central differences are off by h^2 times third derivatives. Without velocities there are no
+    contact velocities: w-hat is zero.
+    """
+    h, rng = 1e-5, np.random.default_rng(9)
+    for toy in [Toy(), *random_toys(10, 5)]:
+        numbers_ = numbers(toy)
+        places = sp.lambdify([Q], [list(point.subs(numbers_)) for point in POINTS])
+        directions = [mechanics.normal_directions(toy), mechanics.tangential_directions(toy)]
+        for u in rng.normal(size=(5, 3)):
+            ahead, behind = (np.array(places(sign * h * u), dtype=float) for sign in (1.0, -1.0))
+            rates = (ahead - behind) / (2.0 * h)  # of the gaps, and of the heights
+            found = [np.array(w) @ u for w in directions]
+            # h^2 / 6 of 3 rad/s cubed times 0.02 m; rounding of places of 3e-5 m over 2 h.
+            np.testing.assert_allclose(np.transpose(found), rates, rtol=0.0, atol=1e-10)
+
+
 def kinetic_energy() -> sp.Expr:
     """Of the linearized motion; the horizontal motion of both centres is of second order."""
     speed_m, speed_s = (sp.Matrix(gradient(c[1])).dot(U) for c in (CENTRE_M, CENTRE_S))
