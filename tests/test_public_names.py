@@ -45,7 +45,7 @@ ENGINE = {
     "woodpecker.toypieces._Room": "what threads do not share",
 }
 # Methods whose one sentence says what they take and give.
-SHORT = {"pwmap.certificates", "pwmap.diagrams.diagram"}
+SHORT = {"pwmap.certificates"}
 POINT = {"x", "p"}  # of a map that is asked for its image: a point and a parameter
 
 
@@ -139,7 +139,7 @@ def wanted(routine: Callable[..., object]) -> set[str]:
 
 @pytest.mark.parametrize(("package", "name"), PUBLIC, ids=IDS)
 def test_what_comes_out_and_what_is_raised_is_described(package: ModuleType, name: str) -> None:
-    """Of functions, and of methods that take arguments but for those of diagrams."""
+    """Of functions, and of methods that take arguments."""
     value = getattr(package, name)
     for own, routine in routines(value, name):
         is_function = inspect.isfunction(value)

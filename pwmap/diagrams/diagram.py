@@ -261,13 +261,45 @@ class Branch:
         return self.words[1:]
 
     def stretch_at(self, sample: int) -> Stretch:
-        """The stretch that a sample belongs to; IndexError if there is no such sample."""
+        """The stretch that a sample belongs to.
+
+        Parameters
+        ----------
+        sample
+            Which sample, from 0 on.
+
+        Returns
+        -------
+        Stretch
+            The last one that begins there or before.
+
+        Raises
+        ------
+        IndexError
+            If there is no such sample.
+        """
         if not 0 <= sample < len(self):
             raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
         return self.words[bisect_right(self.words, sample, key=lambda s: s.first) - 1]
 
     def word_at(self, sample: int) -> str:
-        """The word of a sample; IndexError if there is no such sample."""
+        """The word of a sample.
+
+        Parameters
+        ----------
+        sample
+            Which sample, from 0 on.
+
+        Returns
+        -------
+        str
+            That of the stretch that holds the sample.
+
+        Raises
+        ------
+        IndexError
+            If there is no such sample.
+        """
         return self.stretch_at(sample).word
 
     @property
@@ -547,13 +579,45 @@ class Diagram:
         return table(f"{self.x_name} over {self.parameter_name}: {self._size()}", header, rows)
 
     def branch(self, branch_id: str) -> Branch:
-        """Look a branch up by its id; KeyError if there is none."""
+        """Look a branch up.
+
+        Parameters
+        ----------
+        branch_id
+            Its id, such as ``F1``.
+
+        Returns
+        -------
+        Branch
+            It.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
         if branch_id not in self._branch:
             raise KeyError(f"no branch {branch_id!r} in this diagram")
         return self._branch[branch_id]
 
     def point(self, point_id: str) -> SpecialPoint:
-        """Look a special point up by its id or its name; KeyError if there is none."""
+        """Look a special point up.
+
+        Parameters
+        ----------
+        point_id
+            Its id or its name, such as ``BC1`` or ``A``.
+
+        Returns
+        -------
+        SpecialPoint
+            It.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
         if point_id in self._point:
             return self._point[point_id]
         for point in self.points:
@@ -572,6 +636,11 @@ class Diagram:
         within
             Largest distance in either, as a part of what the diagram extends over. A name is left
             out if no border collision lies so close to its place.
+
+        Returns
+        -------
+        Diagram
+            A copy; points that were named before and are not named now keep their names.
 
         Raises
         ------
@@ -617,7 +686,22 @@ class Diagram:
         """Ids of the branches that meet at a point, at smaller and at larger parameters.
 
         A branch along one value of the parameter is in neither; one that starts and ends at the
-        point comes once for each end. KeyError if there is no such point.
+        point comes once for each end.
+
+        Parameters
+        ----------
+        point_id
+            Its id or its name.
+
+        Returns
+        -------
+        tuple of two tuples of str
+            Ids at smaller parameters, and at larger ones.
+
+        Raises
+        ------
+        KeyError
+            If there is no such point.
         """
         point = self.point(point_id)
         left: list[str] = []
@@ -646,6 +730,11 @@ class Diagram:
             A number. For an exact diagram an int, a Fraction, text such as ``"5/4"``, a rational or
             algebraic number of sympy, or a float, which is taken as the binary number it holds.
 
+        Returns
+        -------
+        tuple of Hit
+            In order of x; empty where there is nothing.
+
         Raises
         ------
         ValueError, TypeError
@@ -671,12 +760,39 @@ class Diagram:
         return tuple(hit for _, hit in sorted(found, key=cmp_to_key(by_x)))
 
     def component_of(self, point_id: str) -> Diagram:
-        """All that is connected with a special point; KeyError if there is no such point."""
+        """All that is connected with a special point.
+
+        Parameters
+        ----------
+        point_id
+            Its id or its name.
+
+        Returns
+        -------
+        Diagram
+            With the branches and points from which there is a way to it.
+
+        Raises
+        ------
+        KeyError
+            If there is no such point.
+        """
         near = nx.node_connected_component(self.graph(), self.point(point_id).id)
         return self._part([branch for branch in self.branches if branch.ends[0] in near])
 
     def of_order(self, order: int) -> Diagram:
-        """The branches of one iterate, and the points they end in."""
+        """The branches of one iterate, and the points they end in.
+
+        Parameters
+        ----------
+        order
+            Which iterate: 2 for P_2.
+
+        Returns
+        -------
+        Diagram
+            Empty if none is of that order.
+        """
         return self._part([branch for branch in self.branches if branch.order == order])
 
     def within(self, low: float, high: float) -> Diagram:
@@ -686,6 +802,11 @@ class Diagram:
         ----------
         low, high
             Ends of the interval, both of which belong to it.
+
+        Returns
+        -------
+        Diagram
+            With whole branches, also where they reach beyond.
         """
         return self._part(
             [
@@ -709,12 +830,20 @@ class Diagram:
     def path(self, first: str, last: str) -> tuple[str, ...]:
         """A shortest way from one branch to another: ids of branches and points in turn.
 
-        Empty if they are not connected; KeyError if there is no such branch.
-
         Parameters
         ----------
         first, last
             Ids of the branches.
+
+        Returns
+        -------
+        tuple of str
+            Empty if they are not connected.
+
+        Raises
+        ------
+        KeyError
+            If there is no such branch.
         """
         start, stop = self.branch(first), self.branch(last)
         if first == last:
@@ -734,7 +863,18 @@ class Diagram:
         return (first, *inner)
 
     def with_word(self, word: str) -> tuple[Branch, ...]:
-        """Branches that have a word, at least along one of their stretches."""
+        """Branches that have a word, at least along one of their stretches.
+
+        Parameters
+        ----------
+        word
+            The whole word.
+
+        Returns
+        -------
+        tuple of Branch
+            In the order of :attr:`branches`.
+        """
         return tuple(b for b in self.branches if any(s.word == word for s in b.words))
 
     def stable_intervals(self, order: int | None = None) -> tuple[StableInterval, ...]:
@@ -744,14 +884,17 @@ class Diagram:
         ----------
         order
             Only fixed points of this iterate; by default of all.
+
+        Returns
+        -------
+        tuple of StableInterval
+            With the branch, and both ends of the parameter.
         """
         found = []
         for branch in self.branches:
             if branch.kind is BranchKind.FIXED_POINT and order in (None, branch.order):
                 stable = branch.stable.copy()
-                if (
-                    len(branch) > 2
-                ):  # the ends may be flips, where the multiplier is -1 up to rounding
+                if len(branch) > 2:  # ends may be flips, where the multiplier is -1 up to rounding
                     stable[0], stable[-1] = stable[1], stable[-2]
                 for first, last in runs_of(stable):
                     p = branch.parameter[first : last + 1]

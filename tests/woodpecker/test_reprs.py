@@ -77,4 +77,4 @@ def test_tables_of_a_notebook() -> None:
         table = shown._repr_html_()
         assert table.startswith(f"<table><caption>{type(shown).__name__}(")
         assert table.count("<tr>") == 1 + rows
-    assert "<td>I3</td>" in motion._repr_html_()
+    assert "<td>I3</td><td>impact</td>" in motion._repr_html_()

@@ -208,7 +208,9 @@ class Trajectory:
         )
 
     def _repr_html_(self) -> str:
-        rows = [(f"{event.time:.9f}", event.symbol, event.kind.value) for event in self.events]
+        rows = [
+            (f"{event.time:.9f}", event.symbol, event.kind.name.lower()) for event in self.events
+        ]
         return table(repr(self), ("t [s]", "event", "what"), rows)
 
     def to_dataframe(self) -> DataFrame:
