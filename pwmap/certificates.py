@@ -431,7 +431,7 @@ class _DiagramWriter:
         if at is None:
             return
         side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
-        place = side if side is not None else number(at)
+        place = side if side is not None else number(at, Work())
         ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
         found = points.Point(read, i, ends, infinite=side is not None).claims()
         if not self._meets_interval(point):  # its ends are branches of the diagram alone

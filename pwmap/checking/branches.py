@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 from pwmap.checking.iterates import Study
@@ -95,22 +94,19 @@ class Diagram:
     """The claims of a diagram, the places they speak of, and the iterates there."""
 
     def __init__(self, certificate: Mapping[str, Any]) -> None:
+        self.work = work = Work()
         self.map, self.name, self.map_text = read_map(certificate["map"], parametric=True)
         self.orders = [whole(n, 1, ORDER) for n in listed(certificate["orders"], ORDER)]
         if not self.orders or self.orders != sorted({d for n in self.orders for d in divisors(n)}):
             refuse(f"orders must ascend, with all divisors, got {shown(self.orders)}")
-        self.edges = [number(each) for each in listed(certificate["edges"], ROWS)]
+        self.edges = [number(each, work) for each in listed(certificate["edges"], ROWS)]
         if len(self.edges) < 2:
             refuse("at least two edges were expected")
-        for low, high in pairwise(self.edges):
-            if not (low.high <= high.low and (low.high, low.low) != (high.low, high.high)):
-                refuse(f"edges must ascend and have disjoint intervals, got {low} and {high}")
         self.last = 2 * len(self.edges) - 2
-        self.stretches = read_stretches(certificate, self.orders, self.last)
-        work = Work()
         self.places = [
             Place(self.edges[i // 2], self.edges[(i + 1) // 2], work) for i in range(self.last + 1)
         ]
+        self.stretches = read_stretches(certificate, self.orders, self.last)
         self._studies: dict[tuple[int, int], Study] = {}
 
     def study(self, place: int, order: int) -> Study:

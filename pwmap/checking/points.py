@@ -166,7 +166,7 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
         edge, at, *claims = fields(row, *names)
         i = whole(edge, 1, len(diagram.edges) - 2)
         side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
-        x = side or number(at)
+        x = side or number(at, diagram.work)
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
         fixed = {(i, end.name) for end in ends if end.is_fixed}
         where = f"{diagram.where(2 * i)} and x = {at if side else x}"
