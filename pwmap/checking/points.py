@@ -59,7 +59,8 @@ class Point:
             return "PD", "degenerate: points nearby have twice the period" * doubled
         if 1 in units or not self.fixed:
             return "LP", "degenerate: an interval of fixed points"
-        here = [end for end in self.fixed if end.stretch.at(2 * self.edge)]
+        stays = self.diagram.found(2 * self.edge, self.order, "fixed points")
+        here = [end for end in self.fixed if end.stretch.word in stays]
         if staying := [end for end in here if end.stretch.word in passing]:
             return "BC", self._staying_note(staying)
         if len({end.side for end in self.beside}) != 1:
@@ -153,13 +154,23 @@ class Point:
         return None
 
 
+def is_special(ends: Sequence[End]) -> bool:
+    """Whether fixed points end, or pass where an interval of them exists at the edge alone."""
+    changing = any(not end.passes and not end.is_jump for end in ends)
+    return changing and any(end.is_fixed for end in ends)
+
+
 def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
     """Verify the special points; texts that name them.
 
-    Every end of fixed points inside must be that of one of them.
+    Every end of fixed points inside must be that of one of them; at each of them fixed points end,
+    or an interval of them that exists at the edge alone.
     """
     inner = range(1, len(diagram.edges) - 1)
-    left = {(i, end.name) for i in inner for end in diagram.ends(i) if end.is_fixed}
+    left = {
+        (i, end.name) for i in inner for end in diagram.ends(i) if end.is_fixed and not end.passes
+    }
+    listed_already: set[tuple[int, tuple[int, str, int]]] = set()
     texts = []
     for row in rows:
         names = ("edge", "x", "code", "note", "conditions", "signs")
@@ -170,8 +181,9 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
         fixed = {(i, end.name) for end in ends if end.is_fixed}
         where = f"{diagram.where(2 * i)} and x = {at if side else x}"
-        if not fixed or not fixed <= left:
+        if not is_special(ends) or fixed & listed_already:
             refuse(f"no fixed points end {where}, or they are listed twice")
+        listed_already |= fixed
         left -= fixed
         true = Point(diagram, i, ends, infinite=side is not None).claims()
         if canonical(true) != canonical(dict(zip(names[2:], claims, strict=True))):
@@ -201,5 +213,5 @@ def diagram_statement(certificate: Mapping[str, Any]) -> str:
         f"the diagonal: fixed points of least period j ({rows['fixed points']}, with x, slope and "
         f"stability), intervals of such points ({rows['intervals']}), and jumps with limits "
         f"strictly on both sides of it ({rows['crossings']}, with x and both limits); inside, "
-        f"fixed points begin and end {points if texts else 'nowhere'}."
+        f"single fixed points begin and end {points if texts else 'nowhere'}."
     )

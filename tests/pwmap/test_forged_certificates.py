@@ -89,3 +89,141 @@ def test_work_is_counted_before_it_is_done() -> None:
     primes = [str(10**150 + n) for n in range(60)]
     content["fixed points"][0]["x"] = [[f"1/{n}" for n in primes], ["1"]]
     assert refused(content) == "the common denominator of some numbers is too large"
+
+
+# --- Stretches, and what ends where ---------------------------------------------------------------
+
+
+def paper() -> Content:
+    """The paper's map, with one more edge, at which nothing changes."""
+    content = proved("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))", "r", (-1, 3), (1, 2))
+    content["edges"].insert(3, "5/2")
+    for row in content["fixed points"] + content["crossings"]:
+        row["places"] = [place + 2 * (place == 6) for place in row["places"]]
+    assert "inside, single fixed points begin and end only at 2 special points" in statement_of(
+        content
+    )
+    return content
+
+
+INVENTED = {
+    "edge": 3, "x": "10/9", "code": "BC", "note": "", "signs": None,
+    "conditions": [{"word": "R", "side": side, "vanishing": [], "simple": []} for side in (-1, 1)],
+}  # fmt: skip
+
+
+def cut(rows: list[Content], word: str, *places: list[int]) -> None:
+    """Cut the stretch of a word into several."""
+    (row,) = (row for row in rows if row["word"] == word)
+    i = rows.index(row)
+    rows[i : i + 1] = [row | {"places": each} for each in places]
+
+
+@pytest.mark.parametrize("is_listed", [True, False])
+def test_a_stretch_cannot_be_cut_to_make_a_special_point(is_listed: bool) -> None:
+    sentences = {
+        ((3, 5), (6, 8)): "two stretches of R must be one, nothing changes at r = 5/2",
+        ((3, 6), (7, 8)): "two stretches of R must be one, nothing changes for r between 5/2 and 3",
+        ((3, 6), (6, 8)): "two stretches of R overlap at r = 5/2",
+        ((3, 8), (6, 6)): "two stretches of R overlap at r = 5/2",
+    }
+    for places, sentence in sentences.items():
+        content = paper()
+        content["points"] += [INVENTED] * is_listed
+        cut(content["fixed points"], "R", *map(list, places))
+        assert refused(content) == sentence
+
+
+def test_fixed_points_that_pass_make_no_special_point() -> None:
+    content = paper()
+    content["points"].append(INVENTED)
+    assert refused(content) == (
+        "no fixed points end at r = 5/2 and x = 10/9, or they are listed twice"
+    )
+
+
+def test_jumps_and_intervals_cannot_be_cut() -> None:
+    content = paper()
+    cut(content["crossings"], "RR|RL", [3, 6], [7, 8])
+    assert (
+        refused(content)
+        == "two stretches of RR|RL must be one, nothing changes for r between 5/2 and 3"
+    )
+    content = proved("Piecewise((x, x <= 0), (r + 2, True))", "r", (-3, 3), (1,))
+    (row,) = content["intervals"]
+    first, last = row["places"]
+    assert last - first >= 2
+    cut(content["intervals"], row["word"], [first, first], [first + 1, last])
+    assert refused(content).startswith(
+        f"two stretches of {row['word']} must be one, nothing changes "
+    )
+
+
+JUMPS = "Piecewise((7, x < 0), (r + 2, x <= 0), (-1, x <= 2), (0, x <= 4), (-9, True))"
+
+
+def test_a_jump_that_passes_is_no_end_and_keeps_the_kind_of_a_point() -> None:
+    """At r = 0 and x = 2 a fixed point of P_2 passes from one side of the jump to the other."""
+    content = proved(JUMPS, "r", (-1, 1), (1, 2))
+    kinds = [(p["x"], p["code"], p["note"]) for p in content["points"]]
+    assert kinds == [("0", "BC", "fold"), ("2", "BC", "persistence")]
+    sentence = "two stretches of {} must be one, nothing changes for r between 0 and 1"
+    passing = [row for row in content["crossings"] if row["places"][0] < 2 < row["places"][1]]
+    assert passing
+    for row in passing:
+        first, last = row["places"]
+        forged = copy.deepcopy(content)
+        cut(forged["crossings"], row["word"], [first, 2], [3, last])
+        assert refused(forged) == sentence.format(row["word"])
+
+
+def test_stability_holds_at_the_ends_of_stretches() -> None:
+    """At r = 2 the fixed point 0 of the paper's map attracts on one side only."""
+    content = paper()
+    rows = [r for r in content["fixed points"] if r["word"] == "L"]
+    assert [(r["places"], r["stable"]) for r in rows] == [([0, 3], True), ([4, 4], False)]
+    forged = copy.deepcopy(content)
+    forged["fixed points"] = [r for r in forged["fixed points"] if r["places"] != [4, 4]]
+    forged["fixed points"][0]["places"] = [0, 4]
+    assert refused(forged) == "L is not attracting at r = 2"
+    forged = copy.deepcopy(content)
+    forged["fixed points"][1]["stable"] = True
+    assert refused(forged) == "two stretches of L must be one, nothing changes at r = 2"
+
+
+def test_the_slope_holds_at_the_ends_of_stretches() -> None:
+    """The points that visit A and then B are those of [-r, 0], at r = 0 this one alone."""
+    content = proved(
+        "Piecewise((x + 1 + r, x <= 0), (5, x < 1), ((1 - x)/2, True))", "r", (-1, "1/2"), (1, 2)
+    )
+    edge = content["edges"].index("0")
+    rows = [r for r in content["fixed points"] if r["word"] == "LR"]
+    assert [(r["places"][0], r["slope"], r["stable"]) for r in rows] == [
+        (2 * edge, None, False),
+        (2 * edge + 1, [["-1"], ["2"]], True),
+    ]
+    forged = copy.deepcopy(content)
+    for row in forged["fixed points"]:
+        if row["word"] == "LR":
+            row["slope"] = rows[1]["slope"]
+    assert refused(forged) == "slope of LR is another one at r = 0"
+
+
+@pytest.mark.parametrize(
+    ("text", "span", "intervals"),
+    [
+        ("Piecewise((x + 2, x <= 0), (10, x <= 3 - r), (x - 2, True))", ("1/2", 2),
+         [(2, "LR", [3, 3]), (2, "RL", [3, 3])]),
+        ("Piecewise((x + r, x <= 0), (x - r, True))", (-1, 1),
+         [(1, "L", [2, 2]), (1, "R", [2, 2]), (2, "LR", [3, 3]), (2, "RL", [3, 3])]),
+    ],
+)  # fmt: skip
+def test_where_intervals_begin_is_told_by_their_stretches(
+    text: str, span: tuple[Any, Any], intervals: list[Any]
+) -> None:
+    """The sentence on what begins and ends is one on single fixed points."""
+    map_ = PiecewiseLinearMap.from_sympy(text, given=["r < 3", "r > -3"])
+    found = prove(bifurcation_diagram(map_, "r", span, (1, 2)), map_)
+    rows = found.content["intervals"]
+    assert [(r["order"], r["word"], r["places"]) for r in rows] == intervals
+    assert found.statement.endswith("; inside, single fixed points begin and end nowhere.")
