@@ -154,7 +154,8 @@ class Diagram:
             words = [s.word for s in own if s.kind == kind]
             lacking, excess = set(items) - set(words), set(words) - set(items)
             if excess or (lacking and 0 < i < self.last):
-                refuse(f"P_{n} has the {kind} {sorted(items)} {self.where(i)}, not {sorted(words)}")
+                true, listed_ = shown(sorted(items)), shown(sorted(words))
+                refuse(f"P_{n} has the {kind} {true} {self.where(i)}, not {listed_}")
         for s in own:
             self._verify_values(s, i, found[s.kind][s.word])
 
@@ -226,8 +227,8 @@ class Diagram:
         return sign(value) * unit * sign_near(x.poly, x.high)
 
     def where(self, i: int) -> str:
-        """A place in words."""
-        low, high = self.edges[i // 2], self.edges[(i + 1) // 2]
+        """A place in words, for refusals."""
+        low, high = self.edges[i // 2].brief, self.edges[(i + 1) // 2].brief
         if i % 2:
             return f"for {self.name} between {low} and {high}"
         return f"at {self.name} = {low}"

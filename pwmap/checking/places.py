@@ -8,7 +8,7 @@ from itertools import chain
 from typing import NamedTuple
 
 from pwmap.checking.polynomials import Poly, changes, primitive, query, sign_near, sturm, text
-from pwmap.checking.refusing import Work, refuse
+from pwmap.checking.refusing import Work, brief, refuse
 
 
 class Number(NamedTuple):
@@ -34,6 +34,14 @@ class Number(NamedTuple):
             return str(self.low)
         return f"the root of {text(self.poly, 't')} between {self.low} and {self.high}"
 
+    @property
+    def brief(self) -> str:
+        """The same with long numbers cut, for refusals."""
+        low, high = brief(str(self.low)), brief(str(self.high))
+        if not self.is_root:
+            return low
+        return f"the root of {brief(text(self.poly, 't'))} between {low} and {high}"
+
 
 def effort(polynomials: Sequence[Poly], numbers: Sequence[Fraction] = ()) -> int:
     """About how many steps Sturm's sequence takes of a product of polynomials, at some numbers."""
@@ -49,7 +57,8 @@ def between(low: Number, high: Number) -> Fraction:
     after = low.high < middle or (low.is_root and low.high == middle)  # a root lies below its high
     before = middle < high.low or (high.is_root and high.low == middle)
     if not (after and before):
-        refuse(f"edges must ascend, with intervals that part them, got {low} and {high}")
+        both = f"{low.brief} and {high.brief}"
+        refuse(f"edges must ascend, with intervals that part them, got {both}")
     return middle
 
 
@@ -81,7 +90,8 @@ class Place:
         if self.is_edge:
             return self.low.sign(f)
         if self._roots(f):
-            refuse(f"{text(f, 'p')} has a root between the edges {self.low} and {self.high}")
+            where = f"between the edges {self.low.brief} and {self.high.brief}"
+            refuse(f"{brief(text(f, 'p'))} has a root {where}")
         return sign_near(f, self.sample)
 
     def _roots(self, f: Poly) -> int:

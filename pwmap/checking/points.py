@@ -8,9 +8,10 @@ from typing import Any
 from pwmap.checking.branches import KINDS, Diagram, End
 from pwmap.checking.iterates import Study
 from pwmap.checking.lists import count
+from pwmap.checking.places import Number
 from pwmap.checking.polynomials import derivative, primitive
 from pwmap.checking.reading import canonical, fields, listed, number, shown, whole
-from pwmap.checking.refusing import ROWS, refuse
+from pwmap.checking.refusing import ROWS, digits, refuse
 
 
 class Point:
@@ -128,7 +129,7 @@ class Point:
         sign = self.place.sign
         vanishing = [primitive(f) for f in polynomials if f and sign(f) == 0]
         simple = [sign(derivative(f)) != 0 for f in vanishing]
-        vanishing_text = [[str(c) for c in f] for f in vanishing]
+        vanishing_text = [[digits(c) for c in f] for f in vanishing]
         return {"word": word, "side": end.side, "vanishing": vanishing_text, "simple": simple}
 
     def _signs(self) -> list[int] | None:
@@ -180,7 +181,7 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
         x = side or number(at, diagram.work)
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
         fixed = {(i, end.name) for end in ends if end.is_fixed}
-        where = f"{diagram.where(2 * i)} and x = {at if side else x}"
+        where = f"{diagram.where(2 * i)} and x = {x.brief if isinstance(x, Number) else at}"
         if not is_special(ends) or fixed & listed_already:
             refuse(f"no fixed points end {where}, or they are listed twice")
         listed_already |= fixed
@@ -190,6 +191,7 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
             refuse(f"the special point {where} is {shown(true)}, not {shown(row)}")
         simple = all(all(condition["simple"]) for condition in true["conditions"])
         parts = [true["code"], true["note"], "" if simple else "a zero that is not simple"]
+        where = f"at {diagram.name} = {diagram.edges[i]} and x = {at if side else x}"
         texts.append(f"{', '.join(filter(None, parts))}, {where}")
     if left:
         i, name = min(left)

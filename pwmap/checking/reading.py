@@ -13,7 +13,7 @@ from typing import Any
 from pwmap.checking.iterates import Map
 from pwmap.checking.places import Number, effort
 from pwmap.checking.polynomials import Poly, Quotient, query, sign_near, text, trimmed
-from pwmap.checking.refusing import BITS, DEGREE, DIGITS, LETTERS, TERMS, Work, refuse
+from pwmap.checking.refusing import BITS, DEGREE, DIGITS, LETTERS, TERMS, Work, brief, refuse
 
 
 def fields(value: object, *names: str) -> list[Any]:
@@ -26,8 +26,7 @@ def fields(value: object, *names: str) -> list[Any]:
 
 def shown(value: object) -> str:
     """A value in a sentence, not too long."""
-    found = canonical(value)
-    return found if len(found) < DIGITS else found[: DIGITS - 4] + " ..."
+    return brief(canonical(value), DIGITS)
 
 
 def canonical(value: object) -> str:
@@ -110,9 +109,8 @@ def number(value: object, work: Work) -> Number:
         refuse(f"an integer polynomial and an interval were expected, got {shown(value)}")
     work.spend(effort([poly, poly], [low, high]))
     if sign_near(poly, low) * sign_near(poly, high) >= 0 or query(poly, (1,), low, high) != 1:
-        refuse(
-            f"{text(poly, 't')} does not change its sign at just one root between {low} and {high}"
-        )
+        what = f"{brief(text(poly, 't'))} does not change its sign at just one root"
+        refuse(f"{what} between {brief(str(low))} and {brief(str(high))}")
     return Number(poly, low, high)
 
 
@@ -165,6 +163,7 @@ def map_text(map_: Map, parts: Sequence[Sequence[Fraction]], x: str, p: str) -> 
         upper = f" {'<=' if last % 2 else '<'} {breaks[last // 2]}" if inner else ""
         is_point = first == last and first % 2
         where = f"{x} = {breaks[first // 2]}" if is_point else lower + x + upper
+        where = f"all {x}" if where == x else where
         terms = [f"{texts[2 * i]} {x}"] * (texts[2 * i] != "0") + [texts[2 * i + 1]]
         line = " + ".join(terms[: 1 if terms[-1] == "0" else 2])
         pieces.append(f"{letter}: {f'({line}){below}' if below else line} for {where}")

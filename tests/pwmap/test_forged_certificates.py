@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import copy
+import os
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
-from pwmap import PiecewiseLinearMap, Refused, bifurcation_diagram, prove
+from pwmap import (
+    PiecewiseLinearMap,
+    Refused,
+    bifurcation_diagram,
+    check_certificate,
+    cli,
+    prove,
+)
+from pwmap.checking import polynomials
+from pwmap.checking.__main__ import main
 from pwmap.checking.certificate import check, seal_of, statement_of
 from pwmap.checking.places import between
 from pwmap.checking.reading import number
@@ -227,3 +239,74 @@ def test_where_intervals_begin_is_told_by_their_stretches(
     rows = found.content["intervals"]
     assert [(r["order"], r["word"], r["places"]) for r in rows] == intervals
     assert found.statement.endswith("; inside, single fixed points begin and end nowhere.")
+
+
+# --- Sizes, files and commands --------------------------------------------------------------------
+
+LONG = "7" + "3" * 398
+
+
+def test_numbers_with_too_many_digits_are_refused() -> None:
+    """Python writes no integers of more than 4300 digits."""
+    map_ = PiecewiseLinearMap.from_sympy(f"Piecewise(({LONG}*x + 1, True))")
+    content = dict(prove(map_).content)
+    assert refused(content | {"order": 12}) == "a number has too many digits to be written"
+    with pytest.raises(Refused, match="a number has too many digits"):
+        polynomials.text((1, -(10**5000)), "p")
+
+
+def test_sentences_show_the_beginning_of_long_numbers() -> None:
+    """Edges, the polynomials that isolate them, and points."""
+    content = proved("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))", "r", (-1, 3), (1, 2))
+    edge = {"polynomial": [LONG, *[LONG] * 3, "-" + LONG], "interval": ["0", LONG]}
+    assert len(refused(content | {"edges": [edge, "0"]})) < 400
+    assert len(refused(content | {"edges": ["-1", edge, "3"], "points": []})) < 600
+    edge["polynomial"][0] = "-" + LONG
+    assert len(refused(content | {"edges": [edge, "0"]})) < 400
+
+
+def test_only_regular_files_are_read(tmp_path: Path) -> None:
+    """A pipe would keep the checker waiting."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(Refused, match="is no regular file"):
+        check_certificate(pipe)
+
+
+@pytest.mark.parametrize("path", [None, 5, b"certificate.json"])
+def test_what_is_no_path_is_named(path: Any) -> None:
+    with pytest.raises(Refused, match=f"^the path of a file was expected, got {path!r}$"):
+        check_certificate(path)
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> list[str]:
+    """A file that is refused, one that passes, and none."""
+    found = prove(PiecewiseLinearMap.from_sympy("Piecewise((x/2, True))"))
+    (tmp_path / "bad.json").write_text("{}")
+    found.save(tmp_path / "good.json")
+    return [str(tmp_path / name) for name in ("bad.json", "good.json", "none.json")]
+
+
+def test_the_command_names_each_file_and_goes_on(files: list[str]) -> None:
+    done = CliRunner().invoke(cli.app, ["check", *files])
+    assert done.exit_code == 1
+    assert done.stdout.startswith(
+        f"{files[1]}: For the map with the pieces A: 1/2 x for all x, all"
+    )
+    assert f"{files[0]} is refused: the seal is not that of the content" in done.stderr
+    assert f"{files[2]} is refused: cannot read the file" in done.stderr
+    assert CliRunner().invoke(cli.app, ["check", files[1]]).exit_code == 0
+
+
+def test_the_program_names_each_file_and_goes_on(
+    files: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(files) == 1
+    shown = capsys.readouterr()
+    assert shown.out.startswith(f"{files[1]}: For the map with the pieces A: 1/2 x for all x")
+    refusals = [line.partition(" is refused: ")[0] for line in shown.err.splitlines()]
+    assert refusals == [files[0], files[2]]
+    assert main(files[1:2]) == 0
+    assert main([]) == 2
+    assert capsys.readouterr().err == "usage: python -m pwmap.checking certificate.json ...\n"
