@@ -122,6 +122,7 @@ class Diagram:
             self._things.setdefault(stretch.thing, []).append(stretch)
         self._ends: dict[int, list[End]] = {}
         self._studies: dict[tuple[int, int], Study] = {}
+        self._found: dict[tuple[int, int], dict[str, dict[str, Any]]] = {}
 
     def study(self, place: int, order: int) -> Study:
         """An iterate at a place."""
@@ -149,7 +150,7 @@ class Diagram:
                     self._verify_at(i, n, own)
 
     def _verify_at(self, i: int, n: int, own: Sequence[Stretch]) -> None:
-        found = own_parts(self.study(i, n))
+        found = {kind: self.found(i, n, kind) for kind in KINDS}
         for kind, items in found.items():
             words = [s.word for s in own if s.kind == kind]
             lacking, excess = set(items) - set(words), set(words) - set(items)
@@ -176,18 +177,29 @@ class Diagram:
 
     def found(self, i: int, n: int, kind: str) -> dict[str, Any]:
         """What there is of a kind and of an order at a place."""
-        return own_parts(self.study(i, n))[kind]
+        if (i, n) not in self._found:
+            self._found[i, n] = own_parts(self.study(i, n))
+        return self._found[i, n][kind]
 
     def ends(self, edge: int) -> list[End]:
-        """What ends at an edge, or exists nowhere else, and all fixed points that pass.
+        """What ends at an edge, or exists nowhere else, and fixed points that pass beside it.
 
         What exists before, at and after the edge decides, not where a list cuts it.
         """
         if edge not in self._ends:
-            self._ends[edge] = [
-                end for same in self._things.values() for end in ends_of(same, edge)
-            ]
+            things = self._things.values()
+            ends = [end for same in things for end in ends_of(same, edge)]
+            self._ends[edge] = [end for end in ends if not end.passes or self._is_bent(end, edge)]
         return self._ends[edge]
+
+    def _is_bent(self, end: End, edge: int) -> bool:
+        """Whether a fixed point that passes is at a border, or has slope -1.
+
+        Beside any other one the iterates are affine for all values nearby, and nothing ends.
+        """
+        _, order, word = end.stretch.thing
+        there = self.found(2 * edge, order, "fixed points").get(word)
+        return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0
 
     def is_at(self, end: End, edge: int, x: Number | int) -> bool:
         """Whether an end, or part of an interval, is at a number, or at infinity: -1 or 1."""

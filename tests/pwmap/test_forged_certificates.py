@@ -118,7 +118,7 @@ def paper() -> Content:
     return content
 
 
-INVENTED = {
+INVENTED: Content = {
     "edge": 3, "x": "10/9", "code": "BC", "note": "", "signs": None,
     "conditions": [{"word": "R", "side": side, "vanishing": [], "simple": []} for side in (-1, 1)],
 }  # fmt: skip
@@ -149,9 +149,18 @@ def test_a_stretch_cannot_be_cut_to_make_a_special_point(is_listed: bool) -> Non
 def test_fixed_points_that_pass_make_no_special_point() -> None:
     content = paper()
     content["points"].append(INVENTED)
-    assert refused(content) == (
-        "no fixed points end at r = 5/2 and x = 10/9, or they are listed twice"
-    )
+    sentence = "no fixed points end at r = {} and x = {}, or they are listed twice"
+    assert refused(content) == sentence.format("5/2", "10/9")
+    content = proved("Piecewise((x/2, x <= 0), (r*x, True))", "r", ("1/4", "1/2"), (1,))
+    content["edges"].insert(1, "1/3")
+    (row,) = content["fixed points"]  # x = 0, which stays on the border
+    row["places"] = [0, 4]
+    assert statement_of(content).endswith("begin and end nowhere.")
+    point = copy.deepcopy(INVENTED) | {"edge": 1, "x": "0"}
+    for condition in point["conditions"]:
+        condition["word"] = "L"
+    content["points"] = [point]
+    assert refused(content) == sentence.format("1/3", "0")
 
 
 def test_jumps_and_intervals_cannot_be_cut() -> None:
