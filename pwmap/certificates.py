@@ -301,6 +301,35 @@ def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
     return candidates[sum(above)]
 
 
+def _at_edge(row: Row, read: branches.Diagram, place: int) -> Row:
+    """A row of fixed points as it is at an edge, of which diagrams state x alone."""
+    there = read.found(place, row["order"], "fixed points").get(row["word"])
+    if there is None:  # to be refused by the checker, in its words
+        return row
+    slope = row["slope"]
+    if there.slope is None:
+        slope = None
+    elif slope is None:
+        slope = [[str(c) for c in part] for part in there.slope]
+    return row | {"slope": slope, "stable": there.stable}
+
+
+def _runs(rows: Mapping[int, Row]) -> list[list[int]]:
+    """Places in a row at which rows say the same of slope and stability."""
+    found: list[list[int]] = []
+    for place in sorted(rows):
+        row, before = rows[place], rows.get(place - 1)
+        says, said = (
+            None if each is None else (each.get("slope") is None, each.get("stable"))
+            for each in (row, before)
+        )
+        if says == said:
+            found[-1].append(place)
+        else:
+            found.append([place])
+    return found
+
+
 class _DiagramWriter:
     """Writes a diagram of a map over its only parameter."""
 
@@ -343,11 +372,11 @@ class _DiagramWriter:
             "crossings": [],
             "points": [],
         }
-        for branch, stretch in self._stretches:
-            is_fixed = branch.kind is BranchKind.FIXED_POINT
-            found["fixed points" if is_fixed else "crossings"].append(self._row(branch, stretch))
         try:
-            found["intervals"] = list(self._intervals(branches.Diagram(found)))
+            read = branches.Diagram(found)
+            found["intervals"] = list(self._intervals(read))
+            for kind, row in self._followed(read):
+                found[kind].append(row)
             read = branches.Diagram(found)
             found["points"] = [
                 row
@@ -358,6 +387,22 @@ class _DiagramWriter:
         except Refused as error:
             _fail(str(error))
         return found
+
+    def _followed(self, read: branches.Diagram) -> Iterator[tuple[str, Row]]:
+        """Kinds and rows: stretches of one word joined, and cut where what they say changes."""
+        found: dict[tuple[str, int, str], dict[int, Row]] = {}
+        for branch, stretch in self._stretches:
+            kind = "fixed points" if branch.kind is BranchKind.FIXED_POINT else "crossings"
+            row = self._row(branch, stretch)
+            first, last = row["places"]
+            rows = found.setdefault((kind, row["order"], row["word"]), {})
+            for place in range(first, last + 1):
+                is_end = place % 2 == 0 and first < last and kind == "fixed points"
+                rows[place] = _at_edge(row, read, place) if is_end else row
+        for (kind, _, _), rows in found.items():
+            for run in _runs(rows):
+                inside = next((place for place in run if place % 2), run[0])
+                yield kind, rows[inside] | {"places": [run[0], run[-1]]}
 
     def _is_followed(self, stretch: Stretch) -> bool:
         """Whether it is no interval of fixed points, nor an end of one."""
@@ -431,8 +476,10 @@ class _DiagramWriter:
         if at is None:
             return
         side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
-        place = side if side is not None else number(at)
+        place = side if side is not None else number(at, Work())
         ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
+        if not points.is_special(ends):
+            return
         found = points.Point(read, i, ends, infinite=side is not None).claims()
         if not self._meets_interval(point):  # its ends are branches of the diagram alone
             found |= {"code": str(point.kind), "note": point.note}

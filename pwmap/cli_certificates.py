@@ -61,19 +61,28 @@ def check_files(
 ) -> None:
     """Verify certificates from nothing but their files, and print what they prove.
 
-    The exit status is 1 if one is refused.
+    All files are read; the exit status is 1 if one is refused.
     """
     from pwmap import Refused, check_certificate
 
+    refused = 0
     for file in files:
+        name = str(file).encode(errors="backslashreplace").decode()
         try:
             statement = check_certificate(file)
         except Refused as refusal:
-            _leave(f"{file} is refused: {refusal}", 1)
-        screen().print(f"{file}: {statement}", highlight=False, soft_wrap=True)
+            refused += 1
+            _complain(f"{name} is refused: {refusal}")
+        else:
+            screen().print(f"{name}: {statement}", highlight=False, soft_wrap=True)
+    if refused:
+        raise typer.Exit(1)
+
+
+def _complain(text: str) -> None:
+    screen(stderr=True).print(text, style="red", highlight=False, soft_wrap=True)
 
 
 def _leave(text: str, status: int) -> NoReturn:
-    errors = screen(stderr=True)
-    errors.print(text, style="red", highlight=False, soft_wrap=True)
+    _complain(text)
     raise typer.Exit(status) from None

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pwmap.checking.iterates import Study
 from pwmap.checking.lists import period
-from pwmap.checking.places import Number, Place
+from pwmap.checking.places import Number, Place, effort
 from pwmap.checking.polynomials import Poly, Quotient, plus, power, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
 from pwmap.checking.refusing import ORDER, ROWS, Work, refuse
@@ -28,20 +28,31 @@ class Stretch(NamedTuple):
     quotients: Mapping[str, Quotient | None]
     stable: bool
 
+    @property
+    def thing(self) -> tuple[str, int, str]:
+        """What exists: its kind, order and word."""
+        return self[:3]
+
     def at(self, place: int) -> bool:
         """Whether it exists at a place."""
         return self.first <= place <= self.last
 
-    def is_inner(self, place: int) -> bool:
-        """Whether a place that it has is no end of it, or all of it."""
-        return place % 2 == 1 or self.first == self.last or self.first < place < self.last
+    def goes_on_as(self, other: Stretch) -> bool:
+        """Whether another stretch that follows says the same."""
+        slopes = [each.quotients.get("slope") is None for each in (self, other)]
+        return self.stable is other.stable and slopes[0] is slopes[1]
 
 
 class End(NamedTuple):
-    """One end of a stretch, and on which side of it the stretch lies, 0 if along one value."""
+    """What ends at an edge: a stretch and on which side it lies, 0 if it exists at the edge alone.
+
+    A fixed point that ``passes`` is there on both sides and at the edge, and attracts at all of
+    them or at none.
+    """
 
     stretch: Stretch
     side: int
+    passes: bool = False
 
     @property
     def is_fixed(self) -> bool:
@@ -86,8 +97,6 @@ def read_stretches(
             if more and type(rest[-1]) is not bool:
                 refuse(f"true or false was expected, got {shown(rest[-1])}")
             found.append(Stretch(kind, order, word, first, stop, values, rest[-1:] == [True]))
-    if len({stretch[:5] for stretch in found}) < len(found):
-        refuse("a stretch is listed twice")
     return found
 
 
@@ -95,23 +104,25 @@ class Diagram:
     """The claims of a diagram, the places they speak of, and the iterates there."""
 
     def __init__(self, certificate: Mapping[str, Any]) -> None:
+        self.work = work = Work()
         self.map, self.name, self.map_text = read_map(certificate["map"], parametric=True)
         self.orders = [whole(n, 1, ORDER) for n in listed(certificate["orders"], ORDER)]
         if not self.orders or self.orders != sorted({d for n in self.orders for d in divisors(n)}):
             refuse(f"orders must ascend, with all divisors, got {shown(self.orders)}")
-        self.edges = [number(each) for each in listed(certificate["edges"], ROWS)]
+        self.edges = [number(each, work) for each in listed(certificate["edges"], ROWS)]
         if len(self.edges) < 2:
             refuse("at least two edges were expected")
-        for low, high in pairwise(self.edges):
-            if not (low.high <= high.low and (low.high, low.low) != (high.low, high.high)):
-                refuse(f"edges must ascend and have disjoint intervals, got {low} and {high}")
         self.last = 2 * len(self.edges) - 2
-        self.stretches = read_stretches(certificate, self.orders, self.last)
-        work = Work()
         self.places = [
             Place(self.edges[i // 2], self.edges[(i + 1) // 2], work) for i in range(self.last + 1)
         ]
+        self.stretches = read_stretches(certificate, self.orders, self.last)
+        self._things: dict[tuple[str, int, str], list[Stretch]] = {}
+        for stretch in self.stretches:
+            self._things.setdefault(stretch.thing, []).append(stretch)
+        self._ends: dict[int, list[End]] = {}
         self._studies: dict[tuple[int, int], Study] = {}
+        self._found: dict[tuple[int, int], dict[str, dict[str, Any]]] = {}
 
     def study(self, place: int, order: int) -> Study:
         """An iterate at a place."""
@@ -120,7 +131,17 @@ class Diagram:
         return self._studies[place, order]
 
     def verify(self) -> None:
-        """Whether everything claimed exists and, but for the first and last edge, nothing else."""
+        """Whether everything claimed exists and, but for the first and last edge, nothing else.
+
+        A stretch may end only where what it says ends: so stretches are those of one list alone.
+        """
+        for same in self._things.values():
+            for one, other in pairwise(sorted(same, key=lambda s: s.first)):
+                if other.first <= one.last:
+                    refuse(f"two stretches of {one.word} overlap {self.where(other.first)}")
+                if other.first == one.last + 1 and one.goes_on_as(other):
+                    where = self.where(other.first)
+                    refuse(f"two stretches of {one.word} must be one, nothing changes {where}")
         for n in self.orders:
             stretches = [s for s in self.stretches if s.order == n]
             for i in range(self.last + 1):
@@ -129,22 +150,21 @@ class Diagram:
                     self._verify_at(i, n, own)
 
     def _verify_at(self, i: int, n: int, own: Sequence[Stretch]) -> None:
-        found = own_parts(self.study(i, n))
+        found = {kind: self.found(i, n, kind) for kind in KINDS}
         for kind, items in found.items():
             words = [s.word for s in own if s.kind == kind]
             lacking, excess = set(items) - set(words), set(words) - set(items)
-            if excess or (lacking and 0 < i < self.last) or (i % 2 and len(words) > len(items)):
-                refuse(f"P_{n} has the {kind} {sorted(items)} {self.where(i)}, not {sorted(words)}")
+            if excess or (lacking and 0 < i < self.last):
+                true, listed_ = shown(sorted(items)), shown(sorted(words))
+                refuse(f"P_{n} has the {kind} {true} {self.where(i)}, not {listed_}")
         for s in own:
             self._verify_values(s, i, found[s.kind][s.word])
 
     def _verify_values(self, s: Stretch, i: int, found: Any) -> None:
         for name, value in s.quotients.items():
-            true = getattr(found, name)
-            counts = name != "slope" or i % 2 or s.first == s.last
-            if counts and not self.equal(value, true, i):
+            if not self.equal(value, getattr(found, name), i):
                 refuse(f"{name} of {s.word} is another one {self.where(i)}")
-        if s.kind == "fixed points" and s.is_inner(i) and s.stable is not found.stable:
+        if s.kind == "fixed points" and s.stable is not found.stable:
             refuse(f"{s.word} is {'not ' * s.stable}attracting {self.where(i)}")
 
     def equal(self, one: Quotient | None, other: Quotient | None, i: int) -> bool:
@@ -157,18 +177,29 @@ class Diagram:
 
     def found(self, i: int, n: int, kind: str) -> dict[str, Any]:
         """What there is of a kind and of an order at a place."""
-        return own_parts(self.study(i, n))[kind]
+        if (i, n) not in self._found:
+            self._found[i, n] = own_parts(self.study(i, n))
+        return self._found[i, n][kind]
 
-    def ends(self, edge: int) -> Iterator[End]:
-        """What ends at an edge, or exists nowhere else."""
-        for s in self.stretches:
-            if s.first == s.last == 2 * edge:
-                yield End(s, 0)
-            elif s.kind != "intervals":
-                if s.first in (2 * edge, 2 * edge + 1):
-                    yield End(s, 1)
-                if s.last in (2 * edge, 2 * edge - 1):
-                    yield End(s, -1)
+    def ends(self, edge: int) -> list[End]:
+        """What ends at an edge, or exists nowhere else, and fixed points that pass beside it.
+
+        What exists before, at and after the edge decides, not where a list cuts it.
+        """
+        if edge not in self._ends:
+            things = self._things.values()
+            ends = [end for same in things for end in ends_of(same, edge)]
+            self._ends[edge] = [end for end in ends if not end.passes or self._is_bent(end, edge)]
+        return self._ends[edge]
+
+    def _is_bent(self, end: End, edge: int) -> bool:
+        """Whether a fixed point that passes is at a border, or has slope -1.
+
+        Beside any other one the iterates are affine for all values nearby, and nothing ends.
+        """
+        _, order, word = end.stretch.thing
+        there = self.found(2 * edge, order, "fixed points").get(word)
+        return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0
 
     def is_at(self, end: End, edge: int, x: Number | int) -> bool:
         """Whether an end, or part of an interval, is at a number, or at infinity: -1 or 1."""
@@ -197,8 +228,9 @@ class Diagram:
             * sign(plus(times((end.denominator,), top), times((end.numerator,), bottom), -1))
             for end in (x.low, x.high)
         )
-        if x.low == x.high or low <= 0 or high >= 0:
-            return low if x.low == x.high else -1 if low <= 0 else 1
+        if not x.is_root or low <= 0 or high >= 0:
+            return low if not x.is_root else -1 if low <= 0 else 1
+        self.work.spend(effort([x.poly, top, bottom]))
         value: Poly = ()
         degree = len(x.poly) - 1
         for i, c in enumerate(x.poly):
@@ -207,11 +239,23 @@ class Diagram:
         return sign(value) * unit * sign_near(x.poly, x.high)
 
     def where(self, i: int) -> str:
-        """A place in words."""
-        low, high = self.edges[i // 2], self.edges[(i + 1) // 2]
+        """A place in words, for refusals."""
+        low, high = self.edges[i // 2].brief, self.edges[(i + 1) // 2].brief
         if i % 2:
             return f"for {self.name} between {low} and {high}"
         return f"at {self.name} = {low}"
+
+
+def ends_of(same: Sequence[Stretch], edge: int) -> Iterator[End]:
+    """The ends of one thing at an edge."""
+    before, here, after = (next((s for s in same if s.at(2 * edge + k)), None) for k in (-1, 0, 1))
+    beside = [(s, side) for s, side in ((before, -1), (after, 1)) if s is not None]
+    goes_on = here is not None and len(beside) == 2
+    if here is not None and not beside:
+        yield End(here, 0)
+    elif same[0].kind == "fixed points" or (same[0].kind == "crossings" and not goes_on):
+        stable = {s.stable for s in (before, here, after) if s is not None}
+        yield from (End(s, side, goes_on and len(stable) == 1) for s, side in beside)
 
 
 def divisors(n: int) -> list[int]:

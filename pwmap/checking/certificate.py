@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
@@ -12,7 +13,7 @@ from pwmap.checking.branches import KINDS
 from pwmap.checking.lists import fixed_points_statement
 from pwmap.checking.points import diagram_statement
 from pwmap.checking.reading import canonical, fields, shown
-from pwmap.checking.refusing import BYTES, DIGITS, Refused, refuse
+from pwmap.checking.refusing import BYTES, DIGITS, Refused, brief, refuse
 
 FORMAT = "certificate of a piecewise-linear map"
 FIXED_POINTS, DIAGRAM = "fixed points", "diagram"
@@ -57,7 +58,7 @@ def check(certificate: object) -> str:
         refuse("the seal is not that of the content")
     statement = statement_of(certificate)
     if certificate["statement"] != statement:
-        refuse(f"the statement must be: {statement}")
+        refuse(f"the statement must be: {brief(statement, DIGITS)}")
     return statement
 
 
@@ -72,11 +73,17 @@ def read(path: str | Path) -> object:
     def none(found: str) -> NoReturn:
         refuse(f"numbers must be integers or text, got {found[:DIGITS]}")
 
+    if not isinstance(path, str | os.PathLike):
+        refuse(f"the path of a file was expected, got {brief(repr(path))}")
     try:
+        if Path(path).exists() and not Path(path).is_file():  # a pipe could keep us waiting
+            refuse(f"cannot read the file: {brief(str(path))} is no regular file")
         with Path(path).open("rb") as file:
             data = file.read(BYTES + 1)
     except (OSError, ValueError) as error:
-        refuse(f"cannot read the file: {error}")
+        if isinstance(error, Refused):
+            raise
+        refuse(f"cannot read the file: {brief(str(error), DIGITS)}")
     if len(data) > BYTES:
         refuse(f"a certificate of at most {BYTES} bytes was expected")
     try:

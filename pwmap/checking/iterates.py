@@ -92,6 +92,7 @@ class Fixed(NamedTuple):
     x: Quotient
     slope: Quotient | None  # None where the piece is the point alone
     stable: bool
+    at_border: bool  # whether it is an end of a piece
 
 
 class Crossing(NamedTuple):
@@ -240,7 +241,7 @@ class Study:
                     and (high is not None) <= -steepness * right
                 ):
                     stable = steepness > 0 and self.excess(word, 1) > 0
-                    found[word] = Fixed(self.map.fixed(word), self.slope(word), stable)
+                    found[word] = Fixed(self.map.fixed(word), self.slope(word), stable, False)
         return found
 
     def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> Fixed:
@@ -255,7 +256,7 @@ class Study:
         stable = not self.side(atom, low.right) and not self.side(atom, high.left)
         slopes = (low.word, high.word, low.word + high.word)
         stable = stable and all(self.excess(word, -1) > 0 for word in slopes)
-        return Fixed(self.x(atom), self.slope(atom.word) if owned else None, stable)
+        return Fixed(self.x(atom), self.slope(atom.word) if owned else None, stable, True)
 
     @cached_property
     def crossings(self) -> dict[str, Crossing]:

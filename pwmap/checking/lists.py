@@ -11,7 +11,7 @@ from pwmap.checking.iterates import Study
 from pwmap.checking.places import Number, Place
 from pwmap.checking.polynomials import Quotient
 from pwmap.checking.reading import canonical, read_map, shown, whole
-from pwmap.checking.refusing import ORDER, Work, refuse
+from pwmap.checking.refusing import ORDER, Work, digits, refuse
 
 
 def count(n: int, what: str) -> str:
@@ -25,7 +25,7 @@ def rational_text(value: Quotient | None) -> str | None:
     if value is None:
         return None
     top, bottom = value
-    return str(Fraction(*(part[0] if part else 0 for part in (top, bottom))))
+    return digits(Fraction(*(part[0] if part else 0 for part in (top, bottom))))
 
 
 def period(word: str) -> int:

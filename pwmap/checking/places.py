@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
+from itertools import chain
 from typing import NamedTuple
 
 from pwmap.checking.polynomials import Poly, changes, primitive, query, sign_near, sturm, text
-from pwmap.checking.refusing import Work, refuse
+from pwmap.checking.refusing import Work, brief, refuse
 
 
 class Number(NamedTuple):
@@ -16,32 +18,60 @@ class Number(NamedTuple):
     low: Fraction
     high: Fraction
 
+    @property
+    def is_root(self) -> bool:
+        """Whether it lies strictly inside of its interval."""
+        return self.low < self.high
+
     def sign(self, f: Poly) -> int:
         """The sign of a polynomial at the number."""
-        if self.low == self.high or len(f) < 2:
+        if not self.is_root or len(f) < 2:
             return sign_near(f, self.low)
         return query(self.poly, f, self.low, self.high)
 
     def __str__(self) -> str:
-        if self.low == self.high:
+        if not self.is_root:
             return str(self.low)
         return f"the root of {text(self.poly, 't')} between {self.low} and {self.high}"
 
+    @property
+    def brief(self) -> str:
+        """The same with long numbers cut, for refusals."""
+        low, high = brief(str(self.low)), brief(str(self.high))
+        if not self.is_root:
+            return low
+        return f"the root of {brief(text(self.poly, 't'))} between {low} and {high}"
 
-def effort(*polynomials: Poly) -> int:
-    """About how many steps Sturm's sequence takes of the product of some polynomials."""
+
+def effort(polynomials: Sequence[Poly], numbers: Sequence[Fraction] = ()) -> int:
+    """About how many steps Sturm's sequence takes of a product of polynomials, at some numbers."""
     degree = sum(map(len, polynomials))
-    bits = max(c.bit_length() for f in polynomials for c in f)
+    parts = (part for x in numbers for part in (x.numerator, x.denominator))
+    bits = max(c.bit_length() for c in (*chain.from_iterable(polynomials), *parts))
     return degree**3 * (1 + degree * bits // 500)
 
 
+def between(low: Number, high: Number) -> Fraction:
+    """A rational number strictly between two numbers; refused if none is sure to be there."""
+    middle = (low.high + high.low) / 2
+    after = low.high < middle or (low.is_root and low.high == middle)  # a root lies below its high
+    before = middle < high.low or (high.is_root and high.low == middle)
+    if not (after and before):
+        both = f"{low.brief} and {high.brief}"
+        refuse(f"edges must ascend, with intervals that part them, got {both}")
+    return middle
+
+
 class Place:
-    """Values of the parameter for which every polynomial that is asked has one sign."""
+    """Values of the parameter for which every polynomial that is asked has one sign.
+
+    One number, given twice, or all numbers between two.
+    """
 
     def __init__(self, low: Number, high: Number, work: Work) -> None:
         self.low, self.high = low, high
-        self.is_edge = low == high
-        self.sample = (low.high + high.low) / 2
+        self.is_edge = low is high
+        self.sample = low.low if self.is_edge else between(low, high)
         self.work = work
         self._known: dict[Poly, int] = {}
 
@@ -54,11 +84,14 @@ class Place:
     def _sign(self, f: Poly) -> int:
         if len(f) < 2:
             return sign_near(f, self.sample)
-        self.work.spend(effort(f, self.low.poly, self.high.poly))
+        ends = (self.low, self.high)
+        numbers = [x for end in ends for x in (end.low, end.high)]
+        self.work.spend(effort([f, *(end.poly for end in ends)], numbers))
         if self.is_edge:
             return self.low.sign(f)
         if self._roots(f):
-            refuse(f"{text(f, 'p')} has a root between the edges {self.low} and {self.high}")
+            where = f"between the edges {self.low.brief} and {self.high.brief}"
+            refuse(f"{brief(text(f, 'p'))} has a root {where}")
         return sign_near(f, self.sample)
 
     def _roots(self, f: Poly) -> int:

@@ -8,9 +8,10 @@ from typing import Any
 from pwmap.checking.branches import KINDS, Diagram, End
 from pwmap.checking.iterates import Study
 from pwmap.checking.lists import count
+from pwmap.checking.places import Number
 from pwmap.checking.polynomials import derivative, primitive
 from pwmap.checking.reading import canonical, fields, listed, number, shown, whole
-from pwmap.checking.refusing import ROWS, refuse
+from pwmap.checking.refusing import ROWS, digits, refuse
 
 
 class Point:
@@ -59,7 +60,8 @@ class Point:
             return "PD", "degenerate: points nearby have twice the period" * doubled
         if 1 in units or not self.fixed:
             return "LP", "degenerate: an interval of fixed points"
-        here = [end for end in self.fixed if end.stretch.at(2 * self.edge)]
+        stays = self.diagram.found(2 * self.edge, self.order, "fixed points")
+        here = [end for end in self.fixed if end.stretch.word in stays]
         if staying := [end for end in here if end.stretch.word in passing]:
             return "BC", self._staying_note(staying)
         if len({end.side for end in self.beside}) != 1:
@@ -127,7 +129,7 @@ class Point:
         sign = self.place.sign
         vanishing = [primitive(f) for f in polynomials if f and sign(f) == 0]
         simple = [sign(derivative(f)) != 0 for f in vanishing]
-        vanishing_text = [[str(c) for c in f] for f in vanishing]
+        vanishing_text = [[digits(c) for c in f] for f in vanishing]
         return {"word": word, "side": end.side, "vanishing": vanishing_text, "simple": simple}
 
     def _signs(self) -> list[int] | None:
@@ -153,31 +155,43 @@ class Point:
         return None
 
 
+def is_special(ends: Sequence[End]) -> bool:
+    """Whether fixed points end, or pass where an interval of them exists at the edge alone."""
+    changing = any(not end.passes and not end.is_jump for end in ends)
+    return changing and any(end.is_fixed for end in ends)
+
+
 def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
     """Verify the special points; texts that name them.
 
-    Every end of fixed points inside must be that of one of them.
+    Every end of fixed points inside must be that of one of them; at each of them fixed points end,
+    or an interval of them that exists at the edge alone.
     """
     inner = range(1, len(diagram.edges) - 1)
-    left = {(i, end.name) for i in inner for end in diagram.ends(i) if end.is_fixed}
+    left = {
+        (i, end.name) for i in inner for end in diagram.ends(i) if end.is_fixed and not end.passes
+    }
+    listed_already: set[tuple[int, tuple[int, str, int]]] = set()
     texts = []
     for row in rows:
         names = ("edge", "x", "code", "note", "conditions", "signs")
         edge, at, *claims = fields(row, *names)
         i = whole(edge, 1, len(diagram.edges) - 2)
         side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
-        x = side or number(at)
+        x = side or number(at, diagram.work)
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
         fixed = {(i, end.name) for end in ends if end.is_fixed}
-        where = f"{diagram.where(2 * i)} and x = {at if side else x}"
-        if not fixed or not fixed <= left:
+        where = f"{diagram.where(2 * i)} and x = {x.brief if isinstance(x, Number) else at}"
+        if not is_special(ends) or fixed & listed_already:
             refuse(f"no fixed points end {where}, or they are listed twice")
+        listed_already |= fixed
         left -= fixed
         true = Point(diagram, i, ends, infinite=side is not None).claims()
         if canonical(true) != canonical(dict(zip(names[2:], claims, strict=True))):
             refuse(f"the special point {where} is {shown(true)}, not {shown(row)}")
         simple = all(all(condition["simple"]) for condition in true["conditions"])
         parts = [true["code"], true["note"], "" if simple else "a zero that is not simple"]
+        where = f"at {diagram.name} = {diagram.edges[i]} and x = {at if side else x}"
         texts.append(f"{', '.join(filter(None, parts))}, {where}")
     if left:
         i, name = min(left)
@@ -201,5 +215,5 @@ def diagram_statement(certificate: Mapping[str, Any]) -> str:
         f"the diagonal: fixed points of least period j ({rows['fixed points']}, with x, slope and "
         f"stability), intervals of such points ({rows['intervals']}), and jumps with limits "
         f"strictly on both sides of it ({rows['crossings']}, with x and both limits); inside, "
-        f"fixed points begin and end {points if texts else 'nowhere'}."
+        f"single fixed points begin and end {points if texts else 'nowhere'}."
     )

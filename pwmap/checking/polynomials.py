@@ -12,7 +12,7 @@ from functools import lru_cache
 from itertools import pairwise, zip_longest
 from math import gcd
 
-from pwmap.checking.refusing import BITS, DEGREE, refuse
+from pwmap.checking.refusing import BITS, DEGREE, digits, refuse
 
 Poly = tuple[int, ...]  # lowest degree first, the last coefficient is not zero
 Quotient = tuple[Poly, Poly]
@@ -120,7 +120,7 @@ def text(poly: Sequence[Fraction | int], symbol: str) -> str:
     """A polynomial as text."""
     terms = []
     for n, c in enumerate(poly):
-        factors = [str(abs(c))] * (abs(c) != 1 or n == 0)
+        factors = [digits(max(c, -c))] * (abs(c) != 1 or n == 0)
         factors += [symbol if n == 1 else f"{symbol}^{n}"] * (n > 0)
         terms += [("- " if c < 0 else "+ ") + " ".join(factors)] * (c != 0)
     found = " ".join(terms)

@@ -6,14 +6,14 @@ import json
 import re
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import groupby
+from itertools import chain, groupby
 from math import lcm
 from typing import Any
 
 from pwmap.checking.iterates import Map
-from pwmap.checking.places import Number
+from pwmap.checking.places import Number, effort
 from pwmap.checking.polynomials import Poly, Quotient, query, sign_near, text, trimmed
-from pwmap.checking.refusing import DEGREE, DIGITS, LETTERS, TERMS, refuse
+from pwmap.checking.refusing import BITS, DEGREE, DIGITS, LETTERS, TERMS, Work, brief, refuse
 
 
 def fields(value: object, *names: str) -> list[Any]:
@@ -26,8 +26,7 @@ def fields(value: object, *names: str) -> list[Any]:
 
 def shown(value: object) -> str:
     """A value in a sentence, not too long."""
-    found = canonical(value)
-    return found if len(found) < DIGITS else found[: DIGITS - 4] + " ..."
+    return brief(canonical(value), DIGITS)
 
 
 def canonical(value: object) -> str:
@@ -71,7 +70,11 @@ def coefficients(value: object, most: int = TERMS) -> list[Fraction]:
 
 def over_one(parts: Sequence[Sequence[Fraction]]) -> tuple[list[Poly], int]:
     """Polynomials times their common denominator, and this."""
-    unit = lcm(*(c.denominator for part in parts for c in part))
+    unit = 1
+    for c in chain.from_iterable(parts):
+        unit = lcm(unit, c.denominator)
+        if unit.bit_length() > BITS:
+            refuse("the common denominator of some numbers is too large")
     return [trimmed([int(c * unit) for c in part]) for part in parts], unit
 
 
@@ -91,8 +94,11 @@ def pair(value: object) -> list[Any]:
     return found
 
 
-def number(value: object) -> Number:
-    """A rational number, or the only root of a polynomial in an open interval."""
+def number(value: object, work: Work) -> Number:
+    """A rational number, or the only root of a polynomial in an open interval.
+
+    The polynomial must change its sign there, so that its sign tells on which side a number lies.
+    """
     if isinstance(value, str):
         x = rational(value)
         return Number((), x, x)
@@ -101,8 +107,10 @@ def number(value: object) -> Number:
     low, high = map(rational, pair(interval))
     if unit != 1 or len(poly) < 2 or not low < high:
         refuse(f"an integer polynomial and an interval were expected, got {shown(value)}")
-    if not sign_near(poly, low) or not sign_near(poly, high) or query(poly, (1,), low, high) != 1:
-        refuse(f"{text(poly, 't')} has not just one root between {low} and {high}")
+    work.spend(effort([poly, poly], [low, high]))
+    if sign_near(poly, low) * sign_near(poly, high) >= 0 or query(poly, (1,), low, high) != 1:
+        what = f"{brief(text(poly, 't'))} does not change its sign at just one root"
+        refuse(f"{what} between {brief(str(low))} and {brief(str(high))}")
     return Number(poly, low, high)
 
 
@@ -155,6 +163,7 @@ def map_text(map_: Map, parts: Sequence[Sequence[Fraction]], x: str, p: str) -> 
         upper = f" {'<=' if last % 2 else '<'} {breaks[last // 2]}" if inner else ""
         is_point = first == last and first % 2
         where = f"{x} = {breaks[first // 2]}" if is_point else lower + x + upper
+        where = f"all {x}" if where == x else where
         terms = [f"{texts[2 * i]} {x}"] * (texts[2 * i] != "0") + [texts[2 * i + 1]]
         line = " + ".join(terms[: 1 if terms[-1] == "0" else 2])
         pieces.append(f"{letter}: {f'({line}){below}' if below else line} for {where}")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import NoReturn
 
 BYTES = 4_000_000  # of a file
 DIGITS = 400  # of a number as text
+SHOWN = 100  # characters of a number or of a polynomial in a refusal
 TERMS = 20  # of a polynomial in a map
 LETTERS = 60  # breaks of a map
 ORDER = 32  # of an iterate
@@ -45,6 +47,19 @@ class Work:
         self.left -= steps
         if self.left < 0:
             refuse("this takes more work than a check may")
+
+
+def digits(number: int | Fraction) -> str:
+    """A number as text; Python bounds the digits of the integers that it converts."""
+    try:
+        return str(number)
+    except ValueError:
+        refuse("a number has too many digits to be written")
+
+
+def brief(text: str, most: int = SHOWN) -> str:
+    """A text, or the beginning of one that is long."""
+    return text if len(text) <= most else text[: most - 4] + " ..."
 
 
 def refuse(reason: str) -> NoReturn:

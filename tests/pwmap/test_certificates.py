@@ -81,10 +81,10 @@ def test_the_fold_flip_is_proved_with_its_signs() -> None:
     assert found.statement == (
         "For the map with the pieces L: (-2 + r) for x <= 0; R: -5/4 x + r for 0 < x and every r "
         "strictly between -1 and 3, the lists hold all that the iterates P_j with j = 1, 2 have on "
-        "the diagonal: fixed points of least period j (2 stretches, with x, slope and stability), "
+        "the diagonal: fixed points of least period j (3 stretches, with x, slope and stability), "
         "intervals of such points (no stretches), and jumps with limits strictly on both sides of "
-        "it (3 stretches, with x and both limits); inside, fixed points begin and end only at 2 "
-        "special points: FF, fold, at r = 0 and x = 0; BC, fold, at r = 2 and x = 0."
+        "it (3 stretches, with x and both limits); inside, single fixed points begin and end only "
+        "at 2 special points: FF, fold, at r = 0 and x = 0; BC, fold, at r = 2 and x = 0."
     )
 
 
@@ -135,10 +135,7 @@ def test_random_maps_agree_with_brute_force(seeds: range) -> None:
 
 
 def listed(content: dict[str, Any], place: int, p: independent.Number) -> dict[str, set[Any]]:
-    """What the stretches of a diagram show at a place, for a value of the parameter there.
-
-    Slope and stability are claimed between edges.
-    """
+    """What the stretches of a diagram show at a place, for a value of the parameter there."""
 
     def value(parts: list[list[str]] | None) -> independent.Number:
         if parts is None:
@@ -150,20 +147,19 @@ def listed(content: dict[str, Any], place: int, p: independent.Number) -> dict[s
         here = (r for r in content[kind] if r["places"][0] <= place <= r["places"][1])
         return {(r["order"], r["word"], *(value(r[name]) for name in names)) for r in here}
 
-    inside = ("slope",) if place % 2 else ()
     return {
-        "fixed points": rows("fixed points", "x", *inside),
+        "fixed points": rows("fixed points", "x", "slope"),
         "stable": {
             (r["order"], r["word"])
             for r in content["fixed points"]
-            if place % 2 and r["places"][0] <= place <= r["places"][1] and r["stable"]
+            if r["places"][0] <= place <= r["places"][1] and r["stable"]
         },
         "intervals": rows("intervals"),
         "crossings": rows("crossings", "x", "left", "right"),
     }
 
 
-def seen(base: independent.Parts, orders: list[int], place: int) -> dict[str, set[Any]]:
+def seen(base: independent.Parts, orders: list[int]) -> dict[str, set[Any]]:
     """The same by following intervals."""
     iterates = independent.iterated(base, max(orders))
     found: dict[str, set[Any]] = {
@@ -172,10 +168,8 @@ def seen(base: independent.Parts, orders: list[int], place: int) -> dict[str, se
     for n in orders:
         parts = iterates[n - 1]
         own = [p for p in independent.fixed_points(base, parts, n) if p.period == n]
-        found["fixed points"] |= {
-            (n, p.word, p.x, p.multiplier) if place % 2 else (n, p.word, p.x) for p in own
-        }
-        found["stable"] |= {(n, p.word) for p in own if p.stable and place % 2}
+        found["fixed points"] |= {(n, p.word, p.x, p.multiplier) for p in own}
+        found["stable"] |= {(n, p.word) for p in own if p.stable}
         found["intervals"] |= {
             (n, part.word)
             for part in parts
@@ -215,7 +209,7 @@ def test_random_diagrams_agree_with_brute_force(seeds: range) -> None:
             p = low + (high - low) * Fraction(random.Random(seed).randrange(1, 10**6), 10**6 + 3)
             values = [(2 * i + 1, p), *[(2 * i, edges[i])] * (i > 0)]
             for place, at_place in values:
-                expected = seen(family.at(at_place), orders, place)
+                expected = seen(family.at(at_place), orders)
                 assert listed(found.content, place, at_place) == expected, (seed, at_place)
     assert proved >= 12
 
