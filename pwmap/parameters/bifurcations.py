@@ -16,6 +16,7 @@ from typing import Any
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
@@ -248,8 +249,16 @@ def _assembled(
         points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in continuation.axis.given),
         sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
-        about={"program": PROGRAM, "map": str(map_).splitlines(), "orders": [*orders]},
+        about={"program": PROGRAM, "map": _text(map_), "orders": [*orders]},
     )
+
+
+def _text(map_: PiecewiseLinearMap) -> list[str]:
+    """A map, a line for each piece where these can be told without more assumptions."""
+    try:
+        return str(map_).splitlines() if map_.order == 1 else [repr(map_)]
+    except UndecidedError:
+        return [repr(map_)]
 
 
 def _names(curves: Sequence[Curve]) -> Iterator[str]:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from pwmap.diagrams.diagram import (
     Branch,
     BranchKind,
@@ -514,3 +515,13 @@ def test_a_name_goes_to_the_map_before_its_iterates() -> None:
     found = Diagram(parameter_name="p", x_name="x", branches=(branch(),), points=(*ends, *points))
     assert found.named({"C": (0.5, 0.0)}).point("C").id == "BC1"
     assert found.named({"C": (0.9, 0.0)}).point("C").id == "BC2"  # none of P_1 is near
+
+
+def test_a_diagram_says_of_which_map_it_is() -> None:
+    p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
+    assert bifurcation_diagram(p1, "r", (1, 3), orders=(1,)).about["map"] == [
+        "L  r - 2      for x <= 0", "R  r - 5*x/4  for 0 < x",
+    ]  # fmt: skip
+    about = bifurcation_diagram(p1.iterate(2), "r", (1, 3), orders=(1, 2)).about
+    assert about["map"] == ["<PiecewiseLinearMap of x, order 2, letters LR, parameters r>"]
+    assert about["orders"] == [1, 2]
