@@ -26,13 +26,11 @@ from woodpecker.plane.places import (
     tangent,
 )
 
-PARALLEL = (
-    1e-3  # sine of an angle between gradients of margins of one border in neighbouring pieces
-)
-SHRINKS = (
-    0.5  # part to which a difference of slopes falls, a hundred times closer to a border, if it
-)
-# is none right there: a cube root falls to a fifth
+# Sine of an angle between gradients of margins of one border in neighbouring pieces.
+PARALLEL = 1e-3
+# Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
+# right there: a cube root falls to a fifth.
+SHRINKS = 0.5
 FAR = 1e3  # a restart lies this many of its distances from the border at most
 NO_CURVE = "no curve beyond"
 

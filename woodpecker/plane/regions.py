@@ -45,9 +45,8 @@ from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
 from woodpecker.plane.survey import Survey
 
-TRIES = (
-    3  # to find the curve between a place that disagrees with others of its face and the nearest
-)
+# To find the curve between a place that disagrees with others of its face and the nearest.
+TRIES = 3
 PROBES = 9  # places of a curve that must lie on another one of which it is a part
 
 Progress = Callable[[Curve], None]

@@ -27,14 +27,12 @@ SHORT = 0.1  # changes of one parameter at the end of which more conditions are 
 MOST = 3  # conditions of each effect whose nearest place is looked for,
 MOST_HARMLESS = 1  # and of those that do no harm
 ALIKE = 1e-5  # relative: places this close are one; ten times within ``BESIDE``
-BESIDE = (
-    1e-4  # part of a change by which toys on both sides differ from it: far above what rounding
-)
-# rounding makes of a border, far below the distance to the next one
-NEAR = (
-    0.02  # rad: a motion farther from where it was lost is another one; at a fold it moves by the
-)
-# the root of ``BESIDE``
+# Part of a change by which toys on both sides differ from it: far above what rounding makes of a
+# border, far below the distance to the next one.
+BESIDE = 1e-4
+# rad: a motion farther from where it was lost is another one; at a fold it moves by the root of
+# ``BESIDE``.
+NEAR = 0.02
 PERCENT = 100.0
 
 
