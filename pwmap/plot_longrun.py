@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from sympy import QQ
 
@@ -20,7 +21,7 @@ from pwmap.longrun.crises import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches
+from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches, order_samples
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 
 STEP, POINTS, CRISIS = "#08306b", "#c6dbef", "#cb181d"
@@ -108,7 +109,7 @@ def plot_long_run(
     _window(ax, found, inner)
     styled(every, styles, KNOWN)
     if legend:
-        _legend_below(ax, every)
+        _legend_below(ax, every, order_samples(diagram))
     return Drawn((ax,), every)
 
 
@@ -156,8 +157,9 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
         ax.set_ylim(inner.y0 - margin, inner.y1 + margin)
 
 
-def _legend_below(ax: Axes, shown: Artists) -> None:
-    entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
+def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None:
+    entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
+    entries |= {str(line.get_label()): line for line in more}
     ax.legend(
         entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax)
     )  # fmt: skip

@@ -58,7 +58,10 @@ def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
     root = 2**0.5
     assert np.allclose(sorted(places.tolist()), [[root, root / (1 + root)], [2.0, 0.0]])
     assert [text.get_text() for text in ax.texts] == [r"MC $\sqrt{2}$", "FC $2$"]
-    assert explained(ax) == ["unstable", "bands", "merging crisis", "final crisis"]
+    assert explained(ax) == [
+        "unstable", "bands", "merging crisis", "final crisis",
+        "width of $P_{1}$", "width of $P_{2}$",
+    ]  # fmt: skip
     assert ax.get_xlim() == (1.25, 2.25)
 
 

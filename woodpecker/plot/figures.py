@@ -13,7 +13,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
-from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, place_legend, plot_diagram
+from pwmap.plot import JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.toy import Toy
@@ -199,7 +199,7 @@ def plot_local(
     diagram: Diagram,
     figure: Figure | SubFigure | None = None,
     *,
-    reach: float = 2e-3,
+    reach: float | None = None,
     styles: Styles | None = None,
 ) -> Drawn:
     """A diagram next to a border collision, beside what its local model predicts.
@@ -216,7 +216,9 @@ def plot_local(
     figure
         Where to draw; a new one by default.
     reach
-        How far the parameter goes from the collision.
+        How far the parameter goes from the collision; by default a fortieth of the shortest
+        branch of the diagram that starts there: over its length a branch bends, and the model is
+        of first order.
     styles
         Properties of matplotlib by the names in the legends, and ``"prediction"`` for what lies
         behind the diagram.
@@ -233,6 +235,7 @@ def plot_local(
     """
     figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
+    reach = reach if reach is not None else _reach(model, diagram)
     near = diagram.within(model.p - 2.0 * reach, model.p + 2.0 * reach)
     kinds = (model.point.kind,)
     shown: Artists = {"prediction": []}
@@ -250,7 +253,7 @@ def plot_local(
                     predicted.plot(line.p, line.x, **style)})  # fmt: skip
     marker, color = MARKERS[model.point.kind]
     star = predicted.scatter(
-        [model.p], [model.x], s=70 if marker == "*" else 26, marker=marker, color=color,
+        [model.p], [model.x], s=STAR if marker == "*" else 26, marker=marker, color=color,
         edgecolors="white", linewidths=0.6, zorder=5, label=model.point.kind.label,
     )  # fmt: skip
     add(shown, {model.point.kind.label: [star]})
@@ -267,6 +270,21 @@ def plot_local(
         samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
     predicted.legend(handles=[*samples, star], fontsize=7, framealpha=0.9)
     return Drawn((seen, predicted), shown)
+
+
+PART = 1.0 / 40.0  # of a branch: so far it is drawn beside its prediction
+AT = 1e-9  # in the parameter and x: a point of the diagram at the place of the model
+FARTHEST = 2e-3  # of the parameter, where the diagram has no branch that starts there
+
+
+def _reach(model: LocalModel, diagram: Diagram) -> float:
+    """How far a local model is drawn: a part of the shortest branch that starts there."""
+    at = {
+        point.id for point in diagram.points
+        if abs(point.parameter - model.p) < AT and abs(point.x - model.x) < AT
+    }  # fmt: skip
+    lengths = [float(np.ptp(b.parameter)) for b in diagram.branches if at & set(b.ends)]
+    return PART * min((length for length in lengths if length > 0.0), default=FARTHEST / PART)
 
 
 MARGIN = 0.12  # of the width and height of what is drawn
@@ -320,7 +338,9 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
         beside = [line for line in lines if (line.p[1] - line.p[0]) * side > 0.0]
         beside.sort(key=lambda line: line.x[1])
         at = np.array([(line.x[1] - low) / (high - low) * height for line in beside])
-        for line, up in zip(beside, (spread(at, APART) - at).tolist(), strict=True):
+        moved = spread(at, APART)
+        moved -= max(0.0, float(moved.max(initial=0.0)) + 0.5 * APART - height)  # in the frame
+        for line, up in zip(beside, (moved - at).tolist(), strict=True):
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
@@ -352,4 +372,4 @@ def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:
         margin = MARGIN * (max(values) - min(values)) or NARROWEST
         set_limits(min(values) - margin, max(values) + margin)
     ax.ticklabel_format(useOffset=False)
-    ax.locator_params(axis="x", nbins=4)
+    ax.locator_params(axis="x", nbins=3)
