@@ -48,7 +48,8 @@ STARTS = 8  # how often the choice begins anew, with the names first that cover 
 ON_LINE = np.linspace(0.0, 1.0, 41)[1:-1]  # where a leading line is looked at
 SHORTEST = 55.0  # of a curve that has a name [pt]
 AGAIN = 90.0  # to the next of the same name on another curve [pt]
-ALONG = (0.5, 0.62, 0.38, 0.74, 0.26, 0.85, 0.15)  # places on a curve that are tried for its name
+ALONG = (0.5, *(0.5 + 0.05 * side * k for k in range(1, 10) for side in (1, -1)))  # places on a
+# curve that are tried for its name
 TURNS = np.radians([45, 135, -45, -135, 90, -90, 0, 180, *np.arange(22.5, 360.0, 45.0)])
 DIRECTIONS: Floats = np.column_stack([np.cos(TURNS), np.sin(TURNS)]).round(6)
 
@@ -63,12 +64,13 @@ class Name(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """A curve, and what is written on it; nothing if the text is empty."""
+    """A curve, and what is written on it if it is not too short [pt]; nothing if there is none."""
 
     text: str
     x: Floats
     y: Floats
     color: Any = "black"
+    shortest: float = SHORTEST
 
 
 class _Places(NamedTuple):
@@ -157,7 +159,7 @@ class _Room:
             (x > self.frame.x0) & (x < self.frame.x1) & (y > self.frame.y0) & (y < self.frame.y1)
         )
         places = places[inside]
-        if len(places) * STEP < SHORTEST:
+        if not len(places) or len(places) * STEP < curve.shortest:
             return
         text = self._text(curve.text, CURVE_SIZE, curve.color)
         for part in ALONG:
