@@ -336,7 +336,7 @@ def plot_map(
 ) -> Drawn:
     """Draw the graph of a map or an iterate with the diagonal and what lies on it.
 
-    A filled end of a piece belongs to it, an open one does not. Jumps that cross the diagonal are
+    A filled end of a piece belongs to it, a hollow one does not. Jumps that cross the diagonal are
     dotted; fixed points are filled if they are stable.
 
     Parameters
@@ -407,10 +407,15 @@ def plot_map(
     ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
     ax.grid(alpha=0.25, linewidth=0.5)
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
-    place_legend(ax, {name: each for name, each in shown.items() if name not in PLAIN}, legend)
+    explained = {name: each for name, each in shown.items() if name not in PLAIN}
+    place_legend(ax, explained, legend, _ENDS if shown["ends"] else ())
     return Drawn((ax,), shown)
 
 
+_ENDS = [
+    Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9, label=text)
+    for face, text in ((INK, "belongs to its piece"), ("white", "does not"))
+]
 PLAIN = ("diagonal", "pieces", "ends")  # of a map: what needs no legend
 
 

@@ -169,6 +169,7 @@ class _Room:
                 box.overlaps(other) or (name == curve.text and _apart(box, other) < AGAIN * self.pt)
                 for name, other in self.placed
             )
+            free = free and self.frame.contains(*box.min) and self.frame.contains(*box.max)
             if free and not _within(box, self.markers, MARKER * self.pt):
                 self._write(text, curve.text, box)
                 return

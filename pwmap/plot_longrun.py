@@ -370,9 +370,10 @@ def plot_entropy(
     *, steps: int = 120, orders: tuple[int, ...] = (12, 24),
     intervals: EntropyIntervals | None = None, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Draw the topological entropy over a parameter, as the area between its bounds.
+    """Draw the topological entropy at values of a parameter, as dots at its bounds.
 
-    Where it is known to be constant it is drawn as a thick horizontal piece.
+    Dots are not joined: between two values it may be anything. Where it is known to be constant it
+    is drawn as a thick horizontal piece.
 
     Parameters
     ----------
@@ -402,9 +403,16 @@ def plot_entropy(
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
     over = [float(p) for p in places]
     lows, highs = [e.low for e in found], [e.high for e in found]
-    area = ax.fill_between(over, lows, highs, color=POINTS, linewidth=0.0)
-    (line,) = ax.plot(over, lows, color=STEP, linewidth=0.9)
-    (upper,) = ax.plot(over, highs, color=STEP, linewidth=0.9)
+    area = ax.vlines(over, lows, highs, color=POINTS, linewidth=2.4)  # nothing is known between
+    style: dict[str, Any] = {
+        "color": STEP,
+        "linestyle": "none",
+        "marker": ".",
+        "markersize": 2.5,
+        "mew": 0.0,
+    }
+    (line,) = ax.plot(over, lows, **style)
+    (upper,) = ax.plot(over, highs, **style)
     drawn: Artists = {"between": [area], "bounds": [line, upper], "constant": []}
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)

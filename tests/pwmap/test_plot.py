@@ -57,6 +57,7 @@ def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == [
         "jump crossing", "stable fixed point", "unstable fixed point",
+        "belongs to its piece", "does not",
     ]  # fmt: skip
 
 
@@ -85,6 +86,16 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     ]
     edges = lines(ax)
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
+
+
+def test_curves_and_points_of_a_plane_have_names() -> None:
+    """Where the period doubles at b = -1 and a = 1; the raster has two periods, and no other."""
+    skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    plane = parameter_plane(skew, "a", "b", ("1/4", "5/4"), ("-3/2", "-1/2"), orders=(1, 2))
+    drawn = plot_plane(plane, samples=20)
+    assert {*(c.id for c in plane.curves), *(p.id for p in plane.points)} == set(written(drawn))
+    assert len(plane.points) > 0
+    assert "of codimension two" in legend_of(drawn)
 
 
 def test_parameters_need_values() -> None:

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 from pwmap.plot_labels import Curve as Named
 from pwmap.plot_labels import Labels, Name
 from woodpecker.mechanics.toy import description, parameters
@@ -67,9 +67,10 @@ def plot_curves(
     ax
         Where to draw; a new figure by default.
     legend
-        Whether to say, beside the axes, which kinds of curves and points are there.
+        Whether to say, below the axes, which kinds of curves and points are there.
     here
-        Both parameters of the toy, which a star marks.
+        Both parameters of the toy, which a star marks; limits follow the curves, and where it lies
+        beyond them the legend says so.
     styles
         Properties of matplotlib by the names of the curves, ``"points"``, ``"names"`` and
         ``"the toy"``.
@@ -88,7 +89,7 @@ def plot_curves(
     names = {curve.names for curve in curves.values()}
     if len(names) != 1:
         raise ValueError(f"expected curves over the same two parameters, got {sorted(names)}")
-    ax = ax if ax is not None else new_axes(8.4, 4.8)
+    ax = ax if ax is not None else new_axes(7.0, 5.4)
     (first, second) = next(iter(names))
     shown: Artists = {"points": [], "names": []}
     points: list[Name] = []
@@ -97,18 +98,21 @@ def plot_curves(
         shown["points"] += _mark(ax, curve)
         before = f"{name} " if len(curves) > 1 and name else ""
         points += [Name(f"{before}{p.id}", *p.values, always=False) for p in _marked(curve)]
-    if here is not None:
+    ax.margins(0.04)
+    inside = here is not None and bool(ax.viewLim.contains(*here))
+    if here is not None and inside:
         shown[TOY] = [*ax.plot(*here, "*", color="black", ms=STAR, mec="white", mew=0.5, zorder=5)]
     labels = name_curves(ax, curves, points, [here] if here is not None else [])
     shown["names"].append(labels)
     styled(shown, styles, (TOY,))
     ax.set_xlabel(label(first))
     ax.set_ylabel(label(second))
-    ax.margins(0.04)
     if legend:
-        samples = handles(curves.values(), toy=here is not None)
-        ax.legend(handles=samples, fontsize=7.5, frameon=False,
-                  bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
+        samples = handles(curves.values(), toy=inside)
+        if here is not None and not inside:
+            text = f"{TOY} lies beyond: {here[0]:g}, {here[1]:g}"
+            samples.append(Line2D([], [], ls="", label=text))
+        ax.legend(handles=samples, fontsize=7.5, frameon=False, ncols=3, **below(ax))
     return Drawn((ax,), shown)
 
 
