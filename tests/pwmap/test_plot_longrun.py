@@ -146,3 +146,8 @@ def test_a_density_is_drawn_over_a_histogram() -> None:
     assert abs(left - 0.25) < 0.01  # 20 000 dependent points
     with pytest.raises(ValueError, match="expected a map with a chaotic attractor"):
         plot_density(dynamics(PAPER, {"a": "5/4", "r": 3}))
+
+
+def test_samples_of_the_entropy_are_not_joined() -> None:
+    drawn = plot_entropy(TENT, "a", ("5/4", "2"), steps=4, orders=(4,))
+    assert [line.get_linestyle() for line in drawn.artists["bounds"]] == ["None", "None"]  # type: ignore[attr-defined]

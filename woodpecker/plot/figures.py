@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
@@ -15,7 +16,7 @@ from matplotlib.lines import Line2D
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.local import LocalModel
 from woodpecker.plot.curve import Curve, Link, refined
@@ -88,6 +89,9 @@ def plot_curve(
 ) -> Drawn:
     """P_order with the diagonal; jumps are dotted, and what was not resolved is pale.
 
+    Fixed points are marked, filled if they attract, and jumps that cross the diagonal are told from
+    others.
+
     Where the toy falls for ever the picture is hatched. Triangles at the lower edge say that the
     map goes on below.
 
@@ -122,10 +126,13 @@ def plot_curve(
     breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
     x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
     shown[rf"$P_{{{order}}}$"] = [*ax.plot(x, y, **LINE)]
-    for link, (name, style) in STEEP.items():
-        pairs = curve.between(link)[:, None] + [0, 1]
+    crosses = _crosses(curve)
+    for (link, across), (name, style) in STEEP.items():
+        places = curve.between(link)
+        pairs = places[crosses[places] == across][:, None] + [0, 1]
         if pairs.size:
             add(shown, {name: ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **style)})
+    add(shown, _fixed(ax, curve, crosses))
     ax.set_xlim(*ends)
     ax.set_ylim(*_heights(curve))
     if returns is not None:
@@ -134,7 +141,8 @@ def plot_curve(
     ax.set_xlabel(r"$\varphi_{S,k}$ [rad]")
     ax.set_ylabel(rf"$\varphi_{{S,k+{order}}}$ [rad]")
     ax.grid(alpha=0.25, linewidth=0.5)
-    styled(shown, styles, (*(name for name, _ in STEEP.values()), FALLS, LOST, BELOW))
+    known = (*(name for name, _ in STEEP.values()), *FIXED.values(), FALLS, LOST, BELOW)
+    styled(shown, styles, known)
     place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
 
@@ -160,7 +168,10 @@ def _lost(ax: Axes, returns: ReturnMap) -> Artists:
 
 
 def _below(ax: Axes, curve: Curve) -> Artists:
-    """Triangles where the map leaves the picture through its lower edge."""
+    """Triangles where the map leaves the picture through its lower edge, or ends on a flank.
+
+    Next to free fall it goes down without end, faster than samples can follow.
+    """
     with np.errstate(invalid="ignore"):
         under = curve.y < ax.get_ylim()[0]
     places: list[float] = []
@@ -168,19 +179,72 @@ def _below(ax: Axes, curve: Curve) -> Artists:
         middle = float(0.5 * (curve.x[first] + curve.x[last]))
         if not places or middle - places[-1] > NEAR * float(np.ptp(curve.x)):
             places.append(middle)
-    if not places:
-        return {}
-    marks = ax.plot(
-        places, np.full(len(places), 0.015), "v", color=STABLE, markersize=4.5, mec="white",
-        mew=0.4, transform=ax.get_xaxis_transform(), zorder=5, linestyle="none",
-    )  # fmt: skip
-    return {BELOW: [*marks]}
+    style: dict[str, Any] = {"color": STABLE, "markersize": 4.5, "mec": "white", "mew": 0.4,
+                             "zorder": 5, "linestyle": "none", "marker": "v"}  # fmt: skip
+    marks: list[Artist] = []
+    if places:
+        low = np.full(len(places), 0.015)
+        marks += ax.plot(places, low, transform=ax.get_xaxis_transform(), **style)
+    ends = _flanks(curve, ax.get_ylim()[0])
+    if ends.size:
+        marks += ax.plot(curve.x[ends], curve.y[ends], **style)
+    return {BELOW: marks} if marks else {}
 
 
-STEEP: dict[Link, tuple[str, dict[str, Any]]] = {
-    Link.OPEN: ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
-    Link.JUMP: ("jump", {"color": JUMP, "linewidth": 1.4, "linestyle": (0, (1, 1.3))}),
-}
+def _flanks(curve: Curve, low: float) -> Ints:
+    """Samples in the picture from which the map falls steeply into a gap."""
+    found = list[int]()
+    lost = np.isnan(curve.y)
+    for k in np.flatnonzero(~lost & (curve.y > low)).tolist():
+        for beside, before in ((k + 1, k - 1), (k - 1, k + 1)):
+            if min(beside, before) >= 0 and max(beside, before) < len(lost) and lost[beside]:
+                fall = (curve.y[before] - curve.y[k]) / abs(curve.x[before] - curve.x[k])
+                if fall > STEEPEST:
+                    found.append(k)
+    return np.array(found, dtype=np.int64)
+
+
+STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # and whether it crosses
+    (Link.OPEN, False): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
+    (Link.OPEN, True): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
+    (Link.JUMP, False): (
+        "jump", {"color": "#969696", "linewidth": 1.0, "linestyle": (0, (1, 1.3))}
+    ),
+    (Link.JUMP, True): (
+        "jump crossing", {"color": JUMP, "linewidth": 1.6, "linestyle": (0, (1, 1.3))}
+    ),
+}  # fmt: skip
+FIXED = {True: "stable fixed point", False: "unstable fixed point"}
+ON_IT = 1e-9  # rad: so close to the diagonal lie centres, whose sides are rounding
+
+
+def _crosses(curve: Curve) -> Bools:
+    """Which intervals between samples (n - 1,) have the diagonal between their ends."""
+    above = curve.y - curve.x
+    with np.errstate(invalid="ignore"):
+        off = np.abs(above[1:]) + np.abs(above[:-1]) > ON_IT
+        crosses: Bools = (above[1:] * above[:-1] < 0.0) & off
+    return crosses
+
+
+def _fixed(ax: Axes, curve: Curve, crosses: Bools) -> Artists:
+    """Fixed points, between two samples: filled if they attract."""
+    shown: Artists = {}
+    (k,) = np.nonzero(crosses & (curve.links == Link.CURVE))
+    slope = (curve.y[k + 1] - curve.y[k]) / (curve.x[k + 1] - curve.x[k])
+    places = curve.x[k] + (curve.y[k] - curve.x[k]) / (1.0 - slope)
+    for stable, name in FIXED.items():
+        own = places[(np.abs(slope) < 1.0) == stable]
+        if own.size:
+            color = STABLE if stable else UNSTABLE
+            add(shown, {name: ax.plot(
+                own, own, "o", color=color, markersize=5, mfc=color if stable else "white",
+                linestyle="none", zorder=5,
+            )})  # fmt: skip
+    return shown
+
+
+STEEPEST = 100.0  # slope: what falls faster into a gap goes on below
 CUT = 0.02  # of the height: what lies less far below the picture is shown
 
 
