@@ -97,6 +97,15 @@ def plot_diagram(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> from pwmap.plot import plot_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> drawn = plot_diagram(bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)))
+    >>> list(drawn.artists)
+    ['stable', 'jump crossing', 'border collision', 'end point', 'names']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown = draw_branches(diagram, ax, kinds, labels=labels, stable_only=stable_only)
@@ -362,6 +371,14 @@ def plot_map(
     ------
     ValueError
         If the map still has parameters, or there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.plot import plot_map
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> list(plot_map(lines.at({"p": "1/2"})).artists)
+    ['diagonal', 'pieces', 'ends', 'jump crossing']
     """
     if map_.parameters:
         raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
@@ -463,6 +480,15 @@ def plot_cobweb(
     ------
     ValueError
         If there is no step, or the map still has parameters.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.plot import plot_cobweb
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> (orbit,) = plot_cobweb(lines.at({"p": "1/2"}), "1/3", 2).artists["orbit"]
+    >>> [round(float(x), 3) for x in orbit.get_xdata()]
+    [0.333, 0.333, -0.389, -0.389, 0.306]
     """
     if steps < 1:
         raise ValueError(f"a cobweb needs at least one step, got {steps}")

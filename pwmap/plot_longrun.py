@@ -91,6 +91,17 @@ def plot_long_run(
     ------
     ValueError
         If the two are over different parameters, or there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram
+    >>> from pwmap.plot_longrun import plot_long_run
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("5/4", "3/2"), 1)
+    >>> branches = bifurcation_diagram(tent, "a", ("5/4", "3/2"), (1,))
+    >>> drawn = plot_long_run(branches, found, tent, steps=8)
+    >>> sorted(name for name, artists in drawn.artists.items() if artists)
+    ['bands', 'merging crisis', 'names', 'unstable']
     """
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(
@@ -136,6 +147,15 @@ def plot_attractors(
     -------
     Drawn
         The axes, and the artists by the names in the legend.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> from pwmap.plot_longrun import plot_attractors
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("5/4", "3/2"), 1)
+    >>> sorted(plot_attractors(found, tent, steps=8).artists)
+    ['bands', 'merging crisis']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown = _draw_attractors(found, map_, ax, steps)
@@ -299,6 +319,15 @@ def plot_kneading(
     ------
     ValueError
         If the map has no break, or no step is to be shown.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> from pwmap.plot_longrun import plot_kneading
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> drawn = plot_kneading(dynamics(tent, {"a": 2}), steps=4)
+    >>> [text.get_text() for text in drawn.ax.get_yticklabels()]
+    ['$1/2^-$', '$1/2^+$']
     """
     if steps < 1:
         raise ValueError(f"a kneading table needs at least one step, got {steps}")
@@ -396,6 +425,15 @@ def plot_entropy(
     -------
     Drawn
         The axes, and the artists by these names.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.plot_longrun import plot_entropy
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> drawn = plot_entropy(tent, "a", ("3/2", 2), steps=4, orders=(4,))
+    >>> drawn.ax.get_ylabel()
+    'topological entropy'
     """
     ax = ax if ax is not None else new_axes(7.0, 3.6)
     low, high = (sympy.Rational(str(end)) for end in span)
@@ -462,6 +500,15 @@ def plot_density(
     ------
     ValueError
         If no attractor has a density.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> from pwmap.plot_longrun import plot_density
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> drawn = plot_density(dynamics(tent, {"a": 2}), points=1000)
+    >>> [step.get_label() for step in drawn.artists["densities"]]
+    ['density, exact']
     """
     known = [(each, each.density) for each in found.attractors if each.density is not None]
     if not known:

@@ -76,6 +76,15 @@ def plot_plane(
     -------
     Drawn
         The axes, and the artists of curves and points by these names.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plot_plane import plot_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> list(plot_plane(plane, samples=20).artists)
+    ['flip', 'names']
     """
     ax = ax if ax is not None else new_axes(6.0, 6.2)
     if raster is None:

@@ -57,6 +57,16 @@ def plot_return_map(
     -------
     Drawn
         As :func:`plot_curve` gives it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Toy, return_map
+    >>> from woodpecker.plot.figures import plot_return_map
+    >>> toy = Toy()
+    >>> drawn = plot_return_map(toy, return_map(toy, np.linspace(-0.6, -0.45, 50)))
+    >>> list(drawn.artists)
+    ['diagonal', '$P_{1}$', 'jump', 'stable fixed point', 'goes on below']
     """
     *_, curve = curves(toy, returns, order, depth)
     return plot_curve(curve, ax, order=order, returns=returns, legend=legend, styles=styles)
@@ -119,6 +129,16 @@ def plot_curve(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Toy, return_map
+    >>> from woodpecker.plot.figures import curves, plot_curve
+    >>> toy = Toy()
+    >>> first = next(curves(toy, return_map(toy, np.linspace(-0.6, -0.5, 20))))
+    >>> list(plot_curve(first).artists)
+    ['diagonal', '$P_{1}$', 'not resolved']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     ends = curve.x[[0, -1]]
@@ -296,6 +316,21 @@ def plot_local(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> from woodpecker import family_from_sympy, local_model
+    >>> from woodpecker.plot.figures import plot_local
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0)
+    >>> exact = PiecewiseLinearMap.from_sympy(p1, x).at({a: "5/4"})
+    >>> drawn = plot_local(model, bifurcation_diagram(exact, "r", (-1, 1), orders=(1, 2)))
+    >>> [ax.get_title() for ax in drawn.axes]
+    ['the toy, with the prediction in grey', 'its local model, solved exactly']
     """
     figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)

@@ -85,6 +85,20 @@ def plot_curves(
     ValueError
         If there is no curve, they are over different parameters, or there is no part of the name
         of a style.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> from woodpecker.plot.plane import plot_curves
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
+    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (0.5, 2)), settings=settings)
+    >>> list(plot_curves({"A": curve}, here=(0.0, 1.25)).artists)
+    ['points', 'names', 'A', 'the toy']
     """
     names = {curve.names for curve in curves.values()}
     if len(names) != 1:
