@@ -194,6 +194,13 @@ def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> l
     orders = sorted({branch.order for branch in found.branches})
     several = orders if len(orders) > 1 else []
     drawn += [plot_diagram(found.of_order(order)) for order in several]
+    for order, each in zip(several, drawn[1:], strict=True):
+        each.ax.set_title(f"$P_{{{order}}}$", fontsize=9)
+    if found.sample:  # exact in other parameters, too: a picture needs values of them
+        values = ", ".join(f"{name} = {value}" for name, value in found.sample.items())
+        for each in drawn:
+            before = each.ax.get_title()
+            each.ax.set_title(f"{before}{', ' * bool(before)}drawn at {values}", fontsize=9)
     names = [f"{name}.{picture}" for name in ("diagram", *(f"order_{j}" for j in several))]
     for name, each in zip(names, drawn, strict=True):
         write_figure(out / name, each.figure)

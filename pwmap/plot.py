@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import sympy
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
@@ -28,6 +30,9 @@ STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
 INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"
 BAND = "#c6dbef"
 NAMES = "names"  # of points and curves, among the artists of a picture
+WIDTHS = (1.3, 0.85, 0.6, 0.45)  # of the lines of the lowest order, the next, ...; over the usual
+STARS = 4.9  # stars are larger than other markers, which lie over them
+STAR = 100  # the area of one [pt^2]: its tips show behind another marker
 MOST_LABELS = 30  # of points that have labels unless the caller asks for all
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
@@ -57,7 +62,9 @@ def plot_diagram(
     """Draw all branches of a diagram and its special points, with their names.
 
     Stable, unstable and jump branches differ in colour and in their lines; where there are
-    iterates, that to which a branch belongs, such as P_2, is written on it.
+    iterates, that to which a branch belongs, such as P_2, is written on it if there is room, and
+    the higher it is the thinner are its lines. Points whose markers lie on one another share one
+    label, with their names from left to right.
 
     Parameters
     ----------
@@ -66,7 +73,7 @@ def plot_diagram(
     ax
         Axes to draw on; new ones by default.
     kinds
-        Special points to mark.
+        Special points to mark; those that have a name are marked with it.
     legend
         Whether to explain the lines and markers that occur.
     words
@@ -90,6 +97,15 @@ def plot_diagram(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> from pwmap.plot import plot_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> drawn = plot_diagram(bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)))
+    >>> list(drawn.artists)
+    ['stable', 'jump crossing', 'border collision', 'end point', 'names']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown = draw_branches(diagram, ax, kinds, labels=labels, stable_only=stable_only)
@@ -97,17 +113,44 @@ def plot_diagram(
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
     styled(shown, styles, (*_STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
-    place_legend(ax, shown, legend)
+    place_legend(ax, shown, legend, order_samples(diagram, stable_only))
     return Drawn((ax,), shown)
 
 
-def place_legend(ax: Axes, shown: Artists, legend: bool = True) -> None:
+def place_legend(
+    ax: Axes, shown: Artists, legend: bool = True, more: Sequence[Line2D] = ()
+) -> None:
     """A legend of what was drawn, where it covers least; labels for one that is made later."""
-    entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
+    entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
     for name, artist in entries.items():
         artist.set_label(name)
+    entries |= {str(line.get_label()): line for line in more}
     if legend and entries:
         ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
+
+
+def order_samples(diagram: Diagram, stable_only: bool = False) -> list[Line2D]:
+    """For a legend: how broad the lines of each iterate are; none if there is one iterate."""
+    ranks = _ranks(diagram)
+    seen = {b.order for b in diagram.branches if b.stable.any() or not stable_only}
+    if len(ranks) < 2:
+        return []
+    return [
+        Line2D([], [], color=INK, linewidth=_STYLES["stable"]["linewidth"] * _width(rank),
+               label=f"width of $P_{{{order}}}$")
+        for order, rank in ranks.items()
+        if order in seen
+    ]  # fmt: skip
+
+
+def _ranks(diagram: Diagram) -> dict[int, int]:
+    """The orders of a diagram, counted from the lowest."""
+    return {order: k for k, order in enumerate(sorted({b.order for b in diagram.branches}))}
+
+
+def _width(rank: int) -> float:
+    """What the breadth of a line is multiplied by."""
+    return WIDTHS[min(rank, len(WIDTHS) - 1)]
 
 
 def draw_branches(
@@ -129,20 +172,29 @@ def draw_branches(
             add(shown, {"bands": [area]})
     curves = [c for c in _curves(diagram) if c.label == "stable" or not stable_only]
     lines: Artists = {}
+    ranks = _ranks(diagram)
     for curve in curves:
-        line = ax.plot(curve.p, curve.x, solid_capstyle="round", **_STYLES[curve.label])
-        add(lines, {curve.label: line})
+        style = dict(_STYLES[curve.label])
+        if len(ranks) > 1:
+            style["linewidth"] *= _width(ranks[curve.order])
+        add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
     shown |= {label: lines[label] for label in _STYLES if label in lines}
     near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
     marked: list[SpecialPoint] = []
-    for kind in map(PointKind, kinds):
-        points = [point for point in diagram.points if point.kind is kind and point.id in near]
+    asked = tuple(map(PointKind, kinds))
+    for kind in (*asked, *(other for other in MARKERS if other not in asked)):
+        points = [
+            point for point in diagram.points
+            if point.kind is kind and point.id in near
+            and (kind in asked or (point.name and labels is not False))
+        ]  # fmt: skip
         if points:
             marked += points
             marker, color = MARKERS.get(kind, (".", "#969696"))
             shown[kind.label] = [ax.scatter(
                 [point.parameter for point in points], [point.x for point in points],
-                s=70 if marker == "*" else 26, marker=marker, zorder=5, color=color,
+                s=STAR if marker == "*" else 26, marker=marker, color=color,
+                zorder=STARS if marker == "*" else 5.0,
                 edgecolors="white" if marker not in "|" else None, linewidths=0.6,
             )]  # fmt: skip
     named = [point for point in diagram.points if point.name and point.id in near]
@@ -277,7 +329,7 @@ def axis_label(name: str) -> str:
         "c_phi": r"$c_\varphi$ [N m/rad]",
         "g": r"$g$ [m/s$^2$]",
     }
-    return known.get(name, name)
+    return known.get(name, f"${sympy.latex(sympy.Symbol(name))}$" if name.isidentifier() else name)
 
 
 # --- Maps -----------------------------------------------------------------------------------------
@@ -293,7 +345,7 @@ def plot_map(
 ) -> Drawn:
     """Draw the graph of a map or an iterate with the diagonal and what lies on it.
 
-    A filled end of a piece belongs to it, an open one does not. Jumps that cross the diagonal are
+    A filled end of a piece belongs to it, a hollow one does not. Jumps that cross the diagonal are
     dotted; fixed points are filled if they are stable.
 
     Parameters
@@ -319,6 +371,14 @@ def plot_map(
     ------
     ValueError
         If the map still has parameters, or there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.plot import plot_map
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> list(plot_map(lines.at({"p": "1/2"})).artists)
+    ['diagonal', 'pieces', 'ends', 'jump crossing']
     """
     if map_.parameters:
         raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
@@ -364,10 +424,15 @@ def plot_map(
     ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
     ax.grid(alpha=0.25, linewidth=0.5)
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
-    place_legend(ax, {name: each for name, each in shown.items() if name not in PLAIN}, legend)
+    explained = {name: each for name, each in shown.items() if name not in PLAIN}
+    place_legend(ax, explained, legend, _ENDS if shown["ends"] else ())
     return Drawn((ax,), shown)
 
 
+_ENDS = [
+    Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9, label=text)
+    for face, text in ((INK, "belongs to its piece"), ("white", "does not"))
+]
 PLAIN = ("diagonal", "pieces", "ends")  # of a map: what needs no legend
 
 
@@ -415,6 +480,15 @@ def plot_cobweb(
     ------
     ValueError
         If there is no step, or the map still has parameters.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.plot import plot_cobweb
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> (orbit,) = plot_cobweb(lines.at({"p": "1/2"}), "1/3", 2).artists["orbit"]
+    >>> [round(float(x), 3) for x in orbit.get_xdata()]
+    [0.333, 0.333, -0.389, -0.389, 0.306]
     """
     if steps < 1:
         raise ValueError(f"a cobweb needs at least one step, got {steps}")

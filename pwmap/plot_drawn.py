@@ -30,6 +30,14 @@ class Drawn:
     artists
         What was drawn, lists of artists of matplotlib by the name of the part; where there is a
         legend the names are those it has. Each can still be changed, by ``artist.set(color="k")``.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.plot import plot_map
+    >>> drawn = plot_map(PiecewiseLinearMap([("1 - x", "x > 0"), ("-1", "x <= 0")]))
+    >>> [line.get_linewidth() for line in drawn.artists["pieces"]]
+    [1.5, 1.5]
     """
 
     axes: tuple[Axes, ...]

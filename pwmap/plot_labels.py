@@ -1,16 +1,20 @@
 """Names of points and of curves in a picture, so that none covers another.
 
 Places depend on what is shown, so they are looked for anew whenever the picture is drawn: after a
-zoom, too, which makes room for names that are left out where points crowd. A name stands close to
-its point if there is room; otherwise it moves away from it, and a thin line leads back. It avoids
-other names and the legend first, then markers, then curves. A curve's name stands on the curve, and
-is left out where there is no room.
+zoom, too, which makes room for names that are left out where points crowd. Points whose markers lie
+on one another share one label: their names from left to right, or, if there are many, by kinds with
+runs of numbers, such as FF3-FF9. A label stands close to its point if there is room; otherwise it
+moves away from it. Wherever it is not nearer to its own point than to all others, a thin line leads
+back. It stays inside the frame, and avoids other labels, their lines and the legend first, then
+markers, then curves. A curve's name stands on the curve, and is left out where there is no room.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,20 +28,30 @@ from matplotlib.transforms import Bbox, IdentityTransform
 Floats = npt.NDArray[np.float64]
 
 SIZE, CURVE_SIZE = 7.5, 7.0  # of letters [pt]
-NEAR = (7.0, 13.0, 20.0, 29.0, 40.0)  # distances from a point to its name that are tried [pt]
+NEAR = (6.0, 9.0, 13.0, 20.0, 29.0, 40.0, 55.0, 72.0, 90.0)  # tried from a point to its name [pt]
 LED = 15.0  # farther names have a line that leads to them [pt]
 MARKER = 4.5  # half the size of a marker [pt]
+SHARED = 2.5  # points that lie closer have one label: their markers hide one another [pt]
+SAME_PLACE = 0.3  # closer points are one dot in print [pt]
+LISTED = 4  # more names on one label are written by kinds and runs of numbers
 DENSEST = 2.0  # optional names per square inch of the axes; if there were more, there are none
 EDGE = 2.0  # between a name and the frame [pt]
+CLEAR = 2.0  # between two names [pt]
 STEP = 4.0  # between places of a curve that are kept free [pt]
-COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
+OUTSIDE = 1000.0  # cost of a name that the frame cuts off
+COSTS = {"names": 100.0, "lines": 40.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
 SAME = 1.0  # px: distances that differ by less are the same
 STRANGE = 10.0  # cost of standing closer to another point than to its own
 FARTHER = 0.06  # what a point of distance costs: curves may be crossed for a while before
+SWEEPS = 6  # through all names, each of which moves to where it costs least beside the others
+STARTS = 8  # how often the choice begins anew, with the names first that cover something
+ON_LINE = np.linspace(0.0, 1.0, 41)[1:-1]  # where a leading line is looked at
 SHORTEST = 55.0  # of a curve that has a name [pt]
 AGAIN = 90.0  # to the next of the same name on another curve [pt]
-ALONG = (0.5, 0.62, 0.38, 0.74, 0.26, 0.85, 0.15)  # places on a curve that are tried for its name
-DIRECTIONS = tuple(math.radians(angle) for angle in (45, 135, -45, -135, 90, -90, 0, 180))
+ALONG = (0.5, *(0.5 + 0.05 * side * k for k in range(1, 10) for side in (1, -1)))  # places on a
+# curve that are tried for its name
+TURNS = np.radians([45, 135, -45, -135, 90, -90, 0, 180, *np.arange(22.5, 360.0, 45.0)])
+DIRECTIONS: Floats = np.column_stack([np.cos(TURNS), np.sin(TURNS)]).round(6)
 
 
 class Name(NamedTuple):
@@ -50,12 +64,25 @@ class Name(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """A curve, and what is written on it; nothing if the text is empty."""
+    """A curve, and what is written on it if it is not too short [pt]; nothing if there is none."""
 
     text: str
     x: Floats
     y: Floats
     color: Any = "black"
+    shortest: float = SHORTEST
+
+
+class _Places(NamedTuple):
+    """Where the label of some points may stand, in pixels, and what each of n places costs."""
+
+    written: str
+    text: Text
+    point: Floats  # (2,), the middle of the points
+    boxes: Floats  # (n, 4): left, lower, right and upper end
+    led: npt.NDArray[np.bool_]  # (n,): whether a line leads there
+    lines: Floats  # (n, m, 2): places on these lines; nan where there is none
+    costs: Floats  # (n,): whatever other labels do
 
 
 class Labels(Artist):
@@ -79,6 +106,7 @@ class Labels(Artist):
         places = [(name.x, name.y) for name in names]
         self.markers: Floats = np.array([*places, *markers]).reshape(-1, 2)
         self.placed: list[tuple[str, Bbox]] = []  # when it was drawn last
+        self.leads: list[tuple[int, Floats, Floats]] = []  # number in placed, point, end [px]
         self.set_zorder(6.0)
         self.set_in_layout(False)
 
@@ -91,10 +119,8 @@ class Labels(Artist):
         for curve in sorted(self.curves, key=lambda each: -_length(room.seen(each))):
             if curve.text:
                 room.write_on(curve)
-        for name in self.names:
-            if name.always or room.for_all:
-                room.write_beside(name)
-        self.placed = room.placed
+        room.write_beside([name for name in self.names if name.always or room.for_all])
+        self.placed, self.leads = room.placed, room.leads
 
 
 class _Room:
@@ -110,6 +136,7 @@ class _Room:
         self.on_curves: Floats = np.concatenate([np.empty((0, 2)), *curves])
         self.markers: Floats = self.to_pixels(labels.markers)
         self.placed: list[tuple[str, Bbox]] = []
+        self.leads: list[tuple[int, Floats, Floats]] = []
         legend = axes.get_legend()
         self.legend = [legend.get_window_extent(renderer)] if legend is not None else []
         optional = [name for name in labels.names if not name.always and self._shows(name)]
@@ -132,7 +159,7 @@ class _Room:
             (x > self.frame.x0) & (x < self.frame.x1) & (y > self.frame.y0) & (y < self.frame.y1)
         )
         places = places[inside]
-        if len(places) * STEP < SHORTEST:
+        if not len(places) or len(places) * STEP < curve.shortest:
             return
         text = self._text(curve.text, CURVE_SIZE, curve.color)
         for part in ALONG:
@@ -142,48 +169,87 @@ class _Room:
                 box.overlaps(other) or (name == curve.text and _apart(box, other) < AGAIN * self.pt)
                 for name, other in self.placed
             )
+            free = free and self.frame.contains(*box.min) and self.frame.contains(*box.max)
             if free and not _within(box, self.markers, MARKER * self.pt):
                 self._write(text, curve.text, box)
                 return
 
-    def write_beside(self, name: Name) -> None:
-        """The name of a point at the place that covers least."""
-        if not self._shows(name):
-            return
-        point = self.to_pixels((name.x, name.y))
-        text = self._text(name.text, SIZE, "black")
-        best, least, led = None, math.inf, False
-        for distance in NEAR:
-            for angle in DIRECTIONS:
-                turn = np.array([math.cos(angle), math.sin(angle)])
-                box = self._box(text, point, turn, distance * self.pt)
-                strange = self._is_strange(box, point)
-                cost = self._cost(box) + FARTHER * distance + STRANGE * strange
-                if cost < least:
-                    best, least, led = box, cost, strange or distance >= LED
-        assert best is not None
-        if led:
-            self._lead(point, best)
-        self._write(text, name.text, best)
+    def write_beside(self, names: Sequence[Name]) -> None:
+        """The names of points at places that cover least, all of them together."""
+        labels = [self._places(group) for group in self._groups(names)]
+        for label, best in zip(labels, _chosen(labels), strict=True):
+            box = Bbox(label.boxes[best].reshape(2, 2))
+            if label.led[best]:
+                self._lead(label.point, box)
+            self._write(label.text, label.written, box)
 
-    def _is_strange(self, box: Bbox, point: Floats) -> bool:
-        """Whether a name stands closer to another point than to its own."""
-        away = np.hypot(*(self.markers - np.clip(self.markers, box.min, box.max)).T)
-        own = float(np.hypot(*(point - np.clip(point, box.min, box.max))))
-        others = np.hypot(*(self.markers - point).T) > MARKER * self.pt
-        return bool((away[others] < own + SAME).any())
+    def _groups(self, names: Sequence[Name]) -> list[list[tuple[Name, Floats]]]:
+        """Names that are seen, with their points; together where markers hide one another."""
+        groups: list[list[tuple[Name, Floats]]] = []
+        for name in filter(self._shows, names):
+            point: Floats = self.to_pixels((name.x, name.y))
+            for group in groups:
+                if all(np.hypot(*(point - other)) < SHARED * self.pt for _, other in group):
+                    group.append((name, point))
+                    break
+            else:
+                groups.append([(name, point)])
+        return groups
 
-    def _cost(self, box: Bbox) -> float:
-        """What a name would cover."""
-        boxes = [*self.legend, *(other for _, other in self.placed)]
-        taken = sum(bool(box.overlaps(other)) for other in boxes)
-        inner = self.frame.padded(-EDGE * self.pt)
-        outside = not (inner.contains(*box.min) and inner.contains(*box.max))
-        return (
-            COSTS["names"] * (taken + outside)
-            + COSTS["markers"] * _within(box, self.markers, MARKER * self.pt)
-            + COSTS["curves"] * _within(box, self.on_curves, self.pt)
+    def _places(self, group: Sequence[tuple[Name, Floats]]) -> _Places:
+        """Where the label of some points may stand."""
+        ordered = sorted(group, key=lambda each: float(each[1][0]))
+        written = _together([name.text for name, _ in ordered])
+        own = np.array([point for _, point in group])
+        point: Floats = own.mean(axis=0)
+        text = self._text(written, SIZE, "black")
+        size = text.get_window_extent(self.renderer)
+        half = np.array([size.width, size.height]) / 2.0
+        away = np.repeat(NEAR, len(DIRECTIONS)) * self.pt
+        turns = np.tile(DIRECTIONS, (len(NEAR), 1))
+        middle = point + turns * away[:, None] + np.sign(turns) * half
+        boxes = np.hstack([middle - half, middle + half])
+        strange = self._strange(boxes, own)
+        led = strange | (away >= LED * self.pt)
+        ends = np.clip(point, boxes[:, :2], boxes[:, 2:])
+        lines = point + ON_LINE[:, None] * (ends - point)[:, None]
+        lines[~led] = np.nan
+        costs = FARTHER * away / self.pt + STRANGE * strange + self._covered(boxes, lines, own)
+        return _Places(written, text, point, boxes, led, lines, costs)
+
+    def _strange(self, boxes: Floats, own: Floats) -> npt.NDArray[np.bool_]:
+        """Whether labels stand closer to another point than to their own."""
+        apart = np.hypot(*(self.markers[:, None] - own).T).min(axis=0)
+        others = self.markers[apart > SAME_PLACE * self.pt]
+        if not len(others):
+            return np.zeros(len(boxes), dtype=bool)
+        near: npt.NDArray[np.bool_] = (
+            _distances(boxes, others).min(axis=1) < _distances(boxes, own).min(axis=1) + SAME
         )
+        return near
+
+    def _covered(self, boxes: Floats, lines: Floats, own: Floats) -> Floats:
+        """What labels at some places would cost besides their distance."""
+        inner = self.frame.padded(-EDGE * self.pt)
+        outside = (boxes[:, :2] < inner.min).any(axis=1) | (boxes[:, 2:] > inner.max).any(axis=1)
+        legends = np.array([box.extents for box in self.legend]).reshape(-1, 4)
+        written = np.array([box.extents for _, box in self.placed]).reshape(-1, 4)
+        taken = np.vstack([legends, _padded(written, CLEAR * self.pt)])
+        overlaps = _overlap(boxes[:, None], taken).sum(axis=1)
+        overlaps = overlaps + _strike(lines[:, None], taken).sum(axis=1)
+        apart = np.hypot(*(self.markers[:, None] - own).T).min(axis=0)
+        others = self.markers[apart > SHARED * self.pt]
+        struck = np.hypot(*(lines[:, :, None] - others).T) < 0.6 * MARKER * self.pt
+        markers = _inside(boxes, self.markers, MARKER * self.pt) + struck.any(axis=1).sum(axis=0)
+        reach = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+        near = ((self.on_curves > reach[0]) & (self.on_curves < reach[1])).all(axis=1)
+        cost: Floats = (
+            OUTSIDE * outside
+            + COSTS["names"] * overlaps
+            + COSTS["markers"] * markers
+            + COSTS["curves"] * _inside(boxes, self.on_curves[near], self.pt)
+        )
+        return cost
 
     def _text(self, written: str, size: float, color: Any) -> Text:
         text = Text(0.0, 0.0, written, fontsize=size, color=color, ha="left", va="bottom")
@@ -192,15 +258,11 @@ class _Room:
         text.set_transform(IdentityTransform())
         return text
 
-    def _box(self, text: Text, at: Any, turn: Any = (0.0, 0.0), away: float = 0.0) -> Bbox:
-        """Where a text stands that is moved away from a place in some direction."""
+    def _box(self, text: Text, at: Floats) -> Bbox:
+        """Where a text stands that has its middle at a place."""
         size = text.get_window_extent(self.renderer)
         half = np.array([size.width, size.height]) / 2.0
-        direction = np.asarray(turn)
-        middle = np.asarray(at) + direction * away
-        if away:
-            middle = middle + np.sign(np.round(direction, 6)) * half
-        return Bbox([middle - half, middle + half])
+        return Bbox([at - half, at + half])
 
     def _write(self, text: Text, written: str, box: Bbox) -> None:
         own = text.get_window_extent(self.renderer)
@@ -211,10 +273,133 @@ class _Room:
     def _lead(self, point: Any, box: Bbox) -> None:
         """A thin line from a point to the nearest place of its name."""
         end = np.clip(point, [box.x0, box.y0], [box.x1, box.y1])
+        self.leads.append((len(self.placed), point, end))
         line = Line2D([point[0], end[0]], [point[1], end[1]], color="#737373", linewidth=0.5)
         line.set_figure(self.labels.axes.figure)  # type: ignore[union-attr]
         line.set_transform(IdentityTransform())
         line.draw(self.renderer)
+
+
+def _chosen(labels: Sequence[_Places]) -> list[int]:
+    """For each label the place that costs least beside the others.
+
+    Those that choose first have the best places. Where a label covers something at the end, the
+    choice begins anew, and it chooses first.
+    """
+    order = list(range(len(labels)))
+    best, least = list[int](), math.inf
+    for _ in range(STARTS):
+        chosen = _settled(labels, order)
+        costs = [_cost(labels, chosen, k)[chosen[k]] for k in range(len(labels))]
+        if sum(costs) < least:
+            best, least = [chosen[k] for k in range(len(labels))], sum(costs)
+        worse = [k for k in order if costs[k] >= COSTS["lines"]]
+        if not worse:
+            break
+        order = [*worse, *(k for k in order if k not in worse)]
+    return best
+
+
+def _settled(labels: Sequence[_Places], order: Sequence[int]) -> dict[int, int]:
+    """Places that labels have chosen one after the other, until none of them moves."""
+    chosen: dict[int, int] = {}
+    for _ in range(SWEEPS):
+        before = dict(chosen)
+        for k in order:
+            chosen[k] = int(np.argmin(_cost(labels, chosen, k)))
+        if chosen == before:
+            break
+    return chosen
+
+
+def _cost(labels: Sequence[_Places], chosen: dict[int, int], k: int) -> Floats:
+    """What each place of one label costs beside what the others have chosen."""
+    cost = labels[k].costs
+    for other, place in chosen.items():
+        if other != k:
+            cost = cost + _beside(labels[k], labels[other], place)
+    return cost
+
+
+def _beside(label: _Places, other: _Places, place: int) -> Floats:
+    """What the places of one label cost where another stands already."""
+    box, line = other.boxes[place], other.lines[place]
+    gap = _padded(box[None], 0.2 * (box[3] - box[1]))
+    names = (
+        _overlap(label.boxes, gap[0]).astype(float)
+        + _strike(label.lines, box)
+        + _strike(np.broadcast_to(line, label.lines.shape), label.boxes)
+    )
+    cost: Floats = COSTS["names"] * names
+    if other.led[place]:
+        cross = _cross(label.point, label.lines[:, -1], other.point, line[-1])
+        cost = cost + COSTS["lines"] * (cross & label.led)
+    return cost
+
+
+def _cross(a: Floats, ends: Floats, c: Floats, d: Floats) -> npt.NDArray[np.bool_]:
+    """Whether the ways from a to some ends (n, 2) cross that from c to d."""
+
+    def side(p: Floats, q: Floats, r: Floats) -> Floats:
+        turned: Floats = (q - p)[..., 0] * (r - p)[..., 1] - (q - p)[..., 1] * (r - p)[..., 0]
+        return turned
+
+    crossed: npt.NDArray[np.bool_] = np.logical_and(
+        side(a, ends, c) * side(a, ends, d) < 0.0, side(c, d, a) * side(c, d, ends) < 0.0
+    )
+    return crossed
+
+
+def _together(names: Sequence[str]) -> str:
+    """Names on one label: one after the other, or, if there are many, by kinds and runs."""
+    if len(names) <= LISTED:
+        return ", ".join(names)
+    parts = [re.fullmatch(r"(\D*)(\d*)", name) for name in names]
+    known = sorted((m[1], int(m[2])) for m in parts if m is not None and m[2])
+    plain = [name for name, m in zip(names, parts, strict=True) if m is None or not m[2]]
+    for _, run in groupby(enumerate(known), key=lambda each: (each[1][0], each[1][1] - each[0])):
+        ends = [f"{kind}{number}" for _, (kind, number) in run]
+        plain += [f"{ends[0]}\u2013{ends[-1]}"] if len(ends) > 2 else ends
+    return ", ".join(plain)
+
+
+def _padded(boxes: Floats, margin: float) -> Floats:
+    """Boxes (n, 4) with a margin."""
+    return boxes + margin * np.array([-1.0, -1.0, 1.0, 1.0])
+
+
+def _overlap(boxes: Floats, others: Floats) -> npt.NDArray[np.bool_]:
+    """Whether boxes (..., 4) overlap others."""
+    overlaps: npt.NDArray[np.bool_] = (
+        (boxes[..., 0] < others[..., 2])
+        & (boxes[..., 2] > others[..., 0])
+        & (boxes[..., 1] < others[..., 3])
+        & (boxes[..., 3] > others[..., 1])
+    )
+    return overlaps
+
+
+def _strike(lines: Floats, boxes: Floats) -> npt.NDArray[np.bool_]:
+    """Whether lines, given by places (..., m, 2), go through boxes (..., 4)."""
+    low, high = boxes[..., None, :2], boxes[..., None, 2:]
+    with np.errstate(invalid="ignore"):
+        within = ((lines > low) & (lines < high)).all(axis=-1)
+    struck: npt.NDArray[np.bool_] = np.any(within, axis=-1, keepdims=False)
+    return struck
+
+
+def _distances(boxes: Floats, places: Floats) -> Floats:
+    """How far places (m, 2) are from boxes (n, 4): (n, m)."""
+    nearest = np.clip(places, boxes[:, None, :2], boxes[:, None, 2:])
+    away: Floats = np.hypot(*(places - nearest).T).T
+    return away
+
+
+def _inside(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int64]:
+    """How many places (m, 2) lie in each of some boxes (n, 4), or next to it."""
+    low, high = boxes[:, None, :2] - margin, boxes[:, None, 2:] + margin
+    count: npt.NDArray[np.int64] = ((places > low) & (places < high)).all(axis=2).sum(axis=1)
+    return count
 
 
 def _apart(box: Bbox, other: Bbox) -> float:

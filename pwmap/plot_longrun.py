@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from sympy import QQ
 
@@ -20,7 +21,7 @@ from pwmap.longrun.crises import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches
+from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches, order_samples
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 
 STEP, POINTS, CRISIS = "#08306b", "#c6dbef", "#cb181d"
@@ -90,6 +91,17 @@ def plot_long_run(
     ------
     ValueError
         If the two are over different parameters, or there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram
+    >>> from pwmap.plot_longrun import plot_long_run
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("5/4", "3/2"), 1)
+    >>> branches = bifurcation_diagram(tent, "a", ("5/4", "3/2"), (1,))
+    >>> drawn = plot_long_run(branches, found, tent, steps=8)
+    >>> sorted(name for name, artists in drawn.artists.items() if artists)
+    ['bands', 'merging crisis', 'names', 'unstable']
     """
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(
@@ -108,7 +120,7 @@ def plot_long_run(
     _window(ax, found, inner)
     styled(every, styles, KNOWN)
     if legend:
-        _legend_below(ax, every)
+        _legend_below(ax, every, order_samples(diagram))
     return Drawn((ax,), every)
 
 
@@ -135,6 +147,15 @@ def plot_attractors(
     -------
     Drawn
         The axes, and the artists by the names in the legend.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> from pwmap.plot_longrun import plot_attractors
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("5/4", "3/2"), 1)
+    >>> sorted(plot_attractors(found, tent, steps=8).artists)
+    ['bands', 'merging crisis']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown = _draw_attractors(found, map_, ax, steps)
@@ -156,8 +177,9 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
         ax.set_ylim(inner.y0 - margin, inner.y1 + margin)
 
 
-def _legend_below(ax: Axes, shown: Artists) -> None:
-    entries = {name: artists[0] for name, artists in shown.items() if name != NAMES}
+def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None:
+    entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
+    entries |= {str(line.get_label()): line for line in more}
     ax.legend(
         entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax)
     )  # fmt: skip
@@ -297,6 +319,15 @@ def plot_kneading(
     ------
     ValueError
         If the map has no break, or no step is to be shown.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> from pwmap.plot_longrun import plot_kneading
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> drawn = plot_kneading(dynamics(tent, {"a": 2}), steps=4)
+    >>> [text.get_text() for text in drawn.ax.get_yticklabels()]
+    ['$1/2^-$', '$1/2^+$']
     """
     if steps < 1:
         raise ValueError(f"a kneading table needs at least one step, got {steps}")
@@ -368,9 +399,10 @@ def plot_entropy(
     *, steps: int = 120, orders: tuple[int, ...] = (12, 24),
     intervals: EntropyIntervals | None = None, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Draw the topological entropy over a parameter, as the area between its bounds.
+    """Draw the topological entropy at values of a parameter, as dots at its bounds.
 
-    Where it is known to be constant it is drawn as a thick horizontal piece.
+    Dots are not joined: between two values it may be anything. Where it is known to be constant it
+    is drawn as a thick horizontal piece.
 
     Parameters
     ----------
@@ -393,6 +425,15 @@ def plot_entropy(
     -------
     Drawn
         The axes, and the artists by these names.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.plot_longrun import plot_entropy
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> drawn = plot_entropy(tent, "a", ("3/2", 2), steps=4, orders=(4,))
+    >>> drawn.ax.get_ylabel()
+    'topological entropy'
     """
     ax = ax if ax is not None else new_axes(7.0, 3.6)
     low, high = (sympy.Rational(str(end)) for end in span)
@@ -400,9 +441,16 @@ def plot_entropy(
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
     over = [float(p) for p in places]
     lows, highs = [e.low for e in found], [e.high for e in found]
-    area = ax.fill_between(over, lows, highs, color=POINTS, linewidth=0.0)
-    (line,) = ax.plot(over, lows, color=STEP, linewidth=0.9)
-    (upper,) = ax.plot(over, highs, color=STEP, linewidth=0.9)
+    area = ax.vlines(over, lows, highs, color=POINTS, linewidth=2.4)  # nothing is known between
+    style: dict[str, Any] = {
+        "color": STEP,
+        "linestyle": "none",
+        "marker": ".",
+        "markersize": 2.5,
+        "mew": 0.0,
+    }
+    (line,) = ax.plot(over, lows, **style)
+    (upper,) = ax.plot(over, highs, **style)
     drawn: Artists = {"between": [area], "bounds": [line, upper], "constant": []}
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
@@ -452,6 +500,15 @@ def plot_density(
     ------
     ValueError
         If no attractor has a density.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> from pwmap.plot_longrun import plot_density
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> drawn = plot_density(dynamics(tent, {"a": 2}), points=1000)
+    >>> [step.get_label() for step in drawn.artists["densities"]]
+    ['density, exact']
     """
     known = [(each, each.density) for each in found.attractors if each.density is not None]
     if not known:

@@ -16,14 +16,18 @@ from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.diagram import FloatArray, PointKind
 from pwmap.parameters.cells import ParameterCell
 from pwmap.plane.colours import Colours
+from pwmap.plane.network import CodimensionTwo
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.strips import Strip
-from pwmap.plot import axis_label
+from pwmap.plot import NAMES, axis_label
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot_labels import Curve, Labels, Name
 
 PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
 NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
+POINTS = "of codimension two"
+RARE = 0.001  # of a raster: what is known of fewer places is not in the legend
 NOTHING, CHAOS = "#f0f0f0", "#969696"
 LINES: dict[PointKind, dict[str, Any]] = {
     PointKind.BC: {"color": "#cb181d", "linewidth": 1.0},
@@ -48,6 +52,8 @@ def plot_plane(
 ) -> Drawn:
     """Draw two parameters: colours, bifurcation curves, and the points in which they meet.
 
+    Curves and points have the names of the plane, where there is room.
+
     Parameters
     ----------
     plane
@@ -64,12 +70,21 @@ def plot_plane(
     legend
         Whether to explain colours and lines.
     styles
-        Properties of matplotlib for curves by the names in the legend, and for ``"points"``.
+        Properties of matplotlib for curves and points by the names in the legend.
 
     Returns
     -------
     Drawn
         The axes, and the artists of curves and points by these names.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plot_plane import plot_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> list(plot_plane(plane, samples=20).artists)
+    ['flip', 'names']
     """
     ax = ax if ax is not None else new_axes(6.0, 6.2)
     if raster is None:
@@ -86,23 +101,43 @@ def plot_plane(
             line = ax.plot(*arc_arrays(arc, step), **LINES[curve.kind], zorder=3)
             add(shown, {curve.kind.label: line})
     for point in plane.points:
-        across, along = (to_float(bounds(value)[0]) for value in point.node)
-        mark = ax.plot(across, along, "o", markersize=4.0, color="black",
+        mark = ax.plot(*_place(point), "o", markersize=4.0, color="black", linestyle="none",
                        markerfacecolor="white", markeredgewidth=0.9, zorder=4)  # fmt: skip
-        add(shown, {"points": mark})
+        add(shown, {POINTS: mark})
     names = [kind.label for kind in LINES]
-    styled(shown, styles, (*names, "points"))
+    styled(shown, styles, (*names, POINTS))
     ax.set_xlabel(axis_label(str(plane.across)))
     ax.set_ylabel(axis_label(str(plane.along)))
     ax.set_xlim(low, high)
     ax.set_ylim(*map(to_float, plane.along_span))
-    drawn = [name for name in names if name in shown]
+    shown[NAMES] = [_named(ax, plane, step)]
+    drawn = [name for name in (*names, POINTS) if name in shown]
     handles = [*patches, *(shown[name][0] for name in drawn)]
     labels = [*(str(patch.get_label()) for patch in patches), *drawn]
     if legend:
         ax.legend(handles, labels, fontsize=7, ncols=2, title=title if patches else None,
                   title_fontsize=7, frameon=False, **below(ax))  # fmt: skip
     return Drawn((ax,), shown)
+
+
+def _place(point: CodimensionTwo) -> tuple[float, float]:
+    across, along = (to_float(bounds(value)[0]) for value in point.node)
+    return across, along
+
+
+def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
+    """Names on the longest arcs of curves, and beside points."""
+    curves = list[Curve]()
+    for curve in plane.curves:
+        arcs = [arc_arrays(arc, step) for arc in curve.arcs]
+        longest = max(range(len(arcs)), key=lambda k: len(arcs[k][0]), default=0)
+        color = LINES[curve.kind]["color"]
+        for k, (across, along) in enumerate(arcs):
+            curves.append(Curve(curve.id if k == longest else "", across, along, color, 0.0))
+    points = [Name(point.id, *_place(point), always=False) for point in plane.points]
+    labels = Labels(points, curves)
+    ax.add_artist(labels)
+    return labels
 
 
 # --- Colours --------------------------------------------------------------------------------------
@@ -180,6 +215,8 @@ def _listed(
     patches = []
     for number in np.unique(shown).tolist():
         if number < start:
+            if int((shown == number).sum()) < RARE * shown.size:  # too few to be seen
+                continue
             text = first[number]
         else:
             text = label.format(number - 1)

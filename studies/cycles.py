@@ -33,6 +33,13 @@ SCENES: dict[str, tuple[PiecewiseLinearMap, dict[str, str]]] = {
     "three pieces, a = 3/2": (THREE, {"a": "3/2"}),
     "tent map, a = 2": (TENT, {"a": "2"}),
 }
+LABELS = {  # in the picture
+    "rotation, slope 1/2": "rotation with a gap, slopes 1/2",
+    "P1^L, slopes 1/4, -5/4": "$P_1^L$, slopes 1/4 and $-$5/4",
+    "tent map, a = 17/10": "tent map, slopes $\\pm$17/10",
+    "three pieces, a = 3/2": "three pieces, slopes $\\pm$3/2",
+    "tent map, a = 2": "tent map, slopes $\\pm$2",
+}
 COLORS = (JUMP, VIOLET, STABLE, "#636363", UNSTABLE)
 ORDER = 20
 PIECES = 20_000  # of an iterate at most
@@ -112,13 +119,15 @@ def draw(found: Results) -> Figure:
     for (name, each), color in zip(found.items(), COLORS, strict=True):
         for ax, what, other in ((axes[0], "words", "pieces"), (axes[1], "cpu", "cpu")):
             rows, pieces = each["words"], each["composition"]
-            ax.semilogy(*_columns(rows, what), color=color, label=name)
+            ax.semilogy(*_columns(rows, what), color=color, label=LABELS.get(name, name))
             ax.semilogy(*_columns(pieces, other), color=color, linestyle=":")
-    axes[0].set(xlabel="order", ylabel="words so far; pieces of the iterate", title="how many")
-    axes[1].set(xlabel="order", ylabel="CPU time [s]", title="how long")
+    axes[0].set(xlabel="order $n$", ylabel="number", title="words up to $n$; pieces of $P_n$")
+    axes[1].set(
+        xlabel="order $n$", ylabel="CPU time [s]", title="for cycles up to $n$; for those of $P_n$"
+    )
     axes[1].set_ylim(bottom=1e-3)
-    axes[0].plot([], [], color="black", label="by words")
-    axes[0].plot([], [], color="black", linestyle=":", label="by composition")
+    axes[0].plot([], [], color="black", label="solid: by words")
+    axes[0].plot([], [], color="black", linestyle=":", label="dotted: by composition")
     axes[0].legend(fontsize=6.5, loc="upper left")
     for ax in axes:
         _plain(ax)

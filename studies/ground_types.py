@@ -116,18 +116,25 @@ def draw(timings: dict[str, Timing], names: list[str], kinds: list[str]) -> Figu
     for i, kind in enumerate(kinds):
         seconds = [timings[f"{name}, {kind}"]["cpu_median"] for name in names]
         at = [row + (i - 0.5) * height for row in range(len(names))]
-        bars = ax.barh(at, seconds, height, color=COLORS[kind], label=NAMES[kind])
+        bars = ax.barh(at, seconds, height, color=COLORS[kind], label=NAMES[kind], log=True)
         labels = [f"{s:.2g} s" if s > 0.1 else f"{1e3 * s:.2g} ms" for s in seconds]
         ax.bar_label(bars, labels, fontsize=7, padding=3)
-    ax.set_yticks(
-        range(len(names)), [name.replace(", orders", ",\norders") for name in names], fontsize=8
-    )
+    ax.set_yticks(range(len(names)), list(map(_label, names)), fontsize=8)
     ax.invert_yaxis()
-    ax.margins(x=0.12)
+    every = [timings[f"{name}, {kind}"]["cpu_median"] for name in names for kind in kinds]
+    ax.set_xlim(0.3 * min(every), 3.0 * max(every))
     ax.grid(visible=False, axis="y")
     ax.set_xlabel("CPU time [s], median of rounds in turn")
     ax.legend(fontsize=8)
     return figure
+
+
+def _label(name: str) -> str:
+    """The name of a job for the picture."""
+    named = {"P1..P6 in a and r": "$P_1$ to $P_6$ in $a$ and $r$",
+             "P1..P4 in a and r": "$P_1$ to $P_4$ in $a$ and $r$"}  # fmt: skip
+    text = named.get(name, name).replace("P1^L, a symbolic", "$P_1^L$, $a$ symbolic")
+    return text.replace(", orders", ",\norders").replace("..", " to ")
 
 
 if __name__ == "__main__":

@@ -307,7 +307,9 @@ def draw_crises(ax: Axes, crises: Mapping[str, list[Row]]) -> None:
             ax.annotate(f"{row['exact']:.0f}", (row["order"], row["cpu"]), (0, 4), fontsize=6,
                         textcoords="offset points", ha="center", color=color)  # fmt: skip
     ax.margins(y=0.15)
-    ax.set(xlabel="order of words", ylabel="CPU time [s]", title="crises, by how many are exact")
+    ax.set(
+        xlabel="order of words", ylabel="CPU time [s]", title="finding crises; numbers: exact ones"
+    )
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), frameon=False)
 
 
@@ -320,14 +322,16 @@ def draw_entropy(ax: Axes, entropy: Mapping[str, list[Row]], ulam: Mapping[str, 
             label = name if key == "width" else None
             ax.loglog(over, sizes, style, color=color, markersize=3.5, linewidth=1.0,
                       mfc=color if key == "width" else "white", label=label)  # fmt: skip
-            for row in shown if key == "width" else (shown[0], shown[-1]):
+            for row in (shown[0], shown[-1]):  # the first and the last: others lie close
                 number = row["order" if key == "width" else "bins"]
-                ax.annotate(f"{number:.0f}", (row["cpu"], row[key]), (2, 3), fontsize=5,
+                side = (-3, -2) if key == "width" else (3, 3)
+                ax.annotate(f"{number:.0f}", (row["cpu"], row[key]), side, fontsize=5,
+                            ha="right" if key == "width" else "left",
                             textcoords="offset points", color=color)  # fmt: skip
     ax.plot([], [], "o-", color="black", markersize=3.5, label="width of bounds, by order")
     ax.plot([], [], "s--", color="black", markersize=3.5, markerfacecolor="white",
             label="error of Ulam's method, by bins")  # fmt: skip
-    ax.set(xlabel="CPU time [s]", title="entropy: what is left open")
+    ax.set(xlabel="CPU time [s]", title="entropy: bounds by order, Ulam by bins")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), frameon=False)
 
 
@@ -349,7 +353,7 @@ def draw_random(ax: Axes, taken: Mapping[str, list[Row]]) -> None:
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
     ax.grid(visible=False, axis="y")
-    ax.set(xlabel="CPU time [s], medians marked", title="random maps, one place")
+    ax.set(xlabel="CPU time [s], medians marked", title="random maps at one parameter")
     ax.legend(loc="upper center", bbox_to_anchor=(0.4, -0.2), frameon=False)
 
 

@@ -3,7 +3,9 @@
     python -m studies.order_three [--fast] [--out DIR]
 
 The paper stopped at P_2. Fixed points of P_3 are counted in slices, between the parameters at which
-branches end, and every sample is simulated once more. The picture has one colour for each period.
+branches end, and every sample is simulated once more. The picture has one colour and one kind of
+line for each period, and marks no special points: there are too many. Those of P_1 are marked by
+:mod:`studies.figures.fig09_order_one`, collisions of P_2 by :mod:`studies.figures.fig10_order_two`.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pwmap import BranchKind, Diagram
+from pwmap import BranchKind, Diagram, PointKind
 from pwmap.plot import STABLE
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, canvas, keep
@@ -25,7 +27,8 @@ from woodpecker import Search
 
 ORDERS = (1, 2, 3)
 FAST = Part((0.105, 0.13), (-1.0, -0.65), Search(slices=7), 4)
-COLOURS = {3: GREY, 2: RED, 1: STABLE}  # in the order of drawing
+LOOKS = {3: (GREY, (0, (1.5, 1))), 2: (RED, (0, (5, 1.2))), 1: (STABLE, "-")}  # as they are drawn
+WIDTHS, DOTS = {False: 0.6, True: 1.8}, (0, (1, 1.3))  # by whether it attracts; of jumps
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
@@ -51,10 +54,10 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 
 
 def draw(diagram: Diagram, part: Part) -> Figure:
-    """Fixed points by period, those that attract broad; jump crossings of P_1 black."""
+    """Fixed points by period, those that attract broad; jump crossings of P_1 dotted."""
     figure, (ax,) = canvas(5.6)
-    for order, colour in COLOURS.items():
-        for attracts, width in ((False, 0.5), (True, 1.6)):
+    for order, (colour, dashes) in LOOKS.items():
+        for attracts, width in WIDTHS.items():
             lines = [
                 np.column_stack([branch.parameter, branch.x])
                 for branch in diagram.branches
@@ -62,22 +65,35 @@ def draw(diagram: Diagram, part: Part) -> Figure:
                 and branch.order == order
                 and bool(np.median(np.abs(branch.multiplier)) < 1.0) is attracts
             ]
-            ax.add_collection(LineCollection(lines, colors=colour, linewidths=width))
+            ax.add_collection(LineCollection(lines, colors=colour, linewidths=width, ls=dashes))
     jumps = [
         np.column_stack([branch.parameter, branch.x])
         for branch in diagram.of_order(1).branches
         if branch.kind is BranchKind.JUMP
     ]
-    ax.add_collection(LineCollection(jumps, colors="black", linewidths=0.8))
-    handles = [Line2D([], [], color=COLOURS[k], label=f"period {k}") for k in ORDERS]
-    handles.append(Line2D([], [], color="black", linewidth=0.8, label="jump of $P_1$"))
-    ax.legend(handles=handles, fontsize=7, framealpha=0.95, loc="lower right")
+    ax.add_collection(LineCollection(jumps, colors="black", linewidths=1.2, ls=DOTS))
+    ax.legend(handles=samples(diagram), fontsize=7, framealpha=0.95, loc="lower right")
     ax.set_xlim(*part.span)
     margin = 0.02 * (part.window[1] - part.window[0])
     ax.set_ylim(part.window[0] - margin, part.window[1] + margin)
     ax.set_xlabel(r"$\varepsilon_{N1}$")
     ax.set_ylabel(r"$\varphi_S$ [rad]")
     return figure
+
+
+def samples(diagram: Diagram) -> list[Line2D]:
+    """What the legend shows, and how many special points the picture leaves out."""
+    found = [
+        Line2D([], [], color=LOOKS[k][0], ls=LOOKS[k][1], linewidth=1.6, label=f"period {k}")
+        for k in ORDERS
+    ]
+    found.append(Line2D([], [], color="black", ls=DOTS, linewidth=1.2, label="jump of $P_1$"))
+    for attracts, width in WIDTHS.items():
+        label = "broad: stable" if attracts else "thin: unstable"
+        found.append(Line2D([], [], color="black", linewidth=width, label=label))
+    count = sum(point.kind is not PointKind.EP for point in diagram.points)
+    found.append(Line2D([], [], ls="", label=f"{count} special points: too many to mark"))
+    return found
 
 
 if __name__ == "__main__":

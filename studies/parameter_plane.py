@@ -80,11 +80,13 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 
 def draw(plane: ParameterPlane, raster: PlaneRaster) -> Figure:
     """Three schemes of colours side by side."""
-    figure, axes = canvas(4.6, 1, 3)
+    figure, axes = canvas(5.0, 1, 3)
     for ax, colours in zip(axes, Colours, strict=True):
         plot_plane(plane, ax, raster=raster, colours=colours)
         ax.set_title(TITLES[colours])
         small(ax)
+    for ax in axes[1:]:
+        ax.set_ylabel("")  # as on the left; the scale of colours stands there
     return figure
 
 

@@ -17,13 +17,14 @@ from typing import Any, Literal
 
 import numpy as np
 from flint import arb
+from matplotlib.axes import Axes
 from mpmath import mp, mpf
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
 from studies.common.clocks import timed
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
-from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, canvas, keep
+from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, VIOLET, canvas, keep
 from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, Undecided, bifurcation_diagram, first_return, prove, return_map, shoot
@@ -207,30 +208,52 @@ def _off() -> float:
     return abs(first_return(Toy(), float(x)).phi_s - float(ball.mid()))
 
 
+UNITS = {"period": "its period [s]", "p": r"$\varepsilon_{N1}$", "multiplier": "its multiplier"}
+COLOURS = {"period": VIOLET, "p": UNSTABLE}
+BESIDE = 0.45  # decades between statements of the same width
+
+
 def _draw(rows: list[Row], returns: Mapping[str, Any], path: Path) -> None:
     """Time against width: a return in doubles and enclosed, and the statements."""
     figure, (ax,) = canvas(4.2)
-    ax.set(
-        xscale="log", yscale="log", xlabel="width of the answer, or error", ylabel="CPU time [s]"
-    )
+    ax.set(xscale="log", yscale="log", ylabel="CPU time [s]", ylim=(3e-6, 3.0))
+    ax.set_xlabel(r"width of the answer, or error, in the unit of the legend")
     ax.plot(returns["off_in_doubles"], returns["seconds_in_doubles"], "o", color=STABLE,
-            label="one return in doubles: its error")  # fmt: skip
+            label=r"one return in doubles: its error ($\varphi_S$ [rad])")  # fmt: skip
     ax.plot(returns["median_width"], returns["seconds"], "o", color=JUMP,
-            label="one return, enclosed")  # fmt: skip
+            label=r"one return, enclosed ($\varphi_S$ [rad])")  # fmt: skip
     ax.plot(1e-30, returns["seconds_of_reference"], "o", color=GREY,
-            label="one return, thirty digits, no proof")  # fmt: skip
-    for key, marker, text in (("seconds", "s", "proved"), ("checking", "^", "checked")):
-        small = [row for row in rows if row["boxes"] == 1]
-        widths, costs = ([row[column] for row in small] for column in ("width", key))
-        name = f"cycle and points, {text}"
-        ax.plot(widths, costs, marker, color=UNSTABLE, markerfacecolor="none", label=name)
+            label=r"one return, thirty digits, no proof ($\varphi_S$ [rad])")  # fmt: skip
+    _draw_statements(ax, [row for row in rows if row["boxes"] == 1])
     for row in rows:
         if row["boxes"] > 1:
             cost = row["seconds"] / row["boxes"]
-            ax.plot(row["width"], cost, "D", color=UNSTABLE, label="a tube of the branch, proved")
+            ax.plot(row["width"], cost, "D", color=UNSTABLE,
+                    label=rf"a tube of the branch, proved ({UNITS[row['claim']]})")  # fmt: skip
     ax.invert_xaxis()
-    ax.legend(fontsize=8)
+    ax.legend(fontsize=7, loc="lower left")
     keep(figure, path)
+
+
+def _draw_statements(ax: Axes, rows: list[Row]) -> None:
+    """Those on one orbit; of the same width they stand side by side, with their names."""
+    for claim in dict.fromkeys(row["claim"] for row in rows):
+        own = [row for row in rows if row["claim"] == claim]
+        beside = 10.0 ** (BESIDE * (0.5 * (len(own) - 1) - np.arange(len(own))))
+        widths = np.array([row["width"] for row in own]) * beside
+        for key, marker, text in (("seconds", "s", "proved"), ("checking", "^", "checked")):
+            ax.plot(
+                widths, [row[key] for row in own], marker, color=COLOURS[claim],
+                markersize=4.5, ls="", markerfacecolor="none",
+                label=f"{'cycle' if claim == 'period' else 'points'}, {text} ({UNITS[claim]})",
+            )  # fmt: skip
+        for width, row in zip(widths.tolist(), own, strict=True):
+            name = row["name"].partition("_from")[0].replace("_", " ")
+            ax.annotate(
+                name, (width, min(row["seconds"], row["checking"])), (0, -5), va="top",
+                textcoords="offset points", fontsize=6.5, ha="center",
+                rotation=90 if len(own) > 1 else 0,
+            )  # fmt: skip
 
 
 if __name__ == "__main__":

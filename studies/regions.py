@@ -26,7 +26,7 @@ from studies.main_job import PAPER
 from studies.two_parameters import FLIP
 from studies.two_parameters import NAMES as POINTS
 from woodpecker import Curve, Regions, Survey, Toy, continuation, parameter_regions, shoot
-from woodpecker.plot.plane import name_curve
+from woodpecker.plot.plane import name_curves
 from woodpecker.plot.regions import described, handles, plot_regions
 
 FIRST, SPAN = "eps_n1", (0.1, 0.9)
@@ -103,9 +103,10 @@ def draw(toy: Toy, found: dict[str, Regions]) -> Figure:
     for ax, (name, regions) in zip(axes, found.items(), strict=True):
         grid(ax)
         plot_regions(regions, ax, legend=False)
-        for curve in regions.curves:
-            name_curve(ax, _name(curve, getattr(toy, name)), curve)
-        ax.plot(toy.eps_n1, getattr(toy, name), "*", color="black", ms=6.0, zorder=5)
+        here = toy.eps_n1, getattr(toy, name)
+        known = {_name(curve, here[1]): curve for curve in regions.curves}
+        name_curves(ax, {text: curve for text, curve in known.items() if text}, (), [here])
+        ax.plot(*here, "*", color="black", ms=6.0, zorder=5)
     star = Line2D([], [], ls="", marker="*", color="black", ms=6.0, label="the paper's toy")
     shown = [*handles(found.values()), star]
     figure.legend(handles=shown, loc="outside lower center", ncols=4, fontsize=7, frameon=False)

@@ -22,6 +22,7 @@ from sympy import Rational
 
 from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram, parameter_plane
 from pwmap.plot import plot_cobweb, plot_diagram
+from pwmap.plot_drawn import below
 from pwmap.plot_plane import plot_plane
 from studies.common.clocks import Seconds, Timing, clocked, ratio, summary
 from studies.common.record import Results, command
@@ -155,6 +156,11 @@ def draw_beyond() -> Figure:
     plot_plane(plane, axes[2]).ax.set_title("attracting, orders 1 to 7")
     axes[1].set(xlabel="$r$", ylabel="$x$", ylim=(-3.5, 12.5))
     axes[2].set(xlabel="$a$", ylabel="$r$")
+    legend = axes[1].get_legend()
+    assert legend is not None
+    handles = [handle for handle in legend.legend_handles if handle is not None]
+    texts = [text.get_text() for text in legend.get_texts()]
+    axes[1].legend(handles, texts, ncols=2, frameon=False, **below(axes[1]))
     for ax in axes:
         small(ax)
     return figure

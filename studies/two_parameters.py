@@ -243,10 +243,11 @@ def draw(curves: dict[str, dict[str, Curve]]) -> Figure:
     """One panel for each second parameter."""
     figure = plt.figure(figsize=(WIDTH, 0.5 * WIDTH), layout="constrained")
     axes = figure.subplots(1, len(curves), squeeze=False)[0].tolist()
-    for ax, own in zip(axes, curves.values(), strict=True):
+    toy = Toy()
+    for ax, (second, own) in zip(axes, curves.items(), strict=True):
         grid(ax)
-        plot_curves(own, ax, legend=False)
-    shown = handles(curve for own in curves.values() for curve in own.values())
+        plot_curves(own, ax, legend=False, here=(getattr(toy, FIRST), getattr(toy, second)))
+    shown = handles((curve for own in curves.values() for curve in own.values()), toy=True)
     figure.legend(handles=shown, loc="outside lower center", ncols=4, fontsize=7, frameon=False)
     return figure
 

@@ -6,23 +6,48 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 
+import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 from needs import NEEDS_NUMBA
 from pages import OPTIONS
 
+mpl.use("Agg")
 import pwmap
+import pwmap.plot
+import pwmap.plot_drawn
+import pwmap.plot_longrun
+import pwmap.plot_plane
 import woodpecker
+import woodpecker.plot.drawing
+import woodpecker.plot.figures
+import woodpecker.plot.motions
+import woodpecker.plot.plane
+import woodpecker.plot.regions
 
+DRAWING = (
+    *(pwmap.plot, pwmap.plot_drawn, pwmap.plot_longrun, pwmap.plot_plane),
+    *(woodpecker.plot.drawing, woodpecker.plot.figures, woodpecker.plot.motions),
+    *(woodpecker.plot.plane, woodpecker.plot.regions),
+)
+PICTURES = [
+    (module, name)
+    for module in DRAWING
+    for name, value in vars(module).items()
+    if re.match(r"plot_|draw_toy|draw_frames|animate|Drawn", name)
+    and getattr(value, "__module__", "") == module.__name__
+]
 NAMES = [
     (package, name)
     for package in (pwmap, woodpecker)
     for name in package.__all__
     if name != "__version__"
-]
+] + PICTURES
 COMPUTES = re.compile(  # thousands of returns of the toy
     r"\b(continuation|bifurcation_diagram|find_all|robustness|parameter_regions)\((Toy\(|toy\b)"
 )
 WARNS = "local_model(family"  # numpy's scalars say that inf times 0 is no number, compiled code not
+RESOLVES = "plot_return_map("  # spends thousands of returns on steep places
 CUTS = re.compile(r"\b(attractor_diagram|with_crises|prove)\(")  # a second, about
 
 
@@ -35,7 +60,7 @@ def cases() -> list[object]:
     for package, name in NAMES:
         text = text_of(package, name)
         marks = [NEEDS_NUMBA, pytest.mark.slow] if COMPUTES.search(text) else []
-        marks += [NEEDS_NUMBA] if WARNS in text else []
+        marks += [NEEDS_NUMBA] if WARNS in text or RESOLVES in text else []
         marks += [pytest.mark.slow] if CUTS.search(text) else []
         found.append(pytest.param(package, name, id=f"{package.__name__}.{name}", marks=marks))
     return found
@@ -56,6 +81,7 @@ def test_an_example_prints_what_it_says(
     assert not any(doctest.SKIP in example.options for example in test.examples)
     runner = doctest.DocTestRunner(optionflags=OPTIONS)
     runner.run(test, out=report.append)
+    plt.close("all")
     assert "".join(report) == ""
 
 

@@ -36,6 +36,7 @@ def portrait(
     q, u = trajectory.at([frame.time for frame in shown], left=True)
     x, y = (QUANTITIES[name].of(q, u) for name in names)
     ax.plot(x, y, ".", color=INK, markersize=4, zorder=4)
+    ax.margins(0.09)  # numbers keep clear of the frame
     for label, here, up, side in zip(_joined(shown, sides), x, y, sides, strict=True):
         if side is not None:
             ax.annotate(

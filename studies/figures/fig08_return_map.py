@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from studies.common.places import SCALES
 from studies.common.record import Results, command
-from studies.common.style import GREY, PALE, RED, STABLE, UNSTABLE, canvas, keep
+from studies.common.style import GREY, PALE, RED, STABLE, canvas, keep
 from woodpecker import (
     Border,
     BorderKind,
@@ -95,7 +95,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     (found,) = slices_at(map_, toy.eps_n1, (1,), Settings(window=left))
     points = [(float(orbit.x[0]), orbit.multiplier) for orbit in found.cycles]
     if out is not None:
-        keep(draw(toy, rims, points, 400 if fast else 1000), out / "fig08.png")
+        keep(draw(toy, rims, 400 if fast else 1000), out / "fig08.png")
     swing = np.linspace(equilibrium(toy).phi_s, rims.slides_from, 102)[1:-1]
     mirror = 2.0 * equilibrium(toy).phi_s - swing
     return {
@@ -164,17 +164,11 @@ def bisect(toy: Toy, inside: float, outside: float) -> tuple[float, float]:
             outside = middle
 
 
-def draw(toy: Toy, rims: Ends, points: list[tuple[float, float]], starts: int) -> Figure:
+def draw(toy: Toy, rims: Ends, starts: int) -> Figure:
     """The whole map, and what is beside the equilibrium."""
     figure, (whole,) = canvas(5.0)
     returns = return_map(toy, np.linspace(*WINDOW, starts))
     plot_return_map(toy, returns, whole)
-    for x, slope in points:
-        stable = abs(slope) < 1.0
-        whole.plot(
-            x, x, "o", color=STABLE if stable else UNSTABLE, markersize=5, zorder=5,
-            mfc=STABLE if stable else "white",
-        )  # fmt: skip
     forbidden(toy, rims, whole)
     for k, guess in enumerate(DIPS):
         whole.annotate(

@@ -38,7 +38,7 @@ from studies.common.style import GREY, JUMP, PALE, RED, STABLE, UNSTABLE, WIDTH,
 from studies.figures.fig08_return_map import WINDOW, ends
 from woodpecker import ExpansionFriction, ReturnMap, Toy, equilibrium, return_map
 from woodpecker.base.arrays import Floats
-from woodpecker.plot.figures import plot_return_map
+from woodpecker.plot.figures import FIXED, plot_return_map
 
 VERTICES = ROOT / "studies" / "data" / "figure08.csv"
 UNIT = (4.8745e-4, 6.1789e-4)  # rad: the grid of the graphic, sideways and upwards
@@ -241,7 +241,10 @@ def draw(x: Floats, y: Floats, found: list[Compared]) -> Figure:
 def over_map(x: Floats, y: Floats, each: Compared, ax: Axes) -> None:
     """The vertices over the map of one law."""
     toy = TOYS[each.law]
-    plot_return_map(toy, return_map(toy, np.linspace(*WINDOW, 1000)), ax, depth=-3.1)
+    drawn = plot_return_map(toy, return_map(toy, np.linspace(*WINDOW, 1000)), ax, depth=-3.1)
+    for name in FIXED.values():
+        for mark in drawn.artists.get(name, ()):
+            mark.remove()  # it would cover vertices
     for line in ax.lines:
         line.set(color=PALE if line.get_color() == STABLE else line.get_color(), linewidth=1.0)
     off = each.to_curve > OFF
@@ -296,11 +299,13 @@ def shared(found: list[Compared], ax: Axes) -> None:
     """How many of the vertices are closer to the curve than some distance."""
     for each in found:
         for name, dashes in DASHES.items():
+            if name == SINGLE and each is not found[0]:
+                continue  # the same under both laws
             distance = np.sort(each.to_curve[each.kind == name])
             share = np.arange(1, len(distance) + 1) / len(distance)
             ax.step(
-                distance, share, where="post", color=COLOURS[each.law], linestyle=dashes,
-                linewidth=1.3,
+                distance, share, where="post", linestyle=dashes, linewidth=1.3,
+                color=GREY if name == SINGLE else COLOURS[each.law],
             )  # fmt: skip
     ax.axvspan(1e-9, 0.5 * np.hypot(*UNIT), color=JUMP, alpha=0.12, linewidth=0.0)
     ax.set(xscale="log", xlim=(3e-6, 0.6), ylim=(0.0, 1.02))

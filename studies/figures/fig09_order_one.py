@@ -26,13 +26,16 @@ pair of edges thinner than 2e-3 rad; it is there to show what the branches cost 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from pwmap import Diagram, PointKind
 from pwmap.plot import plot_diagram
@@ -186,6 +189,8 @@ def draw(diagram: Diagram, orbits: OrbitDiagram) -> Figure:
     p, x = orbits.points()
     ax.plot(p, x, ".", color=GREY, markersize=0.8, markeredgewidth=0.0, zorder=0, rasterized=True)
     panel(diagram, SUMMED, ax)
+    sample = Line2D([], [], ls="", marker=".", color=GREY, markersize=4.0)
+    with_entries(ax, [(sample, "where orbits settle")])
     return figure
 
 
@@ -204,27 +209,40 @@ def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
 
 def panel(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
     """All branches, the band of centres above them, and the paper's names."""
-    plot_diagram(diagram, ax, kinds=MARKED)
+    plot_diagram(named(diagram, law), ax, kinds=MARKED)
     band, top = ends(TOYS[law]).band, -0.15
     ax.axhspan(*band, color=PALE, linewidth=0.0)
     ax.text(
         0.99, band[1] + 0.01, "centres", fontsize=7, ha="right", va="bottom",
         transform=ax.get_yaxis_transform(),
     )  # fmt: skip
-    name_points(diagram, law, ax)
     ax.set_ylim(WINDOW[0] - 0.04, top)
 
 
-def name_points(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
-    """Write the paper's names at the special points, where the diagram has them."""
+def named(diagram: Diagram, law: ExpansionFriction) -> Diagram:
+    """The diagram with the paper's names of border collisions, where it has them."""
+    found = dict[str, str]()
     for name, place in NAMED[law].items():
-        for point in collisions(diagram, place, CLOSE):
-            right = name == "C"  # the way from A comes from the left
-            ax.annotate(
-                name, (point.parameter, point.x), (7, -5) if right else (-2, 6),
-                textcoords="offset points", fontsize=9, ha="left" if right else "right",
-                annotation_clip=True,
-            )  # fmt: skip
+        near = list(collisions(diagram, place, CLOSE))
+        if near:
+            nearest = min(
+                near, key=lambda p: float(np.hypot(p.parameter - place[0], p.x - place[1]))
+            )
+            found[nearest.id] = name
+    points = tuple(replace(point, name=found.get(point.id, "")) for point in diagram.points)
+    return replace(diagram, points=points)
+
+
+def with_entries(ax: Axes, more: list[tuple[Artist, str]], **how: Any) -> None:
+    """The legend of a diagram with more entries."""
+    legend = ax.get_legend()
+    assert legend is not None
+    handles = [handle for handle in legend.legend_handles if handle is not None]
+    texts = [text.get_text() for text in legend.get_texts()]
+    ax.legend(
+        [*handles, *(artist for artist, _ in more)], [*texts, *(text for _, text in more)],
+        **{"fontsize": 7, "framealpha": 0.95, "loc": "best", **how},
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ from studies.common.places import POINT_A, POINT_C, SPAN, WINDOW, Place, collisi
 from studies.common.record import Results, command
 from studies.common.style import PALE, canvas, keep, without_legend
 from studies.common.whole import Part, examined, searched, tally
-from studies.figures.fig09_order_one import name_points
+from studies.figures.fig09_order_one import named, with_entries
 from woodpecker import ExpansionFriction, Search, first_return, shoot
 
 SAME = 1e-6  # rad: a cycle that is found twice
@@ -45,6 +45,7 @@ AT = 0.05  # eps_N1 of the cycle of period 2 that dips to -1.84
 ON_A_LOOP = (0.5, -1.0993)  # eps_N1, phi_S [rad] of a cycle of period 2
 NEAR = 5e-4  # rad: half a unit of the digits above
 
+MARKED = PointKind.BC, PointKind.FF  # in the picture: there are hundreds of folds and flips
 FAST = Part((0.105, 0.19), (-1.2, -0.6), Search(slices=6), 6)  # from A to C
 FULL = Part(SPAN, WINDOW, Search(), 48)
 OTHER = FULL._replace(search=Search(slices=64), law=SEPARATE)  # for the second picture
@@ -274,7 +275,7 @@ def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
             if column or ax is part:
                 without_legend(ax)
         whole.set_title(TITLES[law], fontsize=8)
-        whole.set(xlabel="", ylim=(FULL.window[0] - 0.04, FULL.window[1] + 0.04))
+        whole.set(ylim=(FULL.window[0] - 0.04, FULL.window[1] + 0.04))
         part.set(xlim=(0.03, 0.2), ylim=(-0.95, -0.6))
         if column:
             whole.set_ylabel("")
@@ -289,16 +290,10 @@ def panel(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
             branch.parameter, branch.x, color=PALE, linewidth=6.0, alpha=0.6, zorder=0.9,
             solid_capstyle="butt",
         )  # fmt: skip
-    plot_diagram(diagram, ax, kinds=(PointKind.BC, PointKind.FF))
-    legend = ax.get_legend()
-    assert legend is not None
-    handles = [handle for handle in legend.legend_handles if handle is not None]
-    ax.legend(
-        [*handles, Line2D([], [], color=PALE, linewidth=6.0, alpha=0.6)],
-        [*(text.get_text() for text in legend.get_texts()), "of $P_1$; all others of $P_2$"],
-        fontsize=7, framealpha=0.95, loc="best",
-    )  # fmt: skip
-    name_points(diagram, law, ax)
+    plot_diagram(named(diagram, law), ax, kinds=MARKED)
+    band = Line2D([], [], color=PALE, linewidth=6.0, alpha=0.6)
+    said = "folds and flips are not marked"
+    with_entries(ax, [(band, "of $P_1$; all others of $P_2$"), (Line2D([], [], ls=""), said)])
 
 
 if __name__ == "__main__":

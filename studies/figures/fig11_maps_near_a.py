@@ -16,7 +16,7 @@ contact A lies at 0.04216, and at 0.125 the unstable fixed point has long met th
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -57,6 +57,8 @@ SEEN = 0.01  # rad: a jump that shows in the picture
 SCALES = Settings(window=WINDOW)
 POINTS = 50  # of a piece, as a line
 DOTS = (0, (1, 1.3))
+LOW = 0.02  # rad: above the frame, where a jump leaves it
+BELOW: dict[str, Any] = {"color": STABLE, "marker": "v", "markersize": 4.5, "linestyle": "none"}
 
 
 class Fixed(NamedTuple):
@@ -193,7 +195,7 @@ def draw(scenes: list[Scene]) -> Figure:
             ax.set_ylabel(rf"$P_{each.order}(\varphi_S)$ [rad]", fontsize=9)
         ax.tick_params(labelsize=7, labelbottom=row == 1, labelleft=column == 0)
     figure.legend(
-        handles=legend(), loc="outside lower center", ncols=6, fontsize=7, columnspacing=1.2
+        handles=legend(), loc="outside lower center", ncols=7, fontsize=6.5, columnspacing=1.0
     )
     return figure
 
@@ -210,6 +212,8 @@ def panel(each: Scene, ax: Axes) -> None:
             ax.plot(jump.x, jump.x, "o", color=JUMP, mfc="none", markersize=5, mew=1.2, zorder=4)
         elif abs(jump.jump) > SEEN:
             ax.plot([jump.x, jump.x], limits, color=GREY, linestyle=DOTS, linewidth=0.9)
+        if min(limits) < SHOWN[0] < max(limits):
+            ax.plot(jump.x, SHOWN[0] + LOW, **BELOW)
     for point in each.fixed_points:
         color = STABLE if point.stable else UNSTABLE
         face = color if point.stable else "white"
@@ -236,6 +240,7 @@ def legend() -> list[Line2D]:
         _dot("jump crossing", JUMP, "none"),
         _dot("stable fixed point", STABLE, STABLE),
         _dot("unstable fixed point", UNSTABLE, "white"),
+        Line2D([], [], label="goes on below", **BELOW),
     ]
 
 

@@ -194,13 +194,18 @@ def draw(paper: Diagram, model: LocalModel, diagram: Diagram, found: list[Agreem
     above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.0, 1.15)).flat
     draw_paper(paper, above.subplots(1, 3))
     toy, order = below.subfigures(1, 2, width_ratios=(2.0, 1.0))
-    plot_local(model, diagram, toy, reach=REACH)
+    plot_local(model, _called_a(diagram, model), toy, reach=REACH)
     for ax in toy.axes:
         ax.tick_params(labelsize=7)
     toy.axes[0].set_title("the toy at A, prediction in grey", fontsize=8)
     toy.axes[1].set_title(f"exact, with the toy's slope {model.right.slope:.5f}", fontsize=8)
     draw_errors(found, order.subplots())
     return figure
+
+
+def _called_a(diagram: Diagram, model: LocalModel) -> Diagram:
+    """The diagram with the paper's name of the collision."""
+    return diagram.named({"A": (model.p, model.x)})
 
 
 def draw_paper(paper: Diagram, axes: list[Axes]) -> None:

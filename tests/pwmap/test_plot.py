@@ -57,6 +57,7 @@ def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == [
         "jump crossing", "stable fixed point", "unstable fixed point",
+        "belongs to its piece", "does not",
     ]  # fmt: skip
 
 
@@ -85,6 +86,16 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     ]
     edges = lines(ax)
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
+
+
+def test_curves_and_points_of_a_plane_have_names() -> None:
+    """Where the period doubles at b = -1 and a = 1; the raster has two periods, and no other."""
+    skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    plane = parameter_plane(skew, "a", "b", ("1/4", "5/4"), ("-3/2", "-1/2"), orders=(1, 2))
+    drawn = plot_plane(plane, samples=20)
+    assert {*(c.id for c in plane.curves), *(p.id for p in plane.points)} == set(written(drawn))
+    assert len(plane.points) > 0
+    assert "of codimension two" in legend_of(drawn)
 
 
 def test_parameters_need_values() -> None:
@@ -187,6 +198,82 @@ def test_a_name_stands_closer_to_its_own_point_than_to_another() -> None:
         assert away.argmin() == k
 
 
+def at(*places: tuple[str, float, float], kind: PointKind = PointKind.BC) -> Diagram:
+    """A diagram of points alone, some of them with names, in the unit square."""
+    corners = tuple(
+        SpecialPoint(id=f"EP{k}", kind=PointKind.EP, parameter=k, x=k) for k in (0.0, 1.0)
+    )
+    points = tuple(SpecialPoint(id=id_, kind=kind, parameter=p, x=x) for id_, p, x in places)
+    return Diagram(parameter_name="p", x_name="x", branches=(), points=(*corners, *points))
+
+
+def test_points_on_one_another_share_one_label_from_left_to_right() -> None:
+    """Two points 0.002 apart in a picture of 7 inches, that is one point of print; seven in one."""
+    drawn = plot_diagram(at(("FF1", 0.502, 0.5), ("C", 0.5, 0.5), ("BC1", 0.7, 0.5)))
+    assert written(drawn) == ["C, FF1", "BC1"]
+    many = [(f"FF{k}", 0.5, 0.5) for k in (3, 9, 4, 8, 5, 7, 6)]
+    assert written(plot_diagram(at(*many, ("BC2", 0.5, 0.5)))) == ["BC2, FF3\u2013FF9"]
+
+
+CROWDED = (  # what the toy meets over mu_2 next to the end of its stable motion
+    ("LP3", 0.280808, -0.469534), ("PD4", 0.280808, -0.469535), ("BC9", 0.280825, -0.469440),
+    ("BC10", 0.280964, -0.467748), ("FF2", 0.281282, -0.464322), ("FF1", 0.282240, -0.461943),
+    ("BC8", 0.282244, -0.456501), ("BC12", 0.282318, -0.449209), ("PD3", 0.282332, -0.456243),
+    ("BC11", 0.282431, -0.450657), ("FF8", 0.282435, -0.444608), ("FF6", 0.282435, -0.444614),
+    ("FF4", 0.282435, -0.444651), ("FF9", 0.282451, -0.443986), ("FF7", 0.282452, -0.443989),
+    ("FF5", 0.282452, -0.444007), ("FF3", 0.282454, -0.444110), ("BC7", 0.284018, -0.442744),
+    ("LP1", 0.284027, -0.468138), ("BC6", 0.284078, -0.449401), ("BC5", 0.284162, -0.450778),
+)  # fmt: skip
+
+
+def test_labels_stay_inside_and_lines_to_them_strike_none() -> None:
+    drawn = plot_diagram(at(*CROWDED), legend=False)
+    drawn.ax.set(xlim=(0.278, 0.333), ylim=(-0.55, -0.437))
+    texts = written(drawn)
+    assert "FF3\u2013FF9" in texts
+    assert "LP3, PD4, BC9" in texts
+    labels = drawn.artists["names"][0]
+    boxes = [box for _, box in labels.placed]  # type: ignore[attr-defined]
+    for k, box in enumerate(boxes):
+        assert drawn.ax.bbox.contains(*box.min)
+        assert drawn.ax.bbox.contains(*box.max)
+        assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+    leads = labels.leads  # type: ignore[attr-defined]
+    assert len(leads) > 1
+    for number, start, end in leads:
+        line = np.array(start) + np.linspace(0.0, 0.98, 200)[:, None] * np.subtract(end, start)
+        for k, box in enumerate(boxes):
+            assert k == number or not any(box.contains(*place) for place in line)
+
+
+def test_a_star_lies_under_what_it_would_hide() -> None:
+    points = (
+        SpecialPoint(id="FF1", kind=PointKind.FF, parameter=0.0, x=0.0),
+        SpecialPoint(id="BC1", kind=PointKind.BC, parameter=0.0, x=0.0),
+    )
+    drawn = plot_diagram(Diagram(parameter_name="p", x_name="x", branches=(), points=points))
+    stars, circles = drawn.artists["fold-flip"][0], drawn.artists["border collision"][0]
+    assert stars.get_zorder() < circles.get_zorder()
+
+
+def test_a_name_has_its_marker_whatever_kinds_are_asked_for() -> None:
+    drawn = plot_diagram(small_diagram(), kinds=())
+    assert legend_of(drawn) == ["stable", "border collision"]
+    assert written(drawn) == ["C"]
+
+
+def test_orders_have_lines_of_their_own_width() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2, 3))
+    assert legend_of(drawn)[-3:] == [f"width of $P_{{{k}}}$" for k in (1, 2, 3)]
+    widths = {round(line.get_linewidth(), 3) for line in drawn.artists["stable"]}  # type: ignore[attr-defined]
+    assert widths == {round(1.6 * 1.3, 3), round(1.6 * 0.6, 3)}  # of P_1 and P_3
+
+
+def test_letters_of_axes_are_italic() -> None:
+    ax = plot_diagram(small_diagram()).ax
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$p$", "$x$")
+
+
 def test_crowded_points_have_ids_where_there_is_room() -> None:
     """Twelve points in a picture of 2 by 2 inches, three after a zoom; one has a name."""
     points = tuple(
@@ -225,7 +312,9 @@ def test_many_points_have_labels_on_request_only() -> None:
 
 def test_only_what_is_stable() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3), stable_only=True)
-    assert legend_of(drawn) == ["stable", "border collision", "end point"]
+    assert legend_of(drawn) == [
+        "stable", "border collision", "end point", "width of $P_{1}$", "width of $P_{3}$",
+    ]  # fmt: skip
     assert len(drawn.artists["stable"]) == 4  # one fixed point, and a cycle of period 3
     assert written(drawn).count("FF1") == 0
 

@@ -58,7 +58,10 @@ def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
     root = 2**0.5
     assert np.allclose(sorted(places.tolist()), [[root, root / (1 + root)], [2.0, 0.0]])
     assert [text.get_text() for text in ax.texts] == [r"MC $\sqrt{2}$", "FC $2$"]
-    assert explained(ax) == ["unstable", "bands", "merging crisis", "final crisis"]
+    assert explained(ax) == [
+        "unstable", "bands", "merging crisis", "final crisis",
+        "width of $P_{1}$", "width of $P_{2}$",
+    ]  # fmt: skip
     assert ax.get_xlim() == (1.25, 2.25)
 
 
@@ -143,3 +146,8 @@ def test_a_density_is_drawn_over_a_histogram() -> None:
     assert abs(left - 0.25) < 0.01  # 20 000 dependent points
     with pytest.raises(ValueError, match="expected a map with a chaotic attractor"):
         plot_density(dynamics(PAPER, {"a": "5/4", "r": 3}))
+
+
+def test_samples_of_the_entropy_are_not_joined() -> None:
+    drawn = plot_entropy(TENT, "a", ("5/4", "2"), steps=4, orders=(4,))
+    assert [line.get_linestyle() for line in drawn.artists["bounds"]] == ["None", "None"]  # type: ignore[attr-defined]

@@ -5,10 +5,12 @@ import json
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from pwmap import cli, read_graph
 from pwmap.cli_screen import screen
+from pwmap.diagrams import files
 
 
 @pytest.fixture(autouse=True)
@@ -70,6 +72,23 @@ def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
     assert code == 0
     assert "r/(a + 1)" in text
     assert "given: a > 1" in text
+
+
+def test_pictures_say_their_iterate_and_at_which_values_they_are_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    titles = {}
+
+    def keep(path: Path, figure: Figure) -> None:
+        titles[path.name] = figure.axes[0].get_title()
+        path.touch()
+
+    monkeypatch.setattr(files, "write_figure", keep)
+    span = ("--parameter", "r", "--span", "-1", "5/2")
+    assert run(P1L, *span, "--given", "a > 1", "--sample", "a=2", out=tmp_path)[0] == 0
+    assert titles["diagram.png"] == "drawn at a = 2"
+    assert run(P1L, *span, "--set", "a=2", "--orders", "1,2", out=tmp_path)[0] == 0
+    assert titles == {"diagram.png": "", "order_1.png": "$P_{1}$", "order_2.png": "$P_{2}$"}
 
 
 TWO = ("Piecewise((a*x + r, x <= 0), (b*x + r - 2, True))", "--parameter", "r")

@@ -70,7 +70,7 @@ def curves(
         named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
         found = _followed(toy, named, _chosen(named, from_), (first, second), spans)
         files = in_format(FILES, picture)
-        _write(found, target, files)
+        _write(toy, found, target, files)
     console.print(_table(found))
     report(target, *files)
 
@@ -129,7 +129,7 @@ def _followed(
     return found
 
 
-def _write(found: dict[str, Curve], target: Path, files: Sequence[str]) -> None:
+def _write(toy: Toy, found: dict[str, Curve], target: Path, files: Sequence[str]) -> None:
     from pwmap import write_graph
     from pwmap.diagrams.files import write_figure, write_table
     from pwmap.diagrams.record import PROGRAM, attributes
@@ -137,7 +137,8 @@ def _write(found: dict[str, Curve], target: Path, files: Sequence[str]) -> None:
     from woodpecker.plot.plane import plot_curves
 
     first, second = next(iter(found.values())).names
-    write_figure(target / files[0], plot_curves(found).figure)
+    here = getattr(toy, first), getattr(toy, second)
+    write_figure(target / files[0], plot_curves(found, here=here).figure)
     write_table(
         target / files[1],
         ("curve", "kind", "note", first, second, "phi_s", "multiplier", "beyond", "word"),

@@ -159,6 +159,13 @@ def draw_toy(
     ------
     ValueError
         If there is no such contact, or no part of the name of a style.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy
+    >>> from woodpecker.plot.drawing import draw_toy
+    >>> sorted(draw_toy(Toy(), (0.0, -0.05, -0.5), closed=[2]).artists)
+    ['bird', 'closed contacts', 'pole', 'sleeve', 'spring']
     """
     marked = sorted(set(closed))
     if not set(marked) <= {1, 2, 3}:
@@ -294,6 +301,14 @@ def draw_frames(
     ------
     ValueError
         If there is not one label for each time, none at all, or no part of the name of a style.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> from woodpecker.plot.drawing import draw_frames
+    >>> motion = simulate(Toy(), -0.52947197, 0.14597607, samples=201)
+    >>> len(draw_frames(motion, [0.0, 0.05], ["at rest", "later"]).axes)
+    2
     """
     if not times or len(times) != len(labels):
         raise ValueError(f"one label for each time, got {len(times)} times, {len(labels)} labels")
@@ -362,6 +377,15 @@ def animate(
         If ``slow`` or ``fps`` is not positive, or the suffix is another.
     FileNotFoundError
         If there is no ffmpeg for an MP4, or no such folder.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from woodpecker import Toy, simulate
+    >>> from woodpecker.plot.drawing import animate
+    >>> motion = simulate(Toy(), -0.52947197, 0.01, samples=11)
+    >>> animate(motion, Path("toy.gif"), slow=10.0).name
+    'toy.gif'
     """
     for name, value in (("slow", slow), ("fps", fps)):
         if not (math.isfinite(value) and value > 0.0):

@@ -8,14 +8,15 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
-from pwmap.plot import JUMP, MARKERS, STABLE, UNSTABLE, place_legend, plot_diagram
+from pwmap.plot import JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.local import LocalModel
 from woodpecker.plot.curve import Curve, Link, refined
@@ -56,6 +57,16 @@ def plot_return_map(
     -------
     Drawn
         As :func:`plot_curve` gives it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Toy, return_map
+    >>> from woodpecker.plot.figures import plot_return_map
+    >>> toy = Toy()
+    >>> drawn = plot_return_map(toy, return_map(toy, np.linspace(-0.6, -0.45, 50)))
+    >>> list(drawn.artists)
+    ['diagonal', '$P_{1}$', 'jump', 'stable fixed point', 'goes on below']
     """
     *_, curve = curves(toy, returns, order, depth)
     return plot_curve(curve, ax, order=order, returns=returns, legend=legend, styles=styles)
@@ -88,6 +99,9 @@ def plot_curve(
 ) -> Drawn:
     """P_order with the diagonal; jumps are dotted, and what was not resolved is pale.
 
+    Fixed points are marked, filled if they attract, and jumps that cross the diagonal are told from
+    others.
+
     Where the toy falls for ever the picture is hatched. Triangles at the lower edge say that the
     map goes on below.
 
@@ -115,6 +129,16 @@ def plot_curve(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Toy, return_map
+    >>> from woodpecker.plot.figures import curves, plot_curve
+    >>> toy = Toy()
+    >>> first = next(curves(toy, return_map(toy, np.linspace(-0.6, -0.5, 20))))
+    >>> list(plot_curve(first).artists)
+    ['diagonal', '$P_{1}$', 'not resolved']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     ends = curve.x[[0, -1]]
@@ -122,10 +146,13 @@ def plot_curve(
     breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
     x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
     shown[rf"$P_{{{order}}}$"] = [*ax.plot(x, y, **LINE)]
-    for link, (name, style) in STEEP.items():
-        pairs = curve.between(link)[:, None] + [0, 1]
+    crosses = _crosses(curve)
+    for (link, across), (name, style) in STEEP.items():
+        places = curve.between(link)
+        pairs = places[crosses[places] == across][:, None] + [0, 1]
         if pairs.size:
             add(shown, {name: ax.plot(*strokes(curve.x[pairs], curve.y[pairs]), **style)})
+    add(shown, _fixed(ax, curve, crosses))
     ax.set_xlim(*ends)
     ax.set_ylim(*_heights(curve))
     if returns is not None:
@@ -134,7 +161,8 @@ def plot_curve(
     ax.set_xlabel(r"$\varphi_{S,k}$ [rad]")
     ax.set_ylabel(rf"$\varphi_{{S,k+{order}}}$ [rad]")
     ax.grid(alpha=0.25, linewidth=0.5)
-    styled(shown, styles, (*(name for name, _ in STEEP.values()), FALLS, LOST, BELOW))
+    known = (*(name for name, _ in STEEP.values()), *FIXED.values(), FALLS, LOST, BELOW)
+    styled(shown, styles, known)
     place_legend(ax, shown, legend)
     return Drawn((ax,), shown)
 
@@ -160,7 +188,10 @@ def _lost(ax: Axes, returns: ReturnMap) -> Artists:
 
 
 def _below(ax: Axes, curve: Curve) -> Artists:
-    """Triangles where the map leaves the picture through its lower edge."""
+    """Triangles where the map leaves the picture through its lower edge, or ends on a flank.
+
+    Next to free fall it goes down without end, faster than samples can follow.
+    """
     with np.errstate(invalid="ignore"):
         under = curve.y < ax.get_ylim()[0]
     places: list[float] = []
@@ -168,19 +199,72 @@ def _below(ax: Axes, curve: Curve) -> Artists:
         middle = float(0.5 * (curve.x[first] + curve.x[last]))
         if not places or middle - places[-1] > NEAR * float(np.ptp(curve.x)):
             places.append(middle)
-    if not places:
-        return {}
-    marks = ax.plot(
-        places, np.full(len(places), 0.015), "v", color=STABLE, markersize=4.5, mec="white",
-        mew=0.4, transform=ax.get_xaxis_transform(), zorder=5, linestyle="none",
-    )  # fmt: skip
-    return {BELOW: [*marks]}
+    style: dict[str, Any] = {"color": STABLE, "markersize": 4.5, "mec": "white", "mew": 0.4,
+                             "zorder": 5, "linestyle": "none", "marker": "v"}  # fmt: skip
+    marks: list[Artist] = []
+    if places:
+        low = np.full(len(places), 0.015)
+        marks += ax.plot(places, low, transform=ax.get_xaxis_transform(), **style)
+    ends = _flanks(curve, ax.get_ylim()[0])
+    if ends.size:
+        marks += ax.plot(curve.x[ends], curve.y[ends], **style)
+    return {BELOW: marks} if marks else {}
 
 
-STEEP: dict[Link, tuple[str, dict[str, Any]]] = {
-    Link.OPEN: ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
-    Link.JUMP: ("jump", {"color": JUMP, "linewidth": 1.4, "linestyle": (0, (1, 1.3))}),
-}
+def _flanks(curve: Curve, low: float) -> Ints:
+    """Samples in the picture from which the map falls steeply into a gap."""
+    found = list[int]()
+    lost = np.isnan(curve.y)
+    for k in np.flatnonzero(~lost & (curve.y > low)).tolist():
+        for beside, before in ((k + 1, k - 1), (k - 1, k + 1)):
+            if min(beside, before) >= 0 and max(beside, before) < len(lost) and lost[beside]:
+                fall = (curve.y[before] - curve.y[k]) / abs(curve.x[before] - curve.x[k])
+                if fall > STEEPEST:
+                    found.append(k)
+    return np.array(found, dtype=np.int64)
+
+
+STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # and whether it crosses
+    (Link.OPEN, False): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
+    (Link.OPEN, True): ("not resolved", {"color": "#9ecae1", "linewidth": 0.8, "zorder": 1.5}),
+    (Link.JUMP, False): (
+        "jump", {"color": "#969696", "linewidth": 1.0, "linestyle": (0, (1, 1.3))}
+    ),
+    (Link.JUMP, True): (
+        "jump crossing", {"color": JUMP, "linewidth": 1.6, "linestyle": (0, (1, 1.3))}
+    ),
+}  # fmt: skip
+FIXED = {True: "stable fixed point", False: "unstable fixed point"}
+ON_IT = 1e-9  # rad: so close to the diagonal lie centres, whose sides are rounding
+
+
+def _crosses(curve: Curve) -> Bools:
+    """Which intervals between samples (n - 1,) have the diagonal between their ends."""
+    above = curve.y - curve.x
+    with np.errstate(invalid="ignore"):
+        off = np.abs(above[1:]) + np.abs(above[:-1]) > ON_IT
+        crosses: Bools = (above[1:] * above[:-1] < 0.0) & off
+    return crosses
+
+
+def _fixed(ax: Axes, curve: Curve, crosses: Bools) -> Artists:
+    """Fixed points, between two samples: filled if they attract."""
+    shown: Artists = {}
+    (k,) = np.nonzero(crosses & (curve.links == Link.CURVE))
+    slope = (curve.y[k + 1] - curve.y[k]) / (curve.x[k + 1] - curve.x[k])
+    places = curve.x[k] + (curve.y[k] - curve.x[k]) / (1.0 - slope)
+    for stable, name in FIXED.items():
+        own = places[(np.abs(slope) < 1.0) == stable]
+        if own.size:
+            color = STABLE if stable else UNSTABLE
+            add(shown, {name: ax.plot(
+                own, own, "o", color=color, markersize=5, mfc=color if stable else "white",
+                linestyle="none", zorder=5,
+            )})  # fmt: skip
+    return shown
+
+
+STEEPEST = 100.0  # slope: what falls faster into a gap goes on below
 CUT = 0.02  # of the height: what lies less far below the picture is shown
 
 
@@ -199,7 +283,7 @@ def plot_local(
     diagram: Diagram,
     figure: Figure | SubFigure | None = None,
     *,
-    reach: float = 2e-3,
+    reach: float | None = None,
     styles: Styles | None = None,
 ) -> Drawn:
     """A diagram next to a border collision, beside what its local model predicts.
@@ -216,7 +300,9 @@ def plot_local(
     figure
         Where to draw; a new one by default.
     reach
-        How far the parameter goes from the collision.
+        How far the parameter goes from the collision; by default a fortieth of the shortest
+        branch of the diagram that starts there: over its length a branch bends, and the model is
+        of first order.
     styles
         Properties of matplotlib by the names in the legends, and ``"prediction"`` for what lies
         behind the diagram.
@@ -230,9 +316,25 @@ def plot_local(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> from woodpecker import family_from_sympy, local_model
+    >>> from woodpecker.plot.figures import plot_local
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0)
+    >>> exact = PiecewiseLinearMap.from_sympy(p1, x).at({a: "5/4"})
+    >>> drawn = plot_local(model, bifurcation_diagram(exact, "r", (-1, 1), orders=(1, 2)))
+    >>> [ax.get_title() for ax in drawn.axes]
+    ['the toy, with the prediction in grey', 'its local model, solved exactly']
     """
     figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
+    reach = reach if reach is not None else _reach(model, diagram)
     near = diagram.within(model.p - 2.0 * reach, model.p + 2.0 * reach)
     kinds = (model.point.kind,)
     shown: Artists = {"prediction": []}
@@ -250,7 +352,7 @@ def plot_local(
                     predicted.plot(line.p, line.x, **style)})  # fmt: skip
     marker, color = MARKERS[model.point.kind]
     star = predicted.scatter(
-        [model.p], [model.x], s=70 if marker == "*" else 26, marker=marker, color=color,
+        [model.p], [model.x], s=STAR if marker == "*" else 26, marker=marker, color=color,
         edgecolors="white", linewidths=0.6, zorder=5, label=model.point.kind.label,
     )  # fmt: skip
     add(shown, {model.point.kind.label: [star]})
@@ -267,6 +369,21 @@ def plot_local(
         samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
     predicted.legend(handles=[*samples, star], fontsize=7, framealpha=0.9)
     return Drawn((seen, predicted), shown)
+
+
+PART = 1.0 / 40.0  # of a branch: so far it is drawn beside its prediction
+AT = 1e-9  # in the parameter and x: a point of the diagram at the place of the model
+FARTHEST = 2e-3  # of the parameter, where the diagram has no branch that starts there
+
+
+def _reach(model: LocalModel, diagram: Diagram) -> float:
+    """How far a local model is drawn: a part of the shortest branch that starts there."""
+    at = {
+        point.id for point in diagram.points
+        if abs(point.parameter - model.p) < AT and abs(point.x - model.x) < AT
+    }  # fmt: skip
+    lengths = [float(np.ptp(b.parameter)) for b in diagram.branches if at & set(b.ends)]
+    return PART * min((length for length in lengths if length > 0.0), default=FARTHEST / PART)
 
 
 MARGIN = 0.12  # of the width and height of what is drawn
@@ -320,7 +437,9 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
         beside = [line for line in lines if (line.p[1] - line.p[0]) * side > 0.0]
         beside.sort(key=lambda line: line.x[1])
         at = np.array([(line.x[1] - low) / (high - low) * height for line in beside])
-        for line, up in zip(beside, (spread(at, APART) - at).tolist(), strict=True):
+        moved = spread(at, APART)
+        moved -= max(0.0, float(moved.max(initial=0.0)) + 0.5 * APART - height)  # in the frame
+        for line, up in zip(beside, (moved - at).tolist(), strict=True):
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
@@ -352,4 +471,4 @@ def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:
         margin = MARGIN * (max(values) - min(values)) or NARROWEST
         set_limits(min(values) - margin, max(values) + margin)
     ax.ticklabel_format(useOffset=False)
-    ax.locator_params(axis="x", nbins=4)
+    ax.locator_params(axis="x", nbins=3)

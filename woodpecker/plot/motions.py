@@ -95,6 +95,14 @@ def plot_time_history(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> from woodpecker.plot.motions import plot_time_history
+    >>> drawn = plot_time_history(simulate(Toy(), -0.52947197, 0.14597607, samples=201))
+    >>> len(drawn.axes)
+    3
     """
     if axes is None:
         figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
@@ -176,6 +184,14 @@ def plot_phase_portrait(
     ------
     ValueError
         If there is no such quantity, or no part of the name of a style.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> from woodpecker.plot.motions import plot_phase_portrait
+    >>> motion = simulate(Toy(), -0.52947197, 0.14597607, samples=201)
+    >>> len(plot_phase_portrait(motion, "phi_s", "dphi_s").artists["direction of time"])
+    3
     """
     for name in (x, y):
         if name not in QUANTITIES:
@@ -274,6 +290,14 @@ def plot_phase_portraits(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, simulate
+    >>> from woodpecker.plot.motions import plot_phase_portraits
+    >>> motion = simulate(Toy(), -0.52947197, 0.14597607, samples=201)
+    >>> len(plot_phase_portraits(motion).axes)
+    3
     """
     if axes is None:
         figure = plt.figure(figsize=(9.6, 3.7), layout="constrained")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -11,9 +11,11 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot_labels import Curve as Named
+from pwmap.plot_labels import Labels, Name
 from woodpecker.mechanics.toy import description, parameters
-from woodpecker.plane.curve import Curve
+from woodpecker.plane.curve import Curve, PlanePoint
 
 COLOURS = {
     PointKind.FF: "#b2182b",
@@ -31,6 +33,7 @@ MEANINGS = {
     (PointKind.EP, ""): "a cycle leaves the window",
 }
 DASHED = "persistence"
+TOY, STAR = "the toy", 8.0  # its star [pt]
 MARKERS = {
     PlaneKind.CUSP: "^",
     PlaneKind.GENERALISED_FLIP: "v",
@@ -50,20 +53,27 @@ SYMBOLS = {
 
 def plot_curves(
     curves: Mapping[str, Curve], ax: Axes | None = None, *, legend: bool = True,
-    styles: Styles | None = None,
+    here: tuple[float, float] | None = None, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
     """Draw curves over the same two parameters, with their points of codimension two.
+
+    Points are named as in the table of :class:`woodpecker.Curve`, after their curve if there are
+    several, where there is room for all their names.
 
     Parameters
     ----------
     curves
-        By the name that is written beside each.
+        By the name that is written on each.
     ax
         Where to draw; a new figure by default.
     legend
-        Whether to say, beside the axes, which kinds of curves and points are there.
+        Whether to say, below the axes, which kinds of curves and points are there.
+    here
+        Both parameters of the toy, which a star marks; limits follow the curves, and where it lies
+        beyond them the legend says so.
     styles
-        Properties of matplotlib by the names of the curves, ``"points"`` and ``"names"``.
+        Properties of matplotlib by the names of the curves, ``"points"``, ``"names"`` and
+        ``"the toy"``.
 
     Returns
     -------
@@ -75,25 +85,67 @@ def plot_curves(
     ValueError
         If there is no curve, they are over different parameters, or there is no part of the name
         of a style.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> from woodpecker.plot.plane import plot_curves
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
+    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (0.5, 2)), settings=settings)
+    >>> list(plot_curves({"A": curve}, here=(0.0, 1.25)).artists)
+    ['points', 'names', 'A', 'the toy']
     """
     names = {curve.names for curve in curves.values()}
     if len(names) != 1:
         raise ValueError(f"expected curves over the same two parameters, got {sorted(names)}")
-    ax = ax if ax is not None else new_axes(8.4, 4.8)
+    ax = ax if ax is not None else new_axes(7.0, 5.4)
     (first, second) = next(iter(names))
     shown: Artists = {"points": [], "names": []}
+    points: list[Name] = []
     for name, curve in curves.items():
         add(shown, {name: draw_curve(ax, curve)})
         shown["points"] += _mark(ax, curve)
-        shown["names"] += name_curve(ax, name, curve)
-    styled(shown, styles)
+        before = f"{name} " if len(curves) > 1 and name else ""
+        points += [Name(f"{before}{p.id}", *p.values, always=False) for p in _marked(curve)]
+    ax.margins(0.04)
+    inside = here is not None and bool(ax.viewLim.contains(*here))
+    if here is not None and inside:
+        shown[TOY] = [*ax.plot(*here, "*", color="black", ms=STAR, mec="white", mew=0.5, zorder=5)]
+    labels = name_curves(ax, curves, points, [here] if here is not None else [])
+    shown["names"].append(labels)
+    styled(shown, styles, (TOY,))
     ax.set_xlabel(label(first))
     ax.set_ylabel(label(second))
-    ax.margins(0.02)
     if legend:
-        ax.legend(handles=handles(curves.values()), fontsize=7.5, frameon=False,
-                  bbox_to_anchor=(1.0, 1.0), loc="upper left")  # fmt: skip
+        samples = handles(curves.values(), toy=inside)
+        if here is not None and not inside:
+            text = f"{TOY} lies beyond: {here[0]:g}, {here[1]:g}"
+            samples.append(Line2D([], [], ls="", label=text))
+        ax.legend(handles=samples, fontsize=7.5, frameon=False, ncols=3, **below(ax))
     return Drawn((ax,), shown)
+
+
+def name_curves(
+    ax: Axes, curves: Mapping[str, Curve], points: Sequence[Name] = (),
+    marks: Sequence[tuple[float, float]] = (),
+) -> Labels:  # fmt: skip
+    """Names on the longest stretches of curves, and beside points, so that none covers another."""
+    written: list[Named] = []
+    for name, curve in curves.items():
+        stretches = list(curve.stretches())
+        lengths = [_length(curve, *stretch[2:]) for stretch in stretches]
+        for k, (code, _, first, last) in enumerate(stretches):
+            part = curve.values[first : last + 2]
+            text = name if k == int(np.argmax(lengths)) else ""
+            written.append(Named(text, part[:, 0], part[:, 1], COLOURS[code], shortest=0.0))
+    labels = Labels(points, written, marks)
+    ax.add_artist(labels)
+    return labels
 
 
 def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
@@ -106,31 +158,21 @@ def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
     return lines
 
 
+def _marked(curve: Curve) -> list[PlanePoint]:
+    """Points of codimension two, and ends that are open."""
+    return [p for p in curve.points if p.kind in MARKERS or p.status is PointStatus.OPEN]
+
+
 def _mark(ax: Axes, curve: Curve) -> list[Artist]:
     """Its points of codimension two; ends that are open are hollow."""
     marks: list[Artist] = []
-    for point in curve.points:
-        marker = MARKERS.get(point.kind)
+    for point in _marked(curve):
         is_open = point.status is PointStatus.OPEN
-        if marker is not None or is_open:
-            marks += ax.plot(
-                *point.values, marker or "o", color="black", ms=3.8, mew=0.7, zorder=3,
-                mfc="white" if is_open else "black",
-            )  # fmt: skip
+        marks += ax.plot(
+            *point.values, MARKERS.get(point.kind, "o"), color="black", ms=3.8, mew=0.7, zorder=3,
+            mfc="white" if is_open else "black",
+        )  # fmt: skip
     return marks
-
-
-def name_curve(ax: Axes, name: str, curve: Curve) -> list[Artist]:
-    """The name of a curve, on the longest of its stretches; none if it is empty."""
-    if not name:
-        return []
-    _, _, first, last = max(curve.stretches(), key=lambda each: _length(curve, *each[2:]))
-    at = curve.values[(first + last) // 2]
-    text = ax.annotate(
-        name, (at[0], at[1]), ha="center", va="center", fontsize=8, zorder=4,
-        bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
-    )  # fmt: skip
-    return [text]
 
 
 def _length(curve: Curve, first: int, last: int) -> float:
@@ -159,13 +201,13 @@ def line_handles(curves: Iterable[Curve]) -> list[Line2D]:
     ]
 
 
-def handles(curves: Iterable[Curve]) -> list[Line2D]:
-    """The kinds of curves and of their points."""
+def handles(curves: Iterable[Curve], toy: bool = False) -> list[Line2D]:
+    """The kinds of curves and of their points with their codes, and the toy if it is marked."""
     drawn = list(curves)
     points = {point.kind for curve in drawn for point in curve.points}
     is_open = any(p.status is PointStatus.OPEN for curve in drawn for p in curve.points)
     marks = [
-        Line2D([], [], color="black", ls="", marker=marker, ms=3.8, label=kind.label)
+        Line2D([], [], color="black", ls="", marker=marker, ms=3.8, label=f"{kind.label} ({kind})")
         for kind, marker in MARKERS.items()
         if kind in points
     ]
@@ -173,4 +215,6 @@ def handles(curves: Iterable[Curve]) -> list[Line2D]:
         marks.append(
             Line2D([], [], color="black", ls="", marker="o", mfc="white", ms=3.8, label="open")
         )
+    if toy:
+        marks.append(Line2D([], [], color="black", ls="", marker="*", ms=STAR, label=TOY))
     return [*line_handles(drawn), *marks]

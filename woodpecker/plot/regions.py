@@ -48,6 +48,20 @@ def plot_regions(
     ------
     ValueError
         If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker.plot.regions import plot_regions
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
+    >>> span = ((-1, 1), (1.1, 2))
+    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
+    >>> list(plot_regions(found).artists)
+    ['curves', 'open', 'period 1: 1 stable, 1 unstable', 'period 1: 1 stable']
     """
     ax = ax if ax is not None else new_axes(8.4, 4.8)
     shown: Artists = {"curves": [], "open": []}

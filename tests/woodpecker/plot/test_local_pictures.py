@@ -50,6 +50,16 @@ def test_only_iterates_of_the_diagram_are_drawn_behind_it(
     assert len(pale) == 4 - len(orders)  # P_2, P_3, P_4, but for those that were followed
 
 
+@pytest.mark.parametrize("span", [Fraction(1, 4), Fraction(1, 10**4)])
+def test_a_model_is_drawn_over_a_part_of_the_branches_that_start_there(span: Fraction) -> None:
+    """All branches that start at the fold-flip end with the span: its fortieth."""
+    map_ = PiecewiseLinearMap([("r - 2", "x <= 0"), (f"r - ({A})*x", "x > 0")])
+    diagram: Diagram = bifurcation_diagram(map_, "r", (-span, span), (1, 2))
+    _, right = plot_local(local_model(paper(float(A)), 0.0, 0.0), diagram).axes
+    ends = [float(np.max(np.abs(line.get_xdata()))) for line in right.get_lines()]
+    assert ends == pytest.approx([float(span) / 40.0] * 5, rel=1e-12)
+
+
 def test_names_of_lines_do_not_overlap() -> None:
     """Jumps of P_2 and P_4 have slopes 0.980 and 0.961 in r, and end 3 points apart."""
     _, right = drawn((1,))

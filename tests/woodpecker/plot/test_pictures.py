@@ -120,6 +120,12 @@ def test_free_fall_and_what_lies_below_are_marked() -> None:
     (falls,) = drawn.artists["free fall"]
     box = falls.get_extents().transformed(drawn.ax.transData.inverted())
     assert (box.x0, box.x1) == pytest.approx((-0.103, 0.009), abs=4e-3)
-    (marks,) = drawn.artists["goes on below"]
+    marks, flanks = drawn.artists["goes on below"]
     assert marks.get_xdata() == pytest.approx([-1.225, -0.266], abs=4e-3)
-    assert legend_of(drawn) == ["diagonal", "$P_{1}$", "jump", "free fall", "goes on below"]
+    assert flanks.get_xdata() == pytest.approx([-0.103, 0.009], abs=4e-3)  # beside free fall
+    assert legend_of(drawn) == [
+        "diagonal", "$P_{1}$", "jump", "stable fixed point", "unstable fixed point", "free fall",
+        "goes on below",
+    ]  # fmt: skip
+    (stable,) = drawn.artists["stable fixed point"]
+    assert np.abs(np.asarray(stable.get_xdata()) + 0.52947197).min() < 1e-3
