@@ -520,13 +520,20 @@ def ground(results: All) -> str:
 
 
 def machine(results: All) -> str:
-    """What the results were measured on."""
-    found = results["work_precision"]["environment"]
-    versions = ", ".join(f"{name} {found[name]}" for name in ("python", "numpy", "scipy", "numba"))
-    return (
-        f"All times are CPU times on {found['processor']}, {found['cores']} cores, {versions}; "
-        "machines are shared, ratios were measured in alternating rounds."
+    """What the results of this part were measured on: times of two machines do not compare."""
+    parts = {"methods and orders": "work_precision", "the kernel": "benchmark"}
+    where = "; ".join(
+        f"{part} on {_processor(results[study]['environment'])}" for part, study in parts.items()
     )
+    return (
+        f"All times are CPU times: {where}. Machines are shared and differ by a factor of two, so "
+        "ratios are of one table, measured in alternating rounds."
+    )
+
+
+def _processor(found: Mapping[str, Any]) -> str:
+    versions = ", ".join(f"{name} {found[name]}" for name in ("python", "numpy", "scipy", "numba"))
+    return f"{found['processor']}, {found['cores']} cores, {versions}"
 
 
 def long_run(results: All) -> str:
