@@ -28,9 +28,7 @@ from woodpecker.proofs.points import ProvedPoint
 
 FORMAT = "certificate of the Woodpecker Toy"
 VERSION = 1
-SLACK = Fraction(
-    1, 10
-)  # of claimed intervals: wider by that, for other arithmetic rounds otherwise
+SLACK = Fraction(1, 10)  # by which claims are wider: other arithmetic rounds otherwise
 
 
 @dataclass(frozen=True)
