@@ -1,0 +1,197 @@
+"""Piecewise-smooth maps of R^d that are given by formulas, with exact derivatives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy
+
+from woodpecker.base.arrays import Bools, Floats
+from woodpecker.engine.maps import Image
+
+TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms: a point on a border
+# is known to some 2**-45 times the condition of the equations that it solves
+NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
+NOWHERE = "no piece of the map holds this point"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExpressionPiece:
+    """A smooth piece, given by sympy's expressions; values and derivatives are compiled once.
+
+    Parameters
+    ----------
+    word
+        Its name.
+    x, p
+        The d variables and the k parameters.
+    values
+        The d components of the image.
+    margins
+        Expressions that are positive inside, by the sentence that says what happens where they
+        vanish; none if the piece holds every point.
+    """
+
+    word: str
+    x: tuple[sympy.Symbol, ...]
+    p: tuple[sympy.Symbol, ...]
+    values: tuple[sympy.Expr, ...]
+    margins: Mapping[str, sympy.Expr] = field(default_factory=dict)
+    _function: Callable[..., Any] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        symbols = (*self.x, *self.p)
+        expressions = (*self.values, *self.margins.values())
+        for each in expressions:
+            unknown = sorted(map(str, each.free_symbols - set(symbols)))
+            if unknown:
+                raise ValueError(f"{self.word}: {unknown[0]} is no variable and no parameter")
+        object.__setattr__(self, "margins", dict(self.margins))
+        object.__setattr__(self, "_function", _compiled(symbols, expressions))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ExpressionPiece, (self.word, self.x, self.p, self.values, self.margins)
+
+    @property
+    def key(self) -> str:
+        """Its name."""
+        return self.word
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The image of a point, also outside."""
+        d, n = len(self.x), len(self.x) + len(self.p)
+        m = len(self.margins)
+        try:
+            numbers = np.array(self._function(*x.tolist(), *p.tolist()), dtype=float)
+        except (*NOT_REAL, TypeError):  # TypeError: a complex number
+            numbers = np.full((d + m) * (n + 1), math.nan)
+        rows = numbers.reshape(d + m, n + 1)
+        reason = "" if np.isfinite(rows[:d]).all() else f"{self.word} has no value at x = {x}"
+        return Image(
+            rows[:d, 0], rows[:d, 1:], rows[d:, 0], rows[d:, 1:], np.arange(m), self, reason
+        )
+
+    def cause(self, code: int) -> str:
+        """The sentence that the margin was given with."""
+        return list(self.margins)[code]
+
+
+@lru_cache(maxsize=256)
+def _compiled(
+    symbols: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]
+) -> Callable[..., Any]:
+    """A function of all symbols: each expression with its derivatives, one after the other."""
+    rows = [[each, *(sympy.diff(each, symbol) for symbol in symbols)] for each in expressions]
+    flat = [number for row in rows for number in row]
+    function: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
+    return function
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExpressionMap:
+    """A map of R^d of given pieces; where several hold a point, the first counts.
+
+    Parameters
+    ----------
+    pieces
+        At least one, with one set of variables and parameters.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.engine.formulas import expression_map
+    >>> x, y, mu = symbols("x y mu")
+    >>> kinked = expression_map(
+    ...     (x, y), (mu,),
+    ...     {"L": (x/2 + y + mu, -x/3), "R": (-x + y + mu, x/4)},
+    ...     {"L": {"x = 0": -x}, "R": {"x = 0": x}},
+    ... )
+    >>> kinked.at(np.array([-1.0, 0.0]), np.array([0.5])).value.tolist()
+    [0.0, 0.3333333333333333]
+    >>> kinked.beside(np.zeros(2), np.zeros(1), np.array([1.0, 0.0, 0.0])).piece.word
+    'R'
+    """
+
+    pieces: tuple[ExpressionPiece, ...]
+
+    def __post_init__(self) -> None:
+        if not self.pieces:
+            raise ValueError("a map needs at least one piece, got none")
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The image of a point under the first piece that holds it."""
+        for piece in self.pieces:
+            image = piece.at(x, p)
+            if not (image.margins < 0.0).any() and not np.isnan(image.margins).any():
+                return image
+        return self._nowhere(x, p)
+
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+        """The image under the piece that holds the points infinitesimally beside a point."""
+        for piece in self.pieces:
+            image = piece.at(x, p)
+            signs = np.where(tied(image, x, p), image.gradients @ direction, image.margins)
+            if (signs > 0.0).all():
+                return image
+        return self._nowhere(x, p)
+
+    def _nowhere(self, x: Floats, p: Floats) -> Image:
+        d, k = len(x), len(p)
+        none, gradients = np.empty(0), np.empty((0, d + k))
+        return Image(
+            np.full(d, math.nan), np.full((d, d + k), math.nan), none, gradients,
+            np.arange(0), self.pieces[0], NOWHERE,
+        )  # fmt: skip
+
+
+def tied(image: Image, x: Floats, p: Floats) -> Bools:
+    """Which margins of an image are zero, but for rounding."""
+    size = np.abs(image.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
+    found: Bools = np.abs(image.margins) <= TIE * size
+    return found
+
+
+def expression_map(
+    x: Sequence[sympy.Symbol],
+    p: Sequence[sympy.Symbol],
+    pieces: Mapping[str, Sequence[object]],
+    margins: Mapping[str, Mapping[str, object]] | None = None,
+) -> ExpressionMap:
+    """A piecewise-smooth map of R^d from expressions.
+
+    Parameters
+    ----------
+    x, p
+        The d variables and the k parameters.
+    pieces
+        For the name of each piece the d components of the image.
+    margins
+        For the name of each piece expressions that are positive inside, by the sentence that says
+        what happens where they vanish.
+
+    Raises
+    ------
+    ValueError
+        If a piece has not d components, an expression has other symbols, or margins are given of a
+        piece that is not there.
+    """
+    margins = margins or {}
+    for word in margins:
+        if word not in pieces:
+            raise ValueError(f"margins are given of {word!r}, the pieces are {list(pieces)}")
+    made = []
+    for word, values in pieces.items():
+        if len(values) != len(x):
+            raise ValueError(f"{word} must have {len(x)} components, got {len(values)}")
+        made.append(
+            ExpressionPiece(
+                word, tuple(x), tuple(p), tuple(map(sympy.sympify, values)),
+                {cause: sympy.sympify(h) for cause, h in margins.get(word, {}).items()},
+            )
+        )  # fmt: skip
+    return ExpressionMap(tuple(made))

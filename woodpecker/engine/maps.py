@@ -1,0 +1,155 @@
+"""A piecewise-smooth map of R^d with k parameters: smooth pieces, each with margins that bound it.
+
+A piece is a smooth map P(x, p) that exists beyond the set where the map takes it. Where it does is
+decided by margins h_j(x, p): all are positive inside, and one of them vanishes at a border. What
+the map takes infinitesimally beyond a border is asked for at the border itself: see
+:meth:`PiecewiseMap.beside`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Image:
+    """What a piece makes of a point.
+
+    Attributes
+    ----------
+    value
+        (d,) P(x, p).
+    jacobian
+        (d, d + k), its derivatives in x and p.
+    margins
+        (m,) numbers h_j(x, p), positive where the map takes this piece.
+    gradients
+        (m, d + k), their derivatives.
+    codes
+        (m,) ascending numbers that tell the margins apart; a piece need not have the same ones at
+        two points.
+    piece
+        The piece, ready to be continued from this point.
+    reason
+        Why there is no value; empty if there is one.
+    """
+
+    value: Floats
+    jacobian: Floats
+    margins: Floats
+    gradients: Floats
+    codes: Ints
+    piece: Piece
+    reason: str = ""
+
+    def place(self, code: int) -> int:
+        """Where the margin of a code stands; -1 if there is none here."""
+        k = int(np.searchsorted(self.codes, code))
+        return k if k < len(self.codes) and self.codes[k] == code else -1
+
+
+class Piece(Protocol):
+    """A smooth map with margins. It may remember where it was met last, to start from there."""
+
+    @property
+    def key(self) -> Hashable:
+        """The same for two pieces just if they are one."""
+
+    @property
+    def word(self) -> str:
+        """Its name for people, such as a sequence of events."""
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """Its image of a point, also where the map takes another piece."""
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+
+
+class PiecewiseMap(Protocol):
+    """A map of R^d, made of pieces."""
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The image of a point under the piece that the map takes there."""
+
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+        """The image of a point under the piece that the map takes infinitesimally beside it.
+
+        Parameters
+        ----------
+        x, p
+            A point (d,), as a rule at a border, and parameters (k,).
+        direction
+            (d + k,) which way to go from there. Margins that vanish at the point count by the
+            signs of their derivatives in this direction: no distance is looked at.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Several pieces in turn, as one: what the last of them makes of what the first ones make.
+
+    Its margins are those of all its pieces, as functions of the first point.
+
+    Attributes
+    ----------
+    pieces
+        At least one.
+    """
+
+    pieces: tuple[Piece, ...]
+
+    @property
+    def key(self) -> Hashable:
+        """The keys of the pieces."""
+        return tuple(piece.key for piece in self.pieces)
+
+    @property
+    def word(self) -> str:
+        """Their words."""
+        return " | ".join(piece.word for piece in self.pieces)
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The last image, with all margins and derivatives in the first point."""
+        d, k, n = len(x), len(p), len(self.pieces)
+        inner = np.eye(d, d + k)  # derivatives of the point that is reached, in (x, p)
+        margins, gradients, codes = [], [], []
+        pieces, value = [], x
+        for i, piece in enumerate(self.pieces):
+            image = piece.at(value, p)
+            if image.reason:
+                return image
+            margins.append(image.margins)
+            gradients.append(_through(image.gradients, inner, d))
+            codes.append(n * image.codes + i)
+            inner = _through(image.jacobian, inner, d)
+            pieces.append(image.piece)
+            value = image.value
+        order = np.argsort(np.concatenate(codes), kind="stable")
+        return Image(
+            value, inner, np.concatenate(margins)[order], np.concatenate(gradients)[order],
+            np.concatenate(codes)[order], Chain(tuple(pieces)),
+        )  # fmt: skip
+
+    def cause(self, code: int) -> str:
+        """That of the piece whose margin it is."""
+        rest, i = divmod(code, len(self.pieces))
+        return self.pieces[i].cause(rest)
+
+
+def chain(pieces: Sequence[Piece]) -> Piece:
+    """Several pieces in turn as one; a single one is itself."""
+    return pieces[0] if len(pieces) == 1 else Chain(tuple(pieces))
+
+
+def _through(outer: Floats, inner: Floats, d: int) -> Floats:
+    """Derivatives (m, d + k) of functions of a point, as functions of one that leads to it."""
+    found: Floats = outer[:, :d] @ inner
+    found[:, d:] += outer[:, d:]
+    return found

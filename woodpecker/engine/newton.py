@@ -1,0 +1,174 @@
+"""Problems: conditions and free unknowns. One Newton method, one tangent, for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.engine.orbits import Closed, Condition, Orbit, placed
+
+STEPS = 12  # of Newton's method: it converges in four or five, or it does not
+LARGE = 0.5  # scaled steps that grow from more than this lead away
+ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """What an orbit is to obey, and in which parameters it may move.
+
+    Parameters
+    ----------
+    conditions
+        Equations.
+    free
+        Which of the k parameters are unknowns.
+    x_scale, p_scale
+        (d,) and (k,) lengths that count as 1.
+    """
+
+    conditions: tuple[Condition, ...]
+    free: tuple[int, ...]
+    x_scale: Floats
+    p_scale: Floats
+
+    def columns(self, orbit: Orbit) -> Ints:
+        """Which of an orbit's unknowns may move."""
+        (n, d), k = orbit.x.shape, len(orbit.p)
+        points = np.arange(n * d)
+        parameters = n * d + np.array(self.free, dtype=int)
+        share = [] if orbit.outer is None else [n * d + k]
+        return np.concatenate([points, parameters, share]).astype(int)
+
+    def scale(self, orbit: Orbit) -> Floats:
+        """The lengths of all of an orbit's unknowns."""
+        return np.concatenate([np.tile(self.x_scale, len(orbit.x)), self.p_scale, [1.0]])
+
+    def with_(self, *conditions: Condition) -> Problem:
+        """The same with more conditions."""
+        return replace(self, conditions=(*self.conditions, *conditions))
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """What is left of all equations."""
+        return np.concatenate([each.residual(orbit) for each in self.conditions])
+
+    def matrix(self, orbit: Orbit) -> Floats:
+        """Their derivatives in the scaled unknowns that may move."""
+        rows = np.concatenate([each.rows(orbit) for each in self.conditions])
+        columns = self.columns(orbit)
+        found: Floats = rows[:, columns] * self.scale(orbit)[columns]
+        return found
+
+    def moved(self, orbit: Orbit, step: Floats) -> Orbit:
+        """An orbit moved by a step in scaled unknowns."""
+        to, columns = orbit.unknowns, self.columns(orbit)
+        to[columns] += step * self.scale(orbit)[columns]
+        return placed(orbit, to)
+
+    def step_between(self, one: Orbit, other: Orbit) -> Floats:
+        """The step in scaled unknowns from one orbit to another."""
+        columns = self.columns(one)
+        found: Floats = ((other.unknowns - one.unknowns) / self.scale(one))[columns]
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """What Newton's method has come to.
+
+    Attributes
+    ----------
+    orbit
+        Its last iterate.
+    converged
+        Whether this solves the equations to rounding.
+    steps
+        How many steps were taken.
+    """
+
+    orbit: Orbit
+    converged: bool
+    steps: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Across:
+    """A distance along a direction, from an orbit: the equation of pseudo-arclength continuation.
+
+    Attributes
+    ----------
+    problem, start, direction, distance
+        In scaled unknowns of the problem.
+    """
+
+    problem: Problem
+    start: Orbit
+    direction: Floats
+    distance: float
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """(1,) how far the orbit lies too far."""
+        away = self.problem.step_between(self.start, orbit) @ self.direction
+        return np.array([away - self.distance])
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """(1, ...) the direction."""
+        row = np.zeros((1, len(orbit.unknowns)))
+        columns = self.problem.columns(orbit)
+        row[0, columns] = self.direction / self.problem.scale(orbit)[columns]
+        return row
+
+
+def solve(problem: Problem, start: Orbit) -> Solution:
+    """Newton's method from an orbit, with its pieces.
+
+    It is solved where the steps are as short as rounding makes them, or stop becoming shorter
+    below the square root of that. At most ``STEPS`` are taken.
+    """
+    orbit, before = start, np.inf
+    for count in range(1, STEPS + 1):
+        if not orbit.is_defined:
+            return Solution(orbit, False, count - 1)
+        matrix, residual = problem.matrix(orbit), problem.residual(orbit)
+        if not (np.isfinite(matrix).all() and np.isfinite(residual).all()):
+            return Solution(orbit, False, count - 1)
+        try:
+            step = np.linalg.solve(matrix, -residual)
+        except np.linalg.LinAlgError:
+            return Solution(orbit, False, count - 1)
+        size = float(np.abs(step).max())
+        if size > max(LARGE, 2.0 * before) or not np.isfinite(size):
+            return Solution(orbit, False, count)
+        orbit = problem.moved(orbit, step)
+        rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
+        if size <= rounding or (before <= rounding**0.5 and size >= 0.5 * before):
+            return Solution(orbit, orbit.is_defined, count)
+        before = size
+    return Solution(orbit, before <= ROUNDED**0.5 and orbit.is_defined, STEPS)
+
+
+def tangent(problem: Problem, orbit: Orbit) -> Floats:
+    """Unit tangent, in scaled unknowns, of the curve through an orbit; nan if there is none.
+
+    Its sign makes the determinant of the equations bordered with it positive, so that neighbours
+    point the same way, round folds too, unless a branch point lies between them.
+    """
+    matrix = problem.matrix(orbit)
+    if not np.isfinite(matrix).all():
+        return np.full(matrix.shape[1], np.nan)
+    direction: Floats = np.linalg.svd(matrix)[2][-1]
+    turned = np.linalg.det(np.vstack([matrix, direction])) < 0.0
+    return -direction if turned else direction
+
+
+def null_directions(problem: Problem, orbit: Orbit, count: int) -> Floats:
+    """(count, N) orthonormal directions in which the equations change least, the least first."""
+    directions: Floats = np.linalg.svd(problem.matrix(orbit))[2]
+    return directions[::-1][:count]
+
+
+def cycles(free: Sequence[int], x_scale: Floats, p_scale: Floats) -> Problem:
+    """The problem of cycles in some parameters."""
+    return Problem((Closed(),), tuple(free), np.asarray(x_scale), np.asarray(p_scale))

@@ -1,0 +1,270 @@
+"""Orbits, and the equations that are asked of them.
+
+An orbit is x_0 .. x_(n-1) in R^d at parameters p in R^k, each point with its piece:
+P_i(x_i, p) = x_(i+1). *Conditions* close it. A cycle returns to x_0. A *jump crossing* ends at a
+border point, where the map, filled in at its jumps, takes the whole segment between its two limits:
+x_0 = (1 - s) P(x_(n-1)) + s P'(x_(n-1)) with 0 < s < 1, P and P' the pieces on both sides. At s = 0
+and s = 1 it is a cycle that meets the border.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from woodpecker.base.arrays import Complexes, Floats
+from woodpecker.engine.maps import Image, Piece
+
+STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Orbit:
+    """Points of a map, each with its image under a piece.
+
+    Attributes
+    ----------
+    x
+        (n, d) points.
+    p
+        (k,) parameters.
+    share
+        The share s of the outer limit in a jump crossing; 0 for a cycle.
+    images
+        What the pieces make of the points, n of them.
+    outer
+        What the piece on the other side of the border makes of the last point; None for a cycle.
+    """
+
+    x: Floats
+    p: Floats
+    share: float
+    images: tuple[Image, ...]
+    outer: Image | None = None
+
+    @property
+    def unknowns(self) -> Floats:
+        """(n d + k + 1,) all points, the parameters, the share."""
+        return np.concatenate([self.x.ravel(), self.p, [self.share]])
+
+    @property
+    def taken(self) -> tuple[Image, ...]:
+        """All images, the outer one at last."""
+        return self.images if self.outer is None else (*self.images, self.outer)
+
+    @property
+    def is_defined(self) -> bool:
+        """Whether every piece has a value."""
+        return not any(image.reason for image in self.taken)
+
+    @property
+    def word(self) -> str:
+        """The words of its pieces; those of the two sides of a border with a stroke in between."""
+        inner = " | ".join(image.piece.word for image in self.images)
+        return inner if self.outer is None else f"{inner} / {self.outer.piece.word}"
+
+    @property
+    def keys(self) -> tuple[Hashable, ...]:
+        """The keys of its pieces; of a crossing, those of its two sides as a set."""
+        keys = tuple(image.piece.key for image in self.images)
+        if self.outer is None:
+            return keys
+        return *keys[:-1], frozenset((keys[-1], self.outer.piece.key))
+
+    def place(self, i: int) -> int:
+        """Which point an image belongs to: the outer one to the last."""
+        return min(i, len(self.x) - 1)
+
+    def gradient(self, i: int, code: int) -> Floats:
+        """Derivatives (n d + k + 1,) of a margin of the i-th of :attr:`taken`."""
+        image = self.taken[i]
+        return self.columns(self.place(i), image.gradients[image.place(code)])
+
+    def columns(self, i: int, rows: Floats) -> Floats:
+        """Derivatives (..., d + k) in the i-th point and the parameters, as ones in all unknowns."""
+        (n, d), k = self.x.shape, len(self.p)
+        wide = np.zeros((*rows.shape[:-1], n * d + k + 1))
+        wide[..., i * d : (i + 1) * d] = rows[..., :d]
+        wide[..., n * d : n * d + k] = rows[..., d:]
+        return wide
+
+    def monodromy(self) -> Floats:
+        """(d, d) derivative of the last image in the first point: the product of the Jacobians."""
+        d = self.x.shape[1]
+        product = np.eye(d)
+        for image in self.images:
+            product = image.jacobian[:, :d] @ product
+        return product
+
+    def multipliers(self) -> Complexes:
+        """(d,) eigenvalues of the monodromy, the largest first."""
+        found: Complexes = np.linalg.eigvals(self.monodromy()).astype(complex)
+        return found[np.argsort(-np.abs(found), kind="stable")]
+
+    def rotated(self, first: int) -> Orbit:
+        """The same cycle from another of its points."""
+        images = (*self.images[first:], *self.images[:first])
+        return replace(self, x=np.roll(self.x, -first, axis=0), images=images)
+
+
+def orbit_of(
+    pieces: Sequence[Piece], x: Floats, p: Floats, share: float = 0.0, outer: Piece | None = None
+) -> Orbit:
+    """The images of points (n, d) under given pieces."""
+    x, p = np.asarray(x, dtype=float), np.asarray(p, dtype=float)
+    images = tuple(piece.at(point, p) for piece, point in zip(pieces, x, strict=True))
+    return Orbit(x, p, share, images, None if outer is None else outer.at(x[-1], p))
+
+
+class Condition(Protocol):
+    """Equations that an orbit is to obey."""
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """(m,) numbers that are zero if it does."""
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """(m, n d + k + 1), their derivatives in all unknowns of the orbit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """Each image is the next point, and the last one, or what is mixed of two, the first point."""
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """(n d,) images less points."""
+        values = np.array([image.value for image in orbit.images])
+        if orbit.outer is not None:
+            values[-1] += orbit.share * (orbit.outer.value - values[-1])
+        return np.asarray(values - np.roll(orbit.x, -1, axis=0)).ravel()
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """Their derivatives."""
+        n, d = orbit.x.shape
+        jacobians = [image.jacobian for image in orbit.images]
+        rows = np.zeros((n * d, n * d + len(orbit.p) + 1))
+        if orbit.outer is not None:
+            last, outer = orbit.images[-1], orbit.outer
+            jacobians[-1] = (1.0 - orbit.share) * last.jacobian + orbit.share * outer.jacobian
+            rows[-d:, -1] = outer.value - last.value
+        for i, jacobian in enumerate(jacobians):
+            rows[i * d : (i + 1) * d] += orbit.columns(i, jacobian)
+            to = (i + 1) % n * d
+            rows[i * d : (i + 1) * d, to : to + d] -= np.eye(d)
+        return rows
+
+
+@dataclass(frozen=True, slots=True)
+class OnBorder:
+    """A margin vanishes.
+
+    Attributes
+    ----------
+    image
+        Of which image: 0 .. n - 1, or n for the outer one.
+    code
+        Which of its margins.
+    """
+
+    image: int
+    code: int
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """(1,) the margin; nan if the piece does not have it here."""
+        image = orbit.taken[self.image]
+        k = image.place(self.code)
+        return np.full(1, np.nan) if k < 0 else image.margins[k : k + 1]
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """(1, ...) its derivatives."""
+        return orbit.gradient(self.image, self.code)[None]
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """An unknown has a value.
+
+    Attributes
+    ----------
+    column
+        Which one, of :attr:`Orbit.unknowns`.
+    value
+        Its value.
+    """
+
+    column: int
+    value: float
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """(1,) what it has too much."""
+        return np.array([orbit.unknowns[self.column] - self.value])
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """(1, ...) a unit vector."""
+        row = np.zeros((1, len(orbit.unknowns)))
+        row[0, self.column] = 1.0
+        return row
+
+
+@dataclass(frozen=True, slots=True)
+class Multiplier:
+    """A cycle has the multiplier 1 (LP) or -1 (PD), or a pair of product 1 (NS).
+
+    Attributes
+    ----------
+    kind
+        "LP", "PD" or "NS".
+    """
+
+    kind: str
+
+    def value(self, orbit: Orbit) -> float:
+        """det(M - 1), det(M + 1), or the product of mu_i mu_j - 1 over all pairs i < j."""
+        monodromy = orbit.monodromy()
+        d = len(monodromy)
+        if self.kind == "NS":
+            return float(np.linalg.det(_pairs(monodromy) - np.eye(d * (d - 1) // 2)))
+        sign = -1.0 if self.kind == "LP" else 1.0
+        return float(np.linalg.det(monodromy + sign * np.eye(d)))
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """(1,) that."""
+        return np.array([self.value(orbit)])
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """(1, ...) its derivatives, by central differences along each unknown: pieces are smooth."""
+        at = orbit.unknowns
+        row = np.zeros((1, len(at)))
+        for column in range(len(at) - 1):
+            h = STEP * max(1.0, abs(float(at[column])))
+            ahead, behind = (self.value(shifted(orbit, column, sign * h)) for sign in (1.0, -1.0))
+            row[0, column] = (ahead - behind) / (2.0 * h)
+        return row
+
+
+def _pairs(matrix: Floats) -> Floats:
+    """The second compound of a matrix: its eigenvalues are the products of two eigenvalues."""
+    d = len(matrix)
+    first, second = np.triu_indices(d, 1)
+    a = matrix[np.ix_(first, first)] * matrix[np.ix_(second, second)]
+    b = matrix[np.ix_(first, second)] * matrix[np.ix_(second, first)]
+    return np.asarray(a - b)
+
+
+def shifted(orbit: Orbit, column: int, by: float) -> Orbit:
+    """An orbit with one of its unknowns moved, under the same pieces."""
+    to = orbit.unknowns
+    to[column] += by
+    return placed(orbit, to)
+
+
+def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
+    """Other points under the pieces of an orbit."""
+    (n, d), k = orbit.x.shape, len(orbit.p)
+    return orbit_of(
+        [image.piece for image in orbit.images], unknowns[: n * d].reshape(n, d),
+        unknowns[n * d : n * d + k], float(unknowns[-1]),
+        None if orbit.outer is None else orbit.outer.piece,
+    )  # fmt: skip
