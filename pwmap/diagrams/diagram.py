@@ -69,6 +69,7 @@ class PointKind(StrEnum):
 
     LP = "LP"
     PD = "PD"
+    NS = "NS"
     BP = "BP"
     BC = "BC"
     FF = "FF"
@@ -92,6 +93,7 @@ class PointKind(StrEnum):
 _MEANINGS = {
     "LP": "fold: multiplier +1",
     "PD": "flip: multiplier -1",
+    "NS": "Neimark-Sacker: a pair of multipliers on the unit circle",
     "BP": "branch point: multiplier +1, two branches cross",
     "BC": "border collision: a fixed point meets a jump, a kink or a grazing",
     "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",

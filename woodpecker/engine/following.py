@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.newton import Across, Problem, solve, tangent
+from woodpecker.engine.newton import Across, Problem, branch_point, solve, tangent
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
 
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
@@ -115,13 +115,19 @@ class Arc:
         The end included.
     stop
         What ended it.
+    curve
+        What it is an arc of.
     border
         Of BORDER: which image's margin vanishes, and its code.
+    beyond
+        The sample after the end, where the curve does not end there.
     """
 
     samples: tuple[Sample, ...]
     stop: Stop
+    curve: Curve
     border: tuple[int, int] | None = None
+    beyond: Sample | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,41 +188,37 @@ class Curve:
         sample = self.start(found.orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
 
-    def follow(self, start: Sample, passed: Stop | None = None) -> Arc:
+    def follow(self, start: Sample) -> Arc:
         """Follow the curve from a sample to what ends it.
 
         Each turn of the loop either keeps a sample, of which there are ``max_samples``, or shortens
         the step, of which ``min_step`` is the end.
-
-        Parameters
-        ----------
-        start
-            A sample; it may lie on the end of another arc.
-        passed
-            What ended that one: it is not looked for in the first step.
         """
         settings, samples, step = self.settings, [start], self.settings.step
         while len(samples) < settings.max_samples:
             if step < settings.min_step:
-                return Arc(tuple(samples), Stop.SHORT)
+                return Arc(tuple(samples), Stop.SHORT, self)
             last = samples[-1]
             found = self.advance(last, step)
             if found is None or self._turns(last, found) or self._dips(last, found, step):
                 step *= 0.5
                 continue
-            ends = self._ends(last, found, step, passed if len(samples) == 1 else None)
+            ends = self._ends(last, found, step)
             if ends is None:
                 step *= 0.5
                 continue
             if ends:
-                _, test, sample = min(ends, key=lambda end: end[0])
-                return Arc((*samples, sample), test.stop, test.border)
+                first, *later = sorted(ends, key=lambda end: end[0])
+                beyond = found
+                if later:
+                    beyond = self.advance(last, 0.5 * (first[0] + later[0][0]))
+                return Arc((*samples, first[2]), first[1].stop, self, first[1].border, beyond)
             if len(samples) > 2 and self._closes(start, last, found, step):
-                return Arc((*samples, start), Stop.CLOSED)
+                return Arc((*samples, start), Stop.CLOSED, self)
             samples.append(found)
             turned = _angle(last, found) / settings.max_turn
             step = min(settings.max_step, step * min(2.0, 0.5 / max(turned, 0.25)))
-        return Arc(tuple(samples), Stop.MANY)
+        return Arc(tuple(samples), Stop.MANY, self)
 
     # --- What is looked at ------------------------------------------------------------------------
 
@@ -288,17 +290,14 @@ class Curve:
     # --- Where it ends ----------------------------------------------------------------------------
 
     def _ends(
-        self, a: Sample, b: Sample, step: float, passed: Stop | None
+        self, a: Sample, b: Sample, step: float
     ) -> list[tuple[float, Test, Sample]] | None:
         """What ends the arc between two samples, with distances; None if one cannot be located."""
         found = []
         for test in self._tests(a):
             before, after = test.value(a), test.value(b)
-            if test.stop is passed or (test.condition is not None and abs(before) < NEAR):
-                inside = test.stop in (Stop.PD, Stop.NS, Stop.LP, Stop.BP) or after >= 0.0
-                if inside:
-                    continue  # it vanishes at the start
-                return None
+            if test.condition is not None and abs(before) < NEAR and after >= 0.0:
+                continue  # it vanishes at the start, and grows
             if math.isnan(before) or math.isnan(after) or before * after > 0.0 or before == 0.0:
                 continue
             located = self._located(a, step, test, before, after, b)
@@ -329,6 +328,9 @@ class Curve:
             return None
         value(distance)
         sample = seen[distance][0]
+        if test.stop is Stop.BP:
+            orbit = branch_point(self.problem, sample.orbit)
+            return distance, sample if orbit is None else Sample(orbit, sample.tangent)
         if test.condition is not None and test.stop in (Stop.SPAN, Stop.WINDOW, Stop.BORDER, Stop.SHARE):
             solution = solve(self.problem.with_(test.condition), sample.orbit)
             if solution.converged:

@@ -1,51 +1,31 @@
-"""What starts where a cycle meets a border, from the germ of the map there.
+"""What starts where orbits meet borders, from the germ of the map there.
 
-At such a point the map has two pieces, inner and outer, and near it nothing else. A curve that
-starts there consists of orbits that lie, at its start, on the cycle, run through once or several
-times, each time with one of the two pieces at the border. So the words of these curves are
-finitely many, and each is tried: its tangent says on which sides of the border the points go, and
-that must be the sides of their pieces. No orbit is looked for at a distance.
+At a border point the map has two pieces, and near it nothing else. So an orbit through border points
+has finitely many *paths*: sequences of pieces, one of the two at each such point. Curves that start
+there are cycles along a path that returns, and jump crossings between two paths that part at a
+border. Each is tried: its tangent says on which sides of the borders the points go, and that must be
+the sides of their pieces. No orbit is looked for at a distance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.following import Curve, Following, Sample
-from woodpecker.engine.maps import Chain, Image, Piece, PiecewiseMap, chain
-from woodpecker.engine.newton import Problem, cycles
+from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chain
+from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import OnBorder, Orbit, orbit_of
 
-TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms
-SAME = 1e-9  # scaled: two values of a map are one
+TIE = 2.0**-30  # a margin is zero if it is smaller than this part of its terms: a point on a border is
+# known to some 2**-45 times the condition of the equations that it solves
+SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Meeting:
-    """A cycle, of which the last point lies on a border.
-
-    Attributes
-    ----------
-    cycle
-        With the pieces on the side that it comes from.
-    code
-        The margin of its last piece that vanishes.
-    outer
-        The image of the last point under the piece on the other side.
-    jumps
-        Whether the two images differ.
-    """
-
-    cycle: Orbit
-    code: int
-    outer: Image
-    jumps: bool
+PATHS = 256  # of one orbit at most: eight of its points on borders
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,12 +39,15 @@ class Beginning:
     curve
         The curve.
     sample
-        The point, with the tangent along which it starts.
+        The point, with the tangent along which it starts; or the first beside it.
+    before
+        The point, if the first sample lies beside it.
     """
 
     order: int
     curve: Curve
     sample: Sample
+    before: Sample | None = None
 
     @property
     def is_crossing(self) -> bool:
@@ -77,103 +60,152 @@ class Beginning:
         orbit, problem = self.sample.orbit, self.curve.problem
         return float(self.sample.tangent[np.searchsorted(problem.columns(orbit), orbit.x.size)])
 
+    @property
+    def key(self) -> Hashable:
+        """What tells the curves that start at one point apart: their pieces.
 
-def meeting_of(map_: PiecewiseMap, cycle: Orbit, image: int, code: int, curve: Curve) -> Meeting:
-    """A cycle that meets a border with one of its images."""
-    cycle = cycle.rotated((image + 1) % len(cycle.x))
-    last, x, p = cycle.images[-1], cycle.x[-1], cycle.p
-    outer = map_.beside(x, p, -last.gradients[last.place(code)])
-    away = np.abs(outer.value - last.value) / curve.problem.x_scale
-    return Meeting(cycle, code, outer, bool(not away.max() <= SAME))
+        Those of a cycle count from the least on.
+        """
+        keys = self.sample.orbit.keys
+        if self.is_crossing:
+            return self.order, True, keys
+        return self.order, False, min((keys[i:] + keys[:i] for i in range(len(keys))), key=str)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """A sequence of pieces that an orbit through border points may take.
+
+    Attributes
+    ----------
+    x
+        (n, d) its points.
+    images
+        What the pieces make of them.
+    ties
+        For each point on a border, the code of the margin of its piece that vanishes; else -1.
+    """
+
+    x: Floats
+    images: tuple[Image, ...]
+    ties: tuple[int, ...]
+
+    @property
+    def end(self) -> Floats:
+        """The last image."""
+        return self.images[-1].value
+
+
+def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int) -> list[Path]:
+    """All paths of P_order from a point; none if there are more than ``PATHS``.
+
+    Those that lead to where the map has no image are left out.
+    """
+    found = [Path(np.empty((0, len(x))), (), ())]
+    for _ in range(order):
+        longer = []
+        for path in found:
+            at = path.end if path.images else x
+            for image, tie in _sides(map_, at, p):
+                points = np.vstack([path.x, at])
+                longer.append(Path(points, (*path.images, image), (*path.ties, tie)))
+        if len(longer) > PATHS:
+            return []
+        found = longer
+    return found
+
+
+def _sides(map_: PiecewiseMap, x: Floats, p: Floats) -> Iterator[tuple[Image, int]]:
+    """The pieces at a point, each with the margin that vanishes there; -1 if none does."""
+    image = map_.at(x, p)
+    if image.reason:
+        return
+    codes = image.codes[tied(image, x, p)].tolist()
+    yield image, (codes[0] if codes else -1)
+    for code in codes:
+        other = map_.beside(x, p, -image.gradients[image.place(code)])
+        back = other.codes[tied(other, x, p)].tolist()
+        if not other.reason and back and other.piece.key != image.piece.key:
+            yield other, back[0]
 
 
 def beginnings(
-    map_: PiecewiseMap, met: Meeting, orders: Sequence[int], settings: Following, base: Problem
-) -> Iterator[Beginning]:
-    """All curves of some orders that start where a cycle meets a border.
+    map_: PiecewiseMap, points: Floats, p: Floats, orders: Sequence[int], settings: Following,
+    base: Problem, *, inner: bool = False,
+) -> Iterator[Beginning]:  # fmt: skip
+    """All curves of some orders that start where orbits from some points meet borders.
+
+    From a cycle that meets a border cycles start, and crossings with s = 0 or 1. From a crossing
+    that meets another border ``inner`` ones start, with 0 < s < 1.
 
     Parameters
     ----------
     map_
         The map.
-    met
-        The cycle; the curve that has led to it is among those that start there.
+    points, p
+        (m, d) first points: those of a cycle, or the first one of a crossing; and the parameters.
     orders
         Of cycles and of jump crossings.
     settings, base
-        How curves are followed; scales and free parameters.
+        How curves are followed; the problem of cycles.
     """
-    m = len(met.cycle.x)
-    plain = cycles(base.free, base.x_scale, base.p_scale)
+    seen = set[Hashable]()
     for order in orders:
-        if order % m:
+        for x in points:
+            all_ = paths(map_, x, p, order)
+            closed = () if inner else _cycles(all_, x, p, order, Curve(base, settings))
+            for begin in (*closed, *_crossings(all_, x, p, order, base, settings, inner)):
+                if begin.key not in seen:
+                    seen.add(begin.key)
+                    yield begin
+
+
+def _cycles(
+    all_: Sequence[Path], x: Floats, p: Floats, order: int, curve: Curve
+) -> Iterator[Beginning]:
+    """Those along paths that return, and that are no shorter ones run through several times."""
+    for path in all_:
+        keys = [image.piece.key for image in path.images]
+        shorter = (d for d in range(1, order) if order % d == 0)
+        if _same(path.end, x, curve.problem) and all(keys[d:] + keys[:d] != keys for d in shorter):
+            pieces = [image.piece for image in path.images]
+            yield from _both_ways(order, curve, orbit_of(pieces, path.x, p))
+
+
+def _crossings(
+    all_: Sequence[Path], x: Floats, p: Floats, order: int, base: Problem, settings: Following,
+    inner: bool,
+) -> Iterator[Beginning]:  # fmt: skip
+    """Those between two paths that part at a jump and have the first point between their ends."""
+    for one, other in combinations(all_, 2):
+        parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
+        head = parts.index(True) + 1
+        if _same(one.images[head - 1].value, other.images[head - 1].value, base):
             continue
-        turns = order // m
-        for word in _words(turns, "A" if met.jumps else "AB"):
-            pieces = [piece for letter in word for piece in _turn(met, letter)]
-            orbit = orbit_of(pieces, np.tile(met.cycle.x, (turns, 1)), met.cycle.p)
-            yield from _both_ways(order, Curve(plain, settings), orbit)
-        if not met.jumps or met.outer.reason:
+        across = (other.end - one.end) / base.x_scale
+        length = float(across @ across)
+        share = float((x - one.end) / base.x_scale @ across) / length if length > 0.0 else -1.0
+        if not (-SAME <= share <= 1.0 + SAME):
             continue
-        for head in range(1, order + 1):
-            found = _crossing(map_, met, order, head)
-            if found is not None:
-                orbit, at_border = found
-                ignored = frozenset(at_border)
-                problem = plain.with_(OnBorder(*at_border[0]))
-                yield from _both_ways(order, Curve(problem, settings, ignored), orbit)
-
-
-def _words(turns: int, letters: str) -> Iterator[str]:
-    """Words of some turns, one of those that are rotations of each other, none of them a power."""
-    for each in product(letters, repeat=turns):
-        word = "".join(each)
-        if all(word < word[i:] + word[:i] for i in range(1, turns)):
-            yield word
-
-
-def _turn(met: Meeting, letter: str) -> list[Piece]:
-    """The pieces of one turn round the cycle, with the inner or the outer one at the border."""
-    pieces = [image.piece for image in met.cycle.images]
-    return pieces if letter == "A" else [*pieces[:-1], met.outer.piece]
-
-
-def _crossing(
-    map_: PiecewiseMap, met: Meeting, order: int, head: int
-) -> tuple[Orbit, list[tuple[int, int]]] | None:
-    """A crossing of P_order whose orbits have some points up to the border.
-
-    From there both sides are mapped on: the inner one along the cycle, the outer one wherever it
-    goes.
-
-    Returns
-    -------
-    At the point where it starts; and the margins, by image and code, that vanish all along it.
-    None if the outer side has no image.
-    """
-    m, p, tail = len(met.cycle.x), met.cycle.p, order - head
-    round_ = [image.piece for image in met.cycle.images]
-    outer, x = [met.outer.piece], met.outer.value
-    for _ in range(tail):
-        image = map_.at(x, p)
-        if image.reason:
-            return None
-        outer.append(image.piece)
-        x = image.value
-    at = np.arange(m - head, m) % m  # which points of the cycle: the last one is that at the border
-    inner = [round_[-1], *(round_[i % m] for i in range(tail))]
-    pieces = [*(round_[i] for i in at[:-1]), chain(inner)]
-    orbit = orbit_of(pieces, met.cycle.x[at], p, 0.0, chain(outer))
-    at_border = [(head - 1, (tail + 1) * met.code)]
-    codes = met.outer.codes[_tied(met.outer, met.cycle.x[-1], p)]
-    at_border += [(head, (tail + 1) * code) for code in codes.tolist()]
-    return orbit, at_border
+        share = 0.0 if abs(share) <= SAME else 1.0 if abs(share - 1.0) <= SAME else share
+        if inner != (0.0 < share < 1.0):
+            continue
+        if not _same(one.end + share * (other.end - one.end), x, base):
+            continue
+        pieces = [image.piece for image in one.images]
+        outer = chain([image.piece for image in other.images[head - 1 :]])
+        orbit = orbit_of(
+            [*pieces[: head - 1], chain(pieces[head - 1 :])], one.x[:head], p, share, outer
+        )
+        length = order - head + 1  # of the chains, see Chain.at
+        at_border = (head - 1, length * one.ties[head - 1])
+        ignored = frozenset([at_border, (head, length * other.ties[head - 1])])
+        curve = Curve(base.with_(OnBorder(*at_border)), settings, ignored)
+        yield from _both_ways(order, curve, orbit)
 
 
 def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
     """The curve through an orbit, on both sides of it, where its points have their pieces."""
-    if not orbit.is_defined:
-        return
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
         return
@@ -190,53 +222,45 @@ def is_inside(curve: Curve, sample: Sample) -> bool:
     """
     orbit = sample.orbit
     for i, image in enumerate(orbit.taken):
-        zero = _tied(image, _point(orbit, i), orbit.p)
+        zero = tied(image, orbit.x[orbit.place(i)], orbit.p)
         for k, code in enumerate(image.codes.tolist()):
             if (i, code) in curve.ignored:
                 continue
-            if zero[k]:
-                if not curve.rate(sample, i, code) > SLOW:
-                    return False
-            elif not image.margins[k] > 0.0:
+            if not (curve.rate(sample, i, code) > SLOW if zero[k] else image.margins[k] > 0.0):
                 return False
     if orbit.outer is None:
         return True
-    low, high = orbit.share <= SAME, orbit.share >= 1.0 - SAME
-    return bool((not low or sample.tangent[-1] > 0.0) and (not high or sample.tangent[-1] < 0.0))
+    rises = float(sample.tangent[-1])
+    return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 
-def _point(orbit: Orbit, i: int) -> Floats:
-    found: Floats = orbit.x[orbit.place(i)]
-    return found
+def _same(one: Floats, other: Floats, base: Problem) -> bool:
+    return bool((np.abs(one - other) / base.x_scale).max() <= SAME)
 
 
-def _tied(image: Image, x: Floats, p: Floats) -> np.ndarray:
-    """Which margins of an image are zero, but for rounding."""
+def tied(image: Image, x: Floats, p: Floats) -> Ints:
+    """Which margins (m,) of an image are zero, but for rounding."""
     size = np.abs(image.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
     return np.asarray(np.abs(image.margins) <= TIE * size)
 
 
-def cycle_at_limit(crossing: Orbit) -> tuple[Orbit, int]:
-    """The cycle that a jump crossing is at s = 0 or 1, and its image at the border.
-
-    It is run through once, also where the crossing belongs to an iterate.
-    """
-    if crossing.outer is None:
-        raise ValueError("expected a jump crossing, got a cycle")
-    last = crossing.outer if crossing.share > 0.5 else crossing.images[-1]
+def cycle_at_limit(crossing: Orbit, base: Problem) -> Orbit:
+    """The cycle that a jump crossing is at s = 0 or 1; run through once."""
+    last = crossing.images[-1]
+    if crossing.outer is not None and crossing.share > 0.5:
+        last = crossing.outer
     tail = last.piece.pieces if isinstance(last.piece, Chain) else (last.piece,)
-    x, pieces = list(crossing.x), [image.piece for image in crossing.images[:-1]]
-    at = x[-1]
-    for k, piece in enumerate(tail):
+    points, pieces = list(crossing.x), [image.piece for image in crossing.images[:-1]]
+    for piece in tail:
         pieces.append(piece)
-        if k < len(tail) - 1:
-            at = piece.at(at, crossing.p).value
-            x.append(at)
-    n, border = len(x), len(crossing.x) - 1
-    points = np.array(x)
+        points.append(piece.at(points[-1], crossing.p).value)
+    return once(orbit_of(pieces, np.array(points[:-1]), crossing.p), base)
+
+
+def once(cycle: Orbit, base: Problem) -> Orbit:
+    """A cycle that may go round a shorter one several times, run through once."""
+    n, x = len(cycle.x), cycle.x
     period = next(
-        d for d in range(1, n + 1)
-        if n % d == 0 and np.abs(np.roll(points, -d, axis=0) - points).max() <= SAME
-    )  # fmt: skip
-    cycle = orbit_of(pieces[:period], points[:period], crossing.p)
-    return cycle, border % period
+        d for d in range(1, n + 1) if n % d == 0 and _same(np.roll(x, -d, axis=0), x, base)
+    )
+    return Orbit(x[:period], cycle.p, 0.0, cycle.images[:period])

@@ -15,22 +15,19 @@ from pwmap.diagrams.diagram import (
     PointKind,
     PointStatus,
     SpecialPoint,
+    Stretch,
 )
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.following import Arc, Curve, Following, Sample, Stop
-from woodpecker.engine.germs import (
-    Beginning,
-    Meeting,
-    beginnings,
-    cycle_at_limit,
-    meeting_of,
-)
+from woodpecker.engine.germs import Beginning, beginnings, cycle_at_limit, once
 from woodpecker.engine.maps import PiecewiseMap
-from woodpecker.engine.newton import Problem, cycles, null_directions, solve
+from woodpecker.engine.newton import Problem, cycles, other_direction, solve
 from woodpecker.engine.orbits import Held, Orbit, orbit_of
 
 NODE = 1e-7  # scaled: special points closer than this are one
 AWAY = 2.0**-10  # scaled: so far from a branch point the first orbit of another branch is looked for
+ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
+MOST_ARCS = 1000  # of one branch
 MULTIPLIERS = (Stop.LP, Stop.PD, Stop.NS, Stop.BP)
 
 
@@ -46,7 +43,42 @@ class Node:
     status: PointStatus = PointStatus.LOCATED
     waiting: list[Beginning] = field(default_factory=list)
     starts: tuple[Beginning, ...] = ()
-    met: Meeting | None = None
+    meets: bool = False  # a border
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A branch from its beginning to a special point.
+
+    Attributes
+    ----------
+    begin
+        What it is a curve of.
+    samples
+        Those of its arcs.
+    words
+        (first sample, word, cause) of each arc.
+    end
+        The special point.
+    is_closed
+        Whether it has come back to its first sample.
+    """
+
+    begin: Beginning
+    samples: tuple[Sample, ...]
+    words: tuple[tuple[int, str, str], ...]
+    end: Node
+    is_closed: bool = False
+
+    def then(self, other: Trace) -> Trace:
+        """This one backwards, and another that starts at the same sample."""
+        count = len(self.samples) - 1
+        starts = [first for first, _, _ in self.words[1:]] + [count]
+        words = [(count - start, word, cause) for (_, word, cause), start in zip(self.words, starts, strict=True)]
+        words = [*words[:0:-1], *words[:1]] if len(words) > 1 else words
+        merged = [(0, *words[0][1:]), *words[1:]]
+        merged += [(first + count, word, cause) for first, word, cause in other.words[1:]]
+        return Trace(other.begin, (*self.samples[:0:-1], *other.samples), tuple(merged), other.end)
 
 
 @dataclass(eq=False)
@@ -148,128 +180,140 @@ class Network:
         self.map, self.settings, self.problem, self.orders = map_, settings, problem, orders
         self.max_branches = max_branches
         self.nodes: list[Node] = []
-        self.branches: list[tuple[Beginning, tuple[Sample, ...], Node, Node]] = []
-        self.todo: deque[tuple[Node, Beginning, Stop | None]] = deque()
+        self.branches: list[tuple[Trace, Node, Node]] = []
+        self.todo: deque[tuple[Node, Beginning]] = deque()
 
     def explore(self, start: Orbit) -> None:
         """Follow the branch through a cycle both ways, and what starts at its ends."""
         curve, order = Curve(self.problem, self.settings), len(start.x)
         sample = curve.start(start)
-        behind = Sample(start, -sample.tangent)
-        one, other = curve.follow(sample), curve.follow(behind)
-        begin = Beginning(order, curve, sample)
-        first = self._arrive(replace_order(begin, other.samples[0]), other)
-        last = first if one.stop is Stop.CLOSED else self._arrive(begin, one)
-        samples = one.samples if one.stop is Stop.CLOSED else (*other.samples[:0:-1], *one.samples)
-        self.branches.append((begin, samples, first, last))
+        ahead = self._trace(Beginning(order, curve, sample))
+        if ahead.is_closed:
+            self.branches.append((ahead, ahead.end, ahead.end))
+        else:
+            behind = self._trace(Beginning(order, curve, Sample(start, -sample.tangent)))
+            self.branches.append((behind.then(ahead), behind.end, ahead.end))
         while self.todo and len(self.branches) < self.max_branches:
-            node, begin, passed = self.todo.popleft()
-            if begin not in node.waiting:
-                continue  # a branch has arrived along it
-            node.waiting.remove(begin)
-            arc = begin.curve.follow(begin.sample, passed)
-            end = self._arrive(begin, arc)
-            self.branches.append((begin, arc.samples, node, end))
+            node, begin = self.todo.popleft()
+            if begin in node.waiting:  # else a branch has arrived along it
+                node.waiting.remove(begin)
+                trace = self._trace(begin)
+                self.branches.append((trace, node, trace.end))
+
+    def _trace(self, begin: Beginning) -> Trace:
+        """Follow a curve to a special point, through borders where only its word changes."""
+        samples = [] if begin.before is None else [begin.before]
+        words: list[tuple[int, str, str]] = []
+        first, cause = begin, ""
+        for _ in range(MOST_ARCS):
+            words.append((len(samples) if words else 0, begin.sample.orbit.word, cause))
+            arc = begin.curve.follow(begin.sample)
+            samples += arc.samples[1 if samples else 0 :]
+            onward = self._onward(begin, arc)
+            if onward is None:
+                break
+            begin, cause = onward, _cause(arc)
+        end = self._arrive(begin, arc)
+        return Trace(first, tuple(samples), tuple(words), end, arc.stop is Stop.CLOSED)
 
     # --- Ends of branches -------------------------------------------------------------------------
 
+    def _onward(self, begin: Beginning, arc: Arc) -> Beginning | None:
+        """How a crossing goes on where another point of its orbit meets a border.
+
+        It does if just one crossing of its order starts there besides that which has arrived.
+        """
+        if arc.stop is not Stop.BORDER or not begin.is_crossing:
+            return None
+        orbit = arc.samples[-1].orbit
+        starts = beginnings(
+            self.map, orbit.x[:1], orbit.p, (begin.order,), self.settings, self.problem, inner=True
+        )
+        arrived = replace(begin, sample=arc.samples[-1]).key
+        others = [each for each in starts if each.key != arrived]
+        return others[0] if len(others) == 1 else None
+
     def _arrive(self, begin: Beginning, arc: Arc) -> Node:
         """The point where an arc ends; what else starts there is left to follow."""
-        last, crossing = arc.samples[-1], begin.is_crossing
-        if arc.stop is Stop.BORDER and arc.border is not None:
-            if crossing:
-                return self._corner(begin, arc)
-            image, code = arc.border
-            met = meeting_of(self.map, last.orbit, image, code, begin.curve)
-            return self._at_border(begin, arc, met)
-        if arc.stop is Stop.SHARE:
-            return self._at_border(begin, arc, self._met_by(begin, last.orbit))
+        orbit = arc.samples[-1].orbit
+        if arc.stop is Stop.SHARE or (arc.stop is Stop.BORDER and not begin.is_crossing):
+            return self._at_border(begin, arc)
         if arc.stop in MULTIPLIERS:
             return self._at_multiplier(begin, arc)
         status = PointStatus.OPEN if arc.stop.is_open else PointStatus.LOCATED
-        node = Node(PointKind.EP, last.orbit, begin.order, arc.stop.value, status=status)
+        note = arc.stop.value
+        if arc.stop is Stop.BORDER:
+            status, note = PointStatus.OPEN, "two borders at once"
+        node = Node(PointKind.EP, orbit, begin.order, note, status=status)
         self.nodes.append(node)
         return node
 
-    def _met_by(self, begin: Beginning, crossing: Orbit) -> Meeting:
-        """The cycle that meets the border where a crossing ends."""
-        cycle, image = cycle_at_limit(crossing)
-        at = cycle.images[image]
-        code = int(at.codes[np.argmin(np.abs(at.margins))])
-        return meeting_of(self.map, cycle, image, code, begin.curve)
-
-    def _at_border(self, begin: Beginning, arc: Arc, met: Meeting) -> Node:
+    def _at_border(self, begin: Beginning, arc: Arc) -> Node:
         """The border collision where an arc ends."""
-        node = self._known(met.cycle)
+        orbit = arc.samples[-1].orbit
+        cycle = cycle_at_limit(orbit, self.problem) if begin.is_crossing else once(orbit, self.problem)
+        node = self._known(cycle)
         if node is None:
             found = tuple(
-                beginnings(self.map, met, self.orders, self.settings, self.problem)
+                beginnings(self.map, cycle.x, cycle.p, self.orders, self.settings, self.problem)
             )
-            cause = met.cycle.images[-1].piece.cause(met.code)
             node = Node(
-                PointKind.BC, met.cycle, len(met.cycle.x), cause=cause, waiting=list(found),
-                starts=found, met=met,
+                PointKind.BC, cycle, len(cycle.x), cause=_cause(arc), waiting=list(found), starts=found, meets=True,
             )  # fmt: skip
             self.nodes.append(node)
-            self.todo += [(node, each, None) for each in found]
-        arrived = _key(begin)
-        node.waiting = [each for each in node.waiting if _key(each) != arrived]
-        return node
-
-    def _corner(self, begin: Beginning, arc: Arc) -> Node:
-        """Where an orbit of a jump crossing meets a second border: it goes on if that is no jump."""
-        assert arc.border is not None
-        image, code = arc.border
-        sample = arc.samples[-1]
-        orbit = sample.orbit
-        cause = orbit.taken[image].piece.cause(code)
-        node = Node(
-            PointKind.EP, orbit, begin.order, "two borders at once", cause, PointStatus.OPEN
-        )
-        self.nodes.append(node)
+            self.todo += [(node, each) for each in found]
+        arrived = replace(begin, sample=arc.samples[-1]).key
+        node.waiting = [each for each in node.waiting if each.key != arrived]
         return node
 
     def _at_multiplier(self, begin: Beginning, arc: Arc) -> Node:
         """A fold, a flip, a pair on the unit circle, a branch point: the curve goes on there."""
-        sample, curve = arc.samples[-1], begin.curve
-        node = Node(PointKind[arc.stop.name], sample.orbit, begin.order)
+        sample, curve, order = arc.samples[-1], begin.curve, begin.order
+        single = sample.orbit if begin.is_crossing else once(sample.orbit, self.problem)
+        kind = PointKind[arc.stop.name] if len(single.x) == len(sample.orbit.x) else PointKind.PD
+        node = self._known(single, kind)
+        if node is not None:
+            node.waiting = [each for each in node.waiting if not _is_back(each, arc)]
+            return node
+        node = Node(kind, single, order if kind.value == arc.stop.name else len(single.x))
         self.nodes.append(node)
-        starts = [(Beginning(begin.order, curve, sample), arc.stop)]
-        if arc.stop is Stop.PD and 2 * begin.order in self.orders and not begin.is_crossing:
-            starts += [(each, None) for each in self._doubled(begin, sample)]
-        node.waiting = [each for each, _ in starts]
-        self.todo += [(node, each, passed) for each, passed in starts]
+        others: list[tuple[int, Sample]] = []
+        if len(single.x) < len(sample.orbit.x):  # a branch of twice the period has come to its flip
+            start = curve.start(single)
+            others += [(len(single.x), start), (len(single.x), Sample(single, -start.tangent))]
+        else:
+            starts = curve.start(sample.orbit, sample.tangent)
+            if arc.beyond is not None:
+                node.waiting.append(Beginning(order, curve, arc.beyond, starts))
+            if arc.stop is Stop.PD:
+                others += [(2 * order, self._doubled(curve, sample))]
+            if arc.stop is Stop.BP:
+                across = other_direction(curve.problem, sample.orbit, sample.tangent)
+                others += [(order, Sample(sample.orbit, sign * across)) for sign in (1.0, -1.0)]
+        for wanted, start in others:
+            found = curve.advance(start, AWAY) if wanted in self.orders else None
+            if found is not None:
+                node.waiting.append(Beginning(wanted, curve, found, start))
+        self.todo += [(node, each) for each in node.waiting]
         return node
 
-    def _doubled(self, begin: Beginning, sample: Sample) -> list[Beginning]:
-        """The branch of cycles of twice the period that starts at a flip."""
-        orbit, curve = sample.orbit, begin.curve
-        twice = orbit_of(
-            [image.piece for image in orbit.images] * 2, np.tile(orbit.x, (2, 1)), orbit.p
-        )
-        problem = curve.problem
-        first, second = null_directions(problem, twice, 2)
-        plain = np.append(np.tile(sample.tangent[:-1], 2), sample.tangent[-1])
-        across = first - (first @ plain) / (plain @ plain) * plain
-        if np.linalg.norm(across) < 0.5:
-            across = second - (second @ plain) / (plain @ plain) * plain
-        across /= np.linalg.norm(across)
-        start = Sample(twice, across)
-        found = curve.advance(start, AWAY)
-        if found is None:
-            return []
-        return [Beginning(2 * begin.order, curve, found)]
+    @staticmethod
+    def _doubled(curve: Curve, sample: Sample) -> Sample:
+        """A cycle at its flip, run through twice, with the direction of those of twice its period."""
+        orbit = sample.orbit
+        pieces = [image.piece for image in orbit.images] * 2
+        twice = orbit_of(pieces, np.tile(orbit.x, (2, 1)), orbit.p)
+        along = np.append(np.tile(sample.tangent[: orbit.x.size], 2), sample.tangent[orbit.x.size :])
+        return Sample(twice, other_direction(curve.problem, twice, along))
 
-    def _known(self, cycle: Orbit) -> Node | None:
-        """The border collision that lies at a cycle, if there is one."""
+    def _known(self, cycle: Orbit, kind: PointKind = PointKind.BC) -> Node | None:
+        """The special point of a kind that lies at a cycle, if there is one."""
+        scale = self.problem.scale(cycle)
         for node in self.nodes:
-            if node.met is not None and len(node.orbit.x) == len(cycle.x):
-                scale = self.problem.scale(cycle)[: -1]
-                for first in range(len(cycle.x)):
-                    other = cycle.rotated(first)
-                    away = (other.unknowns - node.orbit.unknowns)[:-1] / scale
-                    if np.abs(away).max() <= NODE:
-                        return node
+            if node.kind is kind and len(node.orbit.x) == len(cycle.x):
+                turns = (cycle.rotated(first).unknowns for first in range(len(cycle.x)))
+                if any(np.abs((t - node.orbit.unknowns) / scale).max() <= NODE for t in turns):
+                    return node
         return None
 
     # --- The result -------------------------------------------------------------------------------
@@ -279,7 +323,8 @@ class Network:
         places: list[_Place] = []
         branches: list[Branch] = []
         letters: Counter[str] = Counter()
-        for begin, samples, first, last in self.branches:
+        for trace, first, last in self.branches:
+            begin, samples = trace.begin, trace.samples
             for column in range(1 if begin.is_crossing else begin.order):
                 letter = "J" if begin.is_crossing else "F"
                 letters[letter] += 1
@@ -291,7 +336,7 @@ class Network:
                 for end in ends:
                     end.branches.append(name)
                 ids = ends[0].id, ends[1].id
-                branches.append(self._branch(name, begin, samples, ids, column, names))
+                branches.append(self._branch(name, trace, ids, column, names))
         return Diagram(
             parameter_name=names[0], x_name=names[1], branches=tuple(branches),
             points=tuple(self._point(place) for place in places),
@@ -303,7 +348,7 @@ class Network:
             if each.node is node and np.abs((each.x - x) / self.problem.x_scale).max() <= NODE:
                 return each
         kind, note = node.kind, node.note
-        if node.met is not None:
+        if node.meets:
             kind, note = judged(node, x, self.problem.x_scale)
         count = sum(each.kind is kind for each in places) + 1
         places.append(_Place(node, x, kind, note, f"{kind.value}{count}"))
@@ -318,10 +363,9 @@ class Network:
         )  # fmt: skip
 
     def _branch(
-        self, name: str, begin: Beginning, samples: Sequence[Sample], ends: tuple[str, str],
-        column: int, names: Sequence[str],
-    ) -> Branch:  # fmt: skip
-        orbits = [sample.orbit for sample in samples]
+        self, name: str, trace: Trace, ends: tuple[str, str], column: int, names: Sequence[str]
+    ) -> Branch:
+        begin, orbits = trace.begin, [sample.orbit for sample in trace.samples]
         at = np.array([orbit.x[column] for orbit in orbits])
         multiplier = np.full(len(orbits), np.nan)
         if not begin.is_crossing:
@@ -329,7 +373,8 @@ class Network:
             multiplier = np.array([abs(m) if m.imag else m.real for m in largest])
         return Branch(
             id=name, kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
-            order=begin.order, word=orbits[len(orbits) // 2].word, multiplier=multiplier,
+            order=begin.order, word=trace.words[0][1], multiplier=multiplier,
+            words=tuple(Stretch(*each) for each in trace.words),
             parameter=np.array([orbit.p[self.problem.free[0]] for orbit in orbits]),
             x=at[:, 0], ends=ends,
             columns={name: at[:, j] for j, name in enumerate(names[2:], 1)},
@@ -353,19 +398,19 @@ def judged(node: Node, x: Floats, scale: Floats) -> tuple[PointKind, str]:
     if len(own) != 2:
         return PointKind.BC, f"{len(own)} of two branches are known"
     note = "fold" if own[0] == own[1] else "persistence"
-    jumps = node.met is not None and node.met.jumps
-    return (PointKind.FF if jumps and note == "fold" and twice else PointKind.BC), note
+    return (PointKind.FF if note == "fold" and twice else PointKind.BC), note
 
 
-def _key(begin: Beginning) -> tuple[Hashable, ...]:
-    """What tells the curves that start at one point apart: their pieces, from the least on."""
-    keys = begin.sample.orbit.keys
-    if begin.is_crossing:
-        return (begin.order, True, *keys)
-    turns = [keys[i:] + keys[:i] for i in range(len(keys))]
-    return (begin.order, False, *min(turns, key=str))
+def _cause(arc: Arc) -> str:
+    """What happens where an arc ends at a border."""
+    orbit = arc.samples[-1].orbit
+    image, code = arc.border or min(arc.curve.ignored)
+    return orbit.taken[image].piece.cause(code)
 
 
-def replace_order(begin: Beginning, sample: Sample) -> Beginning:
-    """The same curve from a sample."""
-    return replace(begin, sample=sample)
+def _is_back(begin: Beginning, arc: Arc) -> bool:
+    """Whether a curve that starts at a point is the one that an arc has come along."""
+    if begin.before is None or begin.sample.orbit.x.shape != arc.samples[-1].orbit.x.shape:
+        return False
+    away = begin.curve.problem.step_between(begin.before.orbit, begin.sample.orbit)
+    return float(away @ arc.samples[-1].tangent) < -ALONG * float(np.linalg.norm(away))

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import root
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.orbits import Closed, Condition, Orbit, placed
+from woodpecker.engine.orbits import STEP, Closed, Condition, Orbit, placed
 
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
@@ -163,10 +164,50 @@ def tangent(problem: Problem, orbit: Orbit) -> Floats:
     return -direction if turned else direction
 
 
-def null_directions(problem: Problem, orbit: Orbit, count: int) -> Floats:
-    """(count, N) orthonormal directions in which the equations change least, the least first."""
-    directions: Floats = np.linalg.svd(problem.matrix(orbit))[2]
-    return directions[::-1][:count]
+def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats:
+    """The unit tangent of the second curve through a branch point.
+
+    There the equations are unchanged to first order in a plane, spanned by the tangent v of the
+    first curve and some u; with w orthogonal to all their derivatives, the second curve leaves along
+    c v + u with 2 c w F''(v, u) + w F''(u, u) = 0. Second derivatives are differences.
+
+    Parameters
+    ----------
+    problem, orbit
+        At the point.
+    along
+        The tangent of the first.
+    """
+    left, _, right = np.linalg.svd(problem.matrix(orbit))
+    w, v = left[:, -1], along / np.linalg.norm(along)
+    u = max((each - (each @ v) * v for each in right[-2:]), key=lambda each: float(each @ each))
+    u = u / np.linalg.norm(u)
+    ahead, behind = (problem.matrix(problem.moved(orbit, h * u)) for h in (STEP, -STEP))
+    bend = w @ (ahead - behind) / (2.0 * STEP)
+    mixed, own = float(bend @ v), float(bend @ u)
+    found: Floats = u if mixed == 0.0 else u - 0.5 * own / mixed * v
+    return found / np.linalg.norm(found)
+
+
+def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
+    """The branch point near an orbit, to rounding; None if it is not found.
+
+    With w orthogonal to all derivatives, it solves F + m w = 0, F' w = 0, |w| = 1 for the unknowns,
+    w and m: a regular system at a simple branch point, where m is zero.
+    """
+    matrix = problem.matrix(near)
+    rows, columns = matrix.shape
+
+    def equations(at: Floats) -> Floats:
+        orbit = problem.moved(near, at[:columns])
+        w, m = at[columns:-1], at[-1]
+        left = problem.matrix(orbit).T @ w
+        return np.concatenate([problem.residual(orbit) + m * w, left, [w @ w - 1.0]])
+
+    w = np.linalg.svd(matrix)[0][:, -1]
+    found = root(equations, np.concatenate([np.zeros(columns), w, [0.0]]), options={"xtol": 1e-14})
+    off = np.abs(equations(found.x)).max()
+    return problem.moved(near, found.x[:columns]) if off < ROUNDED**0.5 else None
 
 
 def cycles(free: Sequence[int], x_scale: Floats, p_scale: Floats) -> Problem:
