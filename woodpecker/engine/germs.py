@@ -131,12 +131,12 @@ def _sides(map_: PiecewiseMap, x: Floats, p: Floats) -> Iterator[tuple[Image, in
 
 def beginnings(
     map_: PiecewiseMap, points: Floats, p: Floats, orders: Sequence[int], settings: Following,
-    base: Problem, *, inner: bool = False,
+    base: Problem,
 ) -> Iterator[Beginning]:  # fmt: skip
     """All curves of some orders that start where orbits from some points meet borders.
 
-    From a cycle that meets a border cycles start, and crossings with s = 0 or 1. From a crossing
-    that meets another border ``inner`` ones start, with 0 < s < 1.
+    These are cycles, and crossings with s = 0 or 1, or those that meet a border besides the one
+    that they end at.
 
     Parameters
     ----------
@@ -153,8 +153,8 @@ def beginnings(
     for order in orders:
         for x in points:
             all_ = paths(map_, x, p, order)
-            closed = () if inner else _cycles(all_, x, p, order, Curve(base, settings))
-            for begin in (*closed, *_crossings(all_, x, p, order, base, settings, inner)):
+            closed = _cycles(all_, x, p, order, Curve(base, settings))
+            for begin in (*closed, *_crossings(all_, x, p, order, base, settings)):
                 if begin.key not in seen:
                     seen.add(begin.key)
                     yield begin
@@ -173,9 +173,8 @@ def _cycles(
 
 
 def _crossings(
-    all_: Sequence[Path], x: Floats, p: Floats, order: int, base: Problem, settings: Following,
-    inner: bool,
-) -> Iterator[Beginning]:  # fmt: skip
+    all_: Sequence[Path], x: Floats, p: Floats, order: int, base: Problem, settings: Following
+) -> Iterator[Beginning]:
     """Those between two paths that part at a jump and have the first point between their ends."""
     for one, other in combinations(all_, 2):
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
@@ -188,8 +187,6 @@ def _crossings(
         if not (-SAME <= share <= 1.0 + SAME):
             continue
         share = 0.0 if abs(share) <= SAME else 1.0 if abs(share - 1.0) <= SAME else share
-        if inner != (0.0 < share < 1.0):
-            continue
         if not _same(one.end + share * (other.end - one.end), x, base):
             continue
         pieces = [image.piece for image in one.images]
@@ -200,8 +197,19 @@ def _crossings(
         length = order - head + 1  # of the chains, see Chain.at
         at_border = (head - 1, length * one.ties[head - 1])
         ignored = frozenset([at_border, (head, length * other.ties[head - 1])])
+        if 0.0 < share < 1.0 and not _meets_another(orbit, ignored):
+            continue  # it passes here
         curve = Curve(base.with_(OnBorder(*at_border)), settings, ignored)
         yield from _both_ways(order, curve, orbit)
+
+
+def _meets_another(orbit: Orbit, ignored: frozenset[tuple[int, int]]) -> bool:
+    """Whether a margin vanishes that does not vanish all along."""
+    return any(
+        (i, code) not in ignored
+        for i, image in enumerate(orbit.taken)
+        for code in image.codes[tied(image, orbit.x[orbit.place(i)], orbit.p)].tolist()
+    )
 
 
 def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
@@ -242,6 +250,17 @@ def tied(image: Image, x: Floats, p: Floats) -> Ints:
     """Which margins (m,) of an image are zero, but for rounding."""
     size = np.abs(image.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
     return np.asarray(np.abs(image.margins) <= TIE * size)
+
+
+def cycle_through(
+    map_: PiecewiseMap, x: Floats, p: Floats, orders: Sequence[int], base: Problem
+) -> Orbit | None:
+    """The shortest cycle through a point, along one of its paths; None if there is none."""
+    for order in sorted(orders):
+        for path in paths(map_, x, p, order):
+            if _same(path.end, x, base):
+                return once(Orbit(path.x, p, 0.0, path.images), base)
+    return None
 
 
 def cycle_at_limit(crossing: Orbit, base: Problem) -> Orbit:

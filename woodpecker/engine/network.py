@@ -19,7 +19,7 @@ from pwmap.diagrams.diagram import (
 )
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.following import Arc, Curve, Following, Sample, Stop
-from woodpecker.engine.germs import Beginning, beginnings, cycle_at_limit, once
+from woodpecker.engine.germs import Beginning, beginnings, cycle_at_limit, cycle_through, once
 from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, other_direction, solve
 from woodpecker.engine.orbits import Held, Orbit, orbit_of
@@ -221,25 +221,36 @@ class Network:
     def _onward(self, begin: Beginning, arc: Arc) -> Beginning | None:
         """How a crossing goes on where another point of its orbit meets a border.
 
-        It does if just one crossing of its order starts there besides that which has arrived.
+        It does if just one crossing of its order starts there besides that which has arrived, and
+        no cycle goes through that point.
         """
-        if arc.stop is not Stop.BORDER or not begin.is_crossing:
+        if arc.stop is not Stop.BORDER or not begin.is_crossing or self._cycle(arc) is not None:
             return None
         orbit = arc.samples[-1].orbit
         starts = beginnings(
-            self.map, orbit.x[:1], orbit.p, (begin.order,), self.settings, self.problem, inner=True
+            self.map, orbit.x[:1], orbit.p, (begin.order,), self.settings, self.problem
         )
         arrived = replace(begin, sample=arc.samples[-1]).key
         others = [each for each in starts if each.key != arrived]
         return others[0] if len(others) == 1 else None
 
+    def _cycle(self, arc: Arc) -> Orbit | None:
+        """The cycle that meets a border where an arc ends."""
+        orbit = arc.samples[-1].orbit
+        if orbit.outer is None:
+            return once(orbit, self.problem)
+        if arc.stop is Stop.SHARE:
+            return cycle_at_limit(orbit, self.problem)
+        return cycle_through(self.map, orbit.x[0], orbit.p, self.orders, self.problem)
+
     def _arrive(self, begin: Beginning, arc: Arc) -> Node:
         """The point where an arc ends; what else starts there is left to follow."""
         orbit = arc.samples[-1].orbit
-        if arc.stop is Stop.SHARE or (arc.stop is Stop.BORDER and not begin.is_crossing):
-            return self._at_border(begin, arc)
         if arc.stop in MULTIPLIERS:
             return self._at_multiplier(begin, arc)
+        cycle = self._cycle(arc) if arc.stop in (Stop.SHARE, Stop.BORDER) else None
+        if cycle is not None:
+            return self._at_border(begin, arc, cycle)
         status = PointStatus.OPEN if arc.stop.is_open else PointStatus.LOCATED
         note = arc.stop.value
         if arc.stop is Stop.BORDER:
@@ -248,20 +259,23 @@ class Network:
         self.nodes.append(node)
         return node
 
-    def _at_border(self, begin: Beginning, arc: Arc) -> Node:
-        """The border collision where an arc ends."""
-        orbit = arc.samples[-1].orbit
-        cycle = cycle_at_limit(orbit, self.problem) if begin.is_crossing else once(orbit, self.problem)
+    def _at_border(self, begin: Beginning, arc: Arc, cycle: Orbit) -> Node:
+        """The border collision of a cycle, where an arc ends."""
         node = self._known(cycle)
         if node is None:
+            order = len(cycle.x)
             found = tuple(
-                beginnings(self.map, cycle.x, cycle.p, self.orders, self.settings, self.problem)
-            )
+                beginnings(
+                    self.map, cycle.x, cycle.p, sorted({*self.orders, order, 2 * order}),
+                    self.settings, self.problem,
+                )
+            )  # fmt: skip
             node = Node(
-                PointKind.BC, cycle, len(cycle.x), cause=_cause(arc), waiting=list(found), starts=found, meets=True,
+                PointKind.BC, cycle, order, cause=_cause(arc), starts=found, meets=True,
+                waiting=[each for each in found if each.order in self.orders],
             )  # fmt: skip
             self.nodes.append(node)
-            self.todo += [(node, each) for each in found]
+            self.todo += [(node, each) for each in node.waiting]
         arrived = replace(begin, sample=arc.samples[-1]).key
         node.waiting = [each for each in node.waiting if each.key != arrived]
         return node
@@ -384,21 +398,27 @@ class Network:
 def judged(node: Node, x: Floats, scale: Floats) -> tuple[PointKind, str]:
     """What a border collision is at one point of its cycle, from the curves that start there.
 
-    Of the curves of the cycle's own order there are two: on both sides of the parameter
-    (persistence), or on one (fold). At a jump that folds, and starts crossings of twice the order,
-    it is a fold-flip.
+    Those of the cycle's own order lie on both sides of the parameter (persistence), or on one
+    (fold). Where a cycle folds into a jump crossing, and a crossing of twice the order starts at
+    the preimage of the jump, it is a fold-flip.
     """
-    own, twice = [], False
+    own: list[Beginning] = []
+    twice = False
     for begin in node.starts:
-        points = begin.sample.orbit.x[: 1 if begin.is_crossing else None]
+        orbit = begin.sample.orbit
+        points = orbit.x[: 1 if begin.is_crossing else None]
         count = int((np.abs((points - x) / scale).max(axis=1) <= NODE).sum())
         if begin.order == node.order:
-            own += count * [begin.ahead > 0.0]
-        twice |= begin.is_crossing and begin.order == 2 * node.order and count > 0
-    if len(own) != 2:
+            own += count * [begin]
+        at_preimage = begin.is_crossing and begin.order == 2 * node.order < 2 * len(orbit.x)
+        twice |= at_preimage and count > 0
+    sides = {begin.ahead > 0.0 for begin in own}
+    if len(own) < 2:
         return PointKind.BC, f"{len(own)} of two branches are known"
-    note = "fold" if own[0] == own[1] else "persistence"
-    return (PointKind.FF if note == "fold" and twice else PointKind.BC), note
+    note = "fold" if len(sides) == 1 else "persistence"
+    crossings = sum(begin.is_crossing for begin in own)
+    flips = twice and note == "fold" and 0 < crossings == len(own) - 1
+    return (PointKind.FF if flips else PointKind.BC), note
 
 
 def _cause(arc: Arc) -> str:
