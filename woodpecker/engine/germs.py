@@ -16,7 +16,7 @@ from itertools import combinations
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.following import Curve, Following, Sample
+from woodpecker.engine.curves import Curve, CurveSettings, Sample
 from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chain
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import OnBorder, Orbit, orbit_of
@@ -57,8 +57,7 @@ class Beginning:
     @property
     def ahead(self) -> float:
         """How fast the parameter grows."""
-        orbit, problem = self.sample.orbit, self.curve.problem
-        return float(self.sample.tangent[np.searchsorted(problem.columns(orbit), orbit.x.size)])
+        return float(self.sample.tangent[self.sample.orbit.x.size])
 
     @property
     def key(self) -> Hashable:
@@ -130,7 +129,7 @@ def _sides(map_: PiecewiseMap, x: Floats, p: Floats) -> Iterator[tuple[Image, in
 
 
 def beginnings(
-    map_: PiecewiseMap, points: Floats, p: Floats, orders: Sequence[int], settings: Following,
+    map_: PiecewiseMap, points: Floats, p: Floats, orders: Sequence[int], settings: CurveSettings,
     base: Problem,
 ) -> Iterator[Beginning]:  # fmt: skip
     """All curves of some orders that start where orbits from some points meet borders.
@@ -167,19 +166,19 @@ def _cycles(
     for path in all_:
         keys = [image.piece.key for image in path.images]
         shorter = (d for d in range(1, order) if order % d == 0)
-        if _same(path.end, x, curve.problem) and all(keys[d:] + keys[:d] != keys for d in shorter):
+        if curve.problem.same(path.end, x, SAME) and all(keys[d:] + keys[:d] != keys for d in shorter):
             pieces = [image.piece for image in path.images]
             yield from _both_ways(order, curve, orbit_of(pieces, path.x, p))
 
 
 def _crossings(
-    all_: Sequence[Path], x: Floats, p: Floats, order: int, base: Problem, settings: Following
+    all_: Sequence[Path], x: Floats, p: Floats, order: int, base: Problem, settings: CurveSettings
 ) -> Iterator[Beginning]:
     """Those between two paths that part at a jump and have the first point between their ends."""
     for one, other in combinations(all_, 2):
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
-        if _same(one.images[head - 1].value, other.images[head - 1].value, base):
+        if base.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
             continue
         across = (other.end - one.end) / base.x_scale
         length = float(across @ across)
@@ -187,7 +186,7 @@ def _crossings(
         if not (-SAME <= share <= 1.0 + SAME):
             continue
         share = 0.0 if abs(share) <= SAME else 1.0 if abs(share - 1.0) <= SAME else share
-        if not _same(one.end + share * (other.end - one.end), x, base):
+        if not base.same(one.end + share * (other.end - one.end), x, SAME):
             continue
         pieces = [image.piece for image in one.images]
         outer = chain([image.piece for image in other.images[head - 1 :]])
@@ -242,10 +241,6 @@ def is_inside(curve: Curve, sample: Sample) -> bool:
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 
-def _same(one: Floats, other: Floats, base: Problem) -> bool:
-    return bool((np.abs(one - other) / base.x_scale).max() <= SAME)
-
-
 def tied(image: Image, x: Floats, p: Floats) -> Ints:
     """Which margins (m,) of an image are zero, but for rounding."""
     size = np.abs(image.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
@@ -258,7 +253,7 @@ def cycle_through(
     """The shortest cycle through a point, along one of its paths; None if there is none."""
     for order in sorted(orders):
         for path in paths(map_, x, p, order):
-            if _same(path.end, x, base):
+            if base.same(path.end, x, SAME):
                 return once(Orbit(path.x, p, 0.0, path.images), base)
     return None
 
@@ -280,6 +275,6 @@ def once(cycle: Orbit, base: Problem) -> Orbit:
     """A cycle that may go round a shorter one several times, run through once."""
     n, x = len(cycle.x), cycle.x
     period = next(
-        d for d in range(1, n + 1) if n % d == 0 and _same(np.roll(x, -d, axis=0), x, base)
+        d for d in range(1, n + 1) if n % d == 0 and base.same(np.roll(x, -d, axis=0), x, SAME)
     )
     return Orbit(x[:period], cycle.p, 0.0, cycle.images[:period])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter, deque
-from collections.abc import Hashable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,8 +19,14 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.following import Arc, Curve, Following, Sample, Stop
-from woodpecker.engine.germs import Beginning, beginnings, cycle_at_limit, cycle_through, once
+from woodpecker.engine.curves import MULTIPLIERS, Arc, Curve, CurveSettings, Sample, Stop
+from woodpecker.engine.germs import (
+    Beginning,
+    beginnings,
+    cycle_at_limit,
+    cycle_through,
+    once,
+)
 from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, other_direction, solve
 from woodpecker.engine.orbits import Held, Orbit, orbit_of
@@ -28,22 +35,144 @@ NODE = 1e-7  # scaled: special points closer than this are one
 AWAY = 2.0**-10  # scaled: so far from a branch point the first orbit of another branch is looked for
 ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
 MOST_ARCS = 1000  # of one branch
-MULTIPLIERS = (Stop.LP, Stop.PD, Stop.NS, Stop.BP)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Connected:
+    """What is connected with a cycle.
+
+    Attributes
+    ----------
+    diagram
+        Branches and special points: of a cycle one branch, and one point, for each of its points.
+    orbits
+        By the id of a special point, the orbit there: from it a curve in two parameters starts.
+    """
+
+    diagram: Diagram
+    orbits: Mapping[str, Orbit]
+
+
+def connected(
+    map_: PiecewiseMap, x: object, p: object, settings: CurveSettings, *,
+    orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
+    p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
+    max_branches: int = 500,
+) -> Connected:  # fmt: skip
+    """The branch through a cycle, and all branches that are connected with it.
+
+    Cycles and jump crossings start where a cycle meets a border, and go on from there; cycles of
+    twice the period start at flips, others at branch points.
+
+    Parameters
+    ----------
+    map_
+        A map of R^d.
+    x, p
+        A guess of a cycle's points, (n, d), or (d,) for a fixed point; and the parameters (k,).
+    settings
+        Span, window, steps.
+    orders
+        Iterates whose cycles and jump crossings are followed.
+    free
+        Which parameter varies, from 0 on.
+    x_scale, p_scale
+        d and k lengths that count as 1; by default all are 1.
+    names
+        Of the parameter and the coordinates; the first coordinate is the diagram's x, the others
+        are columns of its branches.
+    max_branches
+        So many are followed at most.
+
+    Returns
+    -------
+    Connected
+        Diagram and orbits. The multiplier of a branch is its largest one, of a complex pair the
+        modulus.
+
+    Raises
+    ------
+    ValueError
+        If Newton's method finds no cycle of the map near the guess, or it lies outside.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.engine.curves import CurveSettings
+    >>> from woodpecker.engine.formulas import expression_map
+    >>> from woodpecker.engine.network import connected
+    >>> x, y, a, b = symbols("x y a b")
+    >>> henon = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
+    >>> settings = CurveSettings(spans=((-1, 1),), window=((-4, 4), (-4, 4)))
+    >>> found = connected(henon, [0.6, 0.2], [0.1, 0.3], settings, orders=(1,))
+    >>> for point in found.diagram.points:  # exact: -(1 - b)^2/4 and 3 (1 - b)^2/4
+    ...     if point.kind.value != "EP":
+    ...         print(point.kind, round(point.parameter, 12))
+    LP -0.1225
+    PD 0.3675
+    """
+    points = np.atleast_2d(np.asarray(x, dtype=float))
+    values = np.atleast_1d(np.asarray(p, dtype=float))
+    d, k = points.shape[1], len(values)
+    if len(settings.window) != d or len(settings.spans) != 1:
+        raise ValueError(
+            f"expected a window of {d} intervals and one span, got {len(settings.window)} and "
+            f"{len(settings.spans)}"
+        )
+    if not 0 <= free < k:
+        raise ValueError(f"free must name one of {k} parameters, from 0 on, got {free}")
+    problem = cycles((free,), x_scale or (1.0,) * d, p_scale or (1.0,) * k)
+    start = cycle_near(map_, points, values, problem)
+    (low, high), within = settings.spans[0], np.array(settings.window)
+    if not low <= values[free] <= high or (start.x < within[:, 0]).any() or (start.x > within[:, 1]).any():
+        raise ValueError(f"the cycle {start.x.tolist()} at p = {values} lies outside of the settings")
+    network = Network(map_, settings, problem, tuple(orders), max_branches)
+    network.explore(start)
+    return network.result(names)
+
+
+def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Orbit:
+    """The cycle near a guess (n, d) of its points, under the pieces that the map takes there.
+
+    Raises
+    ------
+    ValueError
+        If Newton's method finds none, or one of its points lies in another piece.
+    """
+    guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
+    held = [Held(x.size + k, float(p[k])) for k in problem.free]
+    solution = solve(problem.with_(*held), guess)
+    orbit = solution.orbit
+    if not solution.converged:
+        raise ValueError(f"no cycle of {len(x)} points was found near {x.tolist()} at p = {p}")
+    if [map_.at(point, p).piece.key for point in orbit.x] != list(orbit.keys):
+        raise ValueError(f"the cycle near {x.tolist()} is virtual: a point lies in another piece")
+    return orbit
 
 
 @dataclass(eq=False)
 class Node:
-    """A special point under construction, with the curves that start there and are not followed."""
+    """A special point under construction.
+
+    Attributes
+    ----------
+    kind, orbit, order, note, cause, precision, status
+        As :class:`pwmap.diagrams.diagram.SpecialPoint` has them.
+    starts
+        At a border: all curves that start there.
+    waiting
+        Those that are still to be followed.
+    """
 
     kind: PointKind
     orbit: Orbit
     order: int
     note: str = ""
     cause: str = ""
+    precision: float = math.inf
     status: PointStatus = PointStatus.LOCATED
-    waiting: list[Beginning] = field(default_factory=list)
     starts: tuple[Beginning, ...] = ()
-    meets: bool = False  # a border
+    waiting: list[Beginning] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,167 +183,80 @@ class Trace:
     ----------
     begin
         What it is a curve of.
-    samples
-        Those of its arcs.
-    words
-        (first sample, word, cause) of each arc.
+    arcs
+        Its arcs; all but the last end at borders where only the word changes.
     end
         The special point.
-    is_closed
-        Whether it has come back to its first sample.
     """
 
     begin: Beginning
-    samples: tuple[Sample, ...]
-    words: tuple[tuple[int, str, str], ...]
+    arcs: tuple[Arc, ...]
     end: Node
-    is_closed: bool = False
 
-    def then(self, other: Trace) -> Trace:
-        """This one backwards, and another that starts at the same sample."""
-        count = len(self.samples) - 1
-        starts = [first for first, _, _ in self.words[1:]] + [count]
-        words = [(count - start, word, cause) for (_, word, cause), start in zip(self.words, starts, strict=True)]
-        words = [*words[:0:-1], *words[:1]] if len(words) > 1 else words
-        merged = [(0, *words[0][1:]), *words[1:]]
-        merged += [(first + count, word, cause) for first, word, cause in other.words[1:]]
-        return Trace(other.begin, (*self.samples[:0:-1], *other.samples), tuple(merged), other.end)
+    @property
+    def samples(self) -> list[Sample]:
+        """Those of all arcs; one at a border has the pieces before it."""
+        found = [] if self.begin.before is None else [self.begin.before]
+        for arc in self.arcs:
+            found += arc.samples[1:] if found and found[-1] is not self.begin.before else arc.samples
+        return found
 
-
-@dataclass(eq=False)
-class _Place:
-    """A point of the diagram under construction."""
-
-    node: Node
-    x: Floats
-    kind: PointKind
-    note: str
-    id: str
-    branches: list[str] = field(default_factory=list)
-
-
-def connected(
-    map_: PiecewiseMap,
-    x: Floats,
-    p: Floats,
-    settings: Following,
-    *,
-    orders: Sequence[int] = (1, 2),
-    free: int = 0,
-    x_scale: Floats | None = None,
-    p_scale: Floats | None = None,
-    names: Sequence[str] = ("p", "x"),
-    max_branches: int = 500,
-) -> Diagram:
-    """The branch through a cycle, and all branches that are connected with it.
-
-    Parameters
-    ----------
-    map_
-        A map of R^d.
-    x, p
-        A guess of a cycle's points, (n, d) or (d,), and the parameters (k,).
-    settings
-        Span, window, steps.
-    orders
-        Iterates whose cycles and jump crossings are followed.
-    free
-        Which parameter varies.
-    x_scale, p_scale
-        (d,) and (k,) lengths that count as 1; by default all ones.
-    names
-        Of the parameter and the coordinates; the first coordinate is the diagram's x, the others
-        are columns of its branches.
-    max_branches
-        So many are followed at most; then points with more to follow are ``open``.
-
-    Returns
-    -------
-    Diagram
-        One branch for each point of a cycle.
-
-    Raises
-    ------
-    ValueError
-        If Newton's method finds no cycle of the map near the guess.
-    """
-    points = np.atleast_2d(np.asarray(x, dtype=float))
-    p = np.asarray(p, dtype=float)
-    ones = np.ones(points.shape[1]), np.ones(len(p))
-    problem = cycles(
-        (free,), ones[0] if x_scale is None else x_scale, ones[1] if p_scale is None else p_scale
-    )
-    start = cycle_near(map_, points, p, problem)
-    network = Network(map_, settings, problem, tuple(orders), max_branches)
-    network.explore(start)
-    return network.diagram(names)
-
-
-def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Orbit:
-    """The cycle near a guess (n, d) of its points, under the pieces that the map takes there.
-
-    Raises
-    ------
-    ValueError
-        If Newton's method finds none, or its points belong to other pieces.
-    """
-    guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
-    held = [Held(x.size + k, float(p[k])) for k in problem.free]
-    solution = solve(problem.with_(*held), guess)
-    orbit = solution.orbit
-    if not solution.converged:
-        raise ValueError(f"no cycle of {len(x)} points was found near {x.tolist()} at p = {p}")
-    taken = [map_.at(point, p).piece.key for point in orbit.x]
-    if taken != list(orbit.keys):
-        raise ValueError(f"the cycle near {x.tolist()} is virtual: a point lies in another piece")
-    return orbit
+    @property
+    def words(self) -> list[Stretch]:
+        """Where its words begin, with what happens there."""
+        found, first, cause = [], 0, ""
+        count = 0 if self.begin.before is None else 1
+        for arc in self.arcs:
+            found.append(Stretch(first, arc.samples[0].orbit.word, cause))
+            count += len(arc.samples) - (1 if found[1:] else 0)
+            first, cause = count, _cause(arc)
+        return found
 
 
 class Network:
     """What has been found: special points, branches, and what is left to follow."""
 
     def __init__(
-        self, map_: PiecewiseMap, settings: Following, problem: Problem, orders: tuple[int, ...],
-        max_branches: int,
+        self, map_: PiecewiseMap, settings: CurveSettings, problem: Problem,
+        orders: tuple[int, ...], max_branches: int,
     ) -> None:  # fmt: skip
         self.map, self.settings, self.problem, self.orders = map_, settings, problem, orders
         self.max_branches = max_branches
         self.nodes: list[Node] = []
-        self.branches: list[tuple[Trace, Node, Node]] = []
+        self.branches: list[tuple[Trace, Node]] = []  # each with the point where it begins
         self.todo: deque[tuple[Node, Beginning]] = deque()
 
     def explore(self, start: Orbit) -> None:
-        """Follow the branch through a cycle both ways, and what starts at its ends."""
-        curve, order = Curve(self.problem, self.settings), len(start.x)
-        sample = curve.start(start)
-        ahead = self._trace(Beginning(order, curve, sample))
-        if ahead.is_closed:
-            self.branches.append((ahead, ahead.end, ahead.end))
-        else:
-            behind = self._trace(Beginning(order, curve, Sample(start, -sample.tangent)))
-            self.branches.append((behind.then(ahead), behind.end, ahead.end))
+        """Follow the branch through a cycle, and what starts at its ends.
+
+        It is followed one way to a special point, and from there as any other.
+        """
+        curve = Curve(self.problem, self.settings)
+        first = curve.start(start)
+        ahead = self._trace(Beginning(len(start.x), curve, first))
+        if ahead.arcs[-1].stop is Stop.CLOSED:
+            self.branches.append((ahead, ahead.end))
+            return
+        last = ahead.arcs[-1].samples[-1]
+        back = Beginning(len(start.x), curve, Sample(last.orbit, -last.tangent))
+        ahead.end.waiting.insert(0, back)
+        self.todo.appendleft((ahead.end, back))
         while self.todo and len(self.branches) < self.max_branches:
             node, begin = self.todo.popleft()
             if begin in node.waiting:  # else a branch has arrived along it
                 node.waiting.remove(begin)
-                trace = self._trace(begin)
-                self.branches.append((trace, node, trace.end))
+                self.branches.append((self._trace(begin), node))
 
     def _trace(self, begin: Beginning) -> Trace:
         """Follow a curve to a special point, through borders where only its word changes."""
-        samples = [] if begin.before is None else [begin.before]
-        words: list[tuple[int, str, str]] = []
-        first, cause = begin, ""
+        arcs, at = list[Arc](), begin
         for _ in range(MOST_ARCS):
-            words.append((len(samples) if words else 0, begin.sample.orbit.word, cause))
-            arc = begin.curve.follow(begin.sample)
-            samples += arc.samples[1 if samples else 0 :]
-            onward = self._onward(begin, arc)
+            arcs.append(at.curve.follow(at.sample))
+            onward = self._onward(at, arcs[-1])
             if onward is None:
                 break
-            begin, cause = onward, _cause(arc)
-        end = self._arrive(begin, arc)
-        return Trace(first, tuple(samples), tuple(words), end, arc.stop is Stop.CLOSED)
+            at = onward
+        return Trace(begin, tuple(arcs), self._arrive(at, arcs[-1]))
 
     # --- Ends of branches -------------------------------------------------------------------------
 
@@ -230,12 +272,11 @@ class Network:
         starts = beginnings(
             self.map, orbit.x[:1], orbit.p, (begin.order,), self.settings, self.problem
         )
-        arrived = replace(begin, sample=arc.samples[-1]).key
-        others = [each for each in starts if each.key != arrived]
+        others = [each for each in starts if each.key != _key_at_end(begin, arc)]
         return others[0] if len(others) == 1 else None
 
     def _cycle(self, arc: Arc) -> Orbit | None:
-        """The cycle that meets a border where an arc ends."""
+        """The cycle that meets a border where an arc ends, run through once."""
         orbit = arc.samples[-1].orbit
         if orbit.outer is None:
             return once(orbit, self.problem)
@@ -245,38 +286,35 @@ class Network:
 
     def _arrive(self, begin: Beginning, arc: Arc) -> Node:
         """The point where an arc ends; what else starts there is left to follow."""
-        orbit = arc.samples[-1].orbit
         if arc.stop in MULTIPLIERS:
             return self._at_multiplier(begin, arc)
         cycle = self._cycle(arc) if arc.stop in (Stop.SHARE, Stop.BORDER) else None
         if cycle is not None:
             return self._at_border(begin, arc, cycle)
-        status = PointStatus.OPEN if arc.stop.is_open else PointStatus.LOCATED
-        note = arc.stop.value
+        note, is_open = arc.stop.value, arc.stop.is_open
         if arc.stop is Stop.BORDER:
-            status, note = PointStatus.OPEN, "two borders at once"
-        node = Node(PointKind.EP, orbit, begin.order, note, status=status)
+            note, is_open = "two borders at once", True
+        node = Node(
+            PointKind.EP, arc.samples[-1].orbit, begin.order, note, _cause(arc), arc.precision,
+            PointStatus.OPEN if is_open else PointStatus.LOCATED,
+        )  # fmt: skip
         self.nodes.append(node)
         return node
 
     def _at_border(self, begin: Beginning, arc: Arc, cycle: Orbit) -> Node:
         """The border collision of a cycle, where an arc ends."""
-        node = self._known(cycle)
+        node, order = self._known(cycle, PointKind.BC), len(cycle.x)
         if node is None:
-            order = len(cycle.x)
-            found = tuple(
-                beginnings(
-                    self.map, cycle.x, cycle.p, sorted({*self.orders, order, 2 * order}),
-                    self.settings, self.problem,
-                )
-            )  # fmt: skip
+            wanted = sorted({*self.orders, order, 2 * order})
+            starts = beginnings(self.map, cycle.x, cycle.p, wanted, self.settings, self.problem)
             node = Node(
-                PointKind.BC, cycle, order, cause=_cause(arc), starts=found, meets=True,
-                waiting=[each for each in found if each.order in self.orders],
+                PointKind.BC, cycle, order, cause=_cause(arc), precision=arc.precision,
+                starts=tuple(starts),
             )  # fmt: skip
+            node.waiting = [each for each in node.starts if each.order in self.orders]
             self.nodes.append(node)
             self.todo += [(node, each) for each in node.waiting]
-        arrived = replace(begin, sample=arc.samples[-1]).key
+        arrived = _key_at_end(begin, arc)
         node.waiting = [each for each in node.waiting if each.key != arrived]
         return node
 
@@ -284,27 +322,17 @@ class Network:
         """A fold, a flip, a pair on the unit circle, a branch point: the curve goes on there."""
         sample, curve, order = arc.samples[-1], begin.curve, begin.order
         single = sample.orbit if begin.is_crossing else once(sample.orbit, self.problem)
-        kind = PointKind[arc.stop.name] if len(single.x) == len(sample.orbit.x) else PointKind.PD
+        halved = len(single.x) < len(sample.orbit.x)  # cycles of twice the period come to its flip
+        kind = PointKind.PD if halved else PointKind[arc.stop.name]
         node = self._known(single, kind)
         if node is not None:
             node.waiting = [each for each in node.waiting if not _is_back(each, arc)]
             return node
-        node = Node(kind, single, order if kind.value == arc.stop.name else len(single.x))
+        node = Node(kind, single, len(single.x) if halved else order, precision=arc.precision)
         self.nodes.append(node)
-        others: list[tuple[int, Sample]] = []
-        if len(single.x) < len(sample.orbit.x):  # a branch of twice the period has come to its flip
-            start = curve.start(single)
-            others += [(len(single.x), start), (len(single.x), Sample(single, -start.tangent))]
-        else:
-            starts = curve.start(sample.orbit, sample.tangent)
-            if arc.beyond is not None:
-                node.waiting.append(Beginning(order, curve, arc.beyond, starts))
-            if arc.stop is Stop.PD:
-                others += [(2 * order, self._doubled(curve, sample))]
-            if arc.stop is Stop.BP:
-                across = other_direction(curve.problem, sample.orbit, sample.tangent)
-                others += [(order, Sample(sample.orbit, sign * across)) for sign in (1.0, -1.0)]
-        for wanted, start in others:
+        if not halved and arc.beyond is not None:
+            node.waiting.append(Beginning(order, curve, arc.beyond, sample))
+        for wanted, start in self._others(begin, arc, single, halved):
             found = curve.advance(start, AWAY) if wanted in self.orders else None
             if found is not None:
                 node.waiting.append(Beginning(wanted, curve, found, start))
@@ -312,19 +340,30 @@ class Network:
         return node
 
     @staticmethod
-    def _doubled(curve: Curve, sample: Sample) -> Sample:
-        """A cycle at its flip, run through twice, with the direction of those of twice its period."""
-        orbit = sample.orbit
-        pieces = [image.piece for image in orbit.images] * 2
-        twice = orbit_of(pieces, np.tile(orbit.x, (2, 1)), orbit.p)
-        along = np.append(np.tile(sample.tangent[: orbit.x.size], 2), sample.tangent[orbit.x.size :])
-        return Sample(twice, other_direction(curve.problem, twice, along))
+    def _others(
+        begin: Beginning, arc: Arc, single: Orbit, halved: bool
+    ) -> list[tuple[int, Sample]]:
+        """Other curves through a point where a multiplier is 1 or -1: orders, and which way."""
+        sample, curve = arc.samples[-1], begin.curve
+        orbit, order, size = sample.orbit, begin.order, sample.orbit.x.size
+        if halved:
+            along = curve.start(single).tangent
+            return [(len(single.x), Sample(single, sign * along)) for sign in (1.0, -1.0)]
+        if arc.stop is Stop.PD and not begin.is_crossing:
+            pieces = [image.piece for image in orbit.images] * 2
+            twice = orbit_of(pieces, np.tile(orbit.x, (2, 1)), orbit.p)
+            along = np.append(np.tile(sample.tangent[:size], 2), sample.tangent[size:])
+            return [(2 * order, Sample(twice, other_direction(curve.problem, twice, along)))]
+        if arc.stop is Stop.BP:
+            across = other_direction(curve.problem, orbit, sample.tangent)
+            return [(order, Sample(orbit, sign * across)) for sign in (1.0, -1.0)]
+        return []
 
-    def _known(self, cycle: Orbit, kind: PointKind = PointKind.BC) -> Node | None:
+    def _known(self, cycle: Orbit, kind: PointKind) -> Node | None:
         """The special point of a kind that lies at a cycle, if there is one."""
         scale = self.problem.scale(cycle)
         for node in self.nodes:
-            if node.kind is kind and len(node.orbit.x) == len(cycle.x):
+            if node.kind is kind and node.orbit.unknowns.shape == cycle.unknowns.shape:
                 turns = (cycle.rotated(first).unknowns for first in range(len(cycle.x)))
                 if any(np.abs((t - node.orbit.unknowns) / scale).max() <= NODE for t in turns):
                     return node
@@ -332,48 +371,52 @@ class Network:
 
     # --- The result -------------------------------------------------------------------------------
 
-    def diagram(self, names: Sequence[str]) -> Diagram:
+    def result(self, names: Sequence[str]) -> Connected:
         """All that was found: a branch, and an end of it, for each point of a cycle."""
         places: list[_Place] = []
         branches: list[Branch] = []
         letters: Counter[str] = Counter()
-        for trace, first, last in self.branches:
-            begin, samples = trace.begin, trace.samples
-            for column in range(1 if begin.is_crossing else begin.order):
-                letter = "J" if begin.is_crossing else "F"
+        for trace, first in self.branches:
+            samples = trace.samples
+            for column in range(1 if trace.begin.is_crossing else trace.begin.order):
+                letter = "J" if trace.begin.is_crossing else "F"
                 letters[letter] += 1
                 name = f"{letter}{letters[letter]}"
                 ends = [
                     self._place(places, node, sample.orbit.x[column])
-                    for node, sample in ((first, samples[0]), (last, samples[-1]))
+                    for node, sample in ((first, samples[0]), (trace.end, samples[-1]))
                 ]
                 for end in ends:
                     end.branches.append(name)
                 ids = ends[0].id, ends[1].id
                 branches.append(self._branch(name, trace, ids, column, names))
-        return Diagram(
+        diagram = Diagram(
             parameter_name=names[0], x_name=names[1], branches=tuple(branches),
             points=tuple(self._point(place) for place in places),
         )  # fmt: skip
+        return Connected(diagram, {place.id: place.node.orbit for place in places})
 
     def _place(self, places: list[_Place], node: Node, x: Floats) -> _Place:
         """The point of a node at some x: that of a cycle has one for each of its points."""
         for each in places:
-            if each.node is node and np.abs((each.x - x) / self.problem.x_scale).max() <= NODE:
+            if each.node is node and self.problem.same(each.x, x, NODE):
                 return each
-        kind, note = node.kind, node.note
-        if node.meets:
-            kind, note = judged(node, x, self.problem.x_scale)
+        kind, note = (node.kind, node.note) if not node.starts else judged(node, x, self.problem)
         count = sum(each.kind is kind for each in places) + 1
         places.append(_Place(node, x, kind, note, f"{kind.value}{count}"))
         return places[-1]
 
     def _point(self, place: _Place) -> SpecialPoint:
         node = place.node
+        p = float(node.orbit.p[self.problem.free[0]])
+        away = node.precision
+        given_up = node.waiting and node.status is PointStatus.LOCATED
         return SpecialPoint(
-            id=place.id, kind=place.kind, parameter=float(node.orbit.p[self.problem.free[0]]),
-            x=float(place.x[0]), branches=tuple(dict.fromkeys(place.branches)), order=node.order,
-            note=place.note, cause=node.cause, status=node.status,
+            id=place.id, kind=place.kind, parameter=p, x=float(place.x[0]),
+            branches=tuple(dict.fromkeys(place.branches)), order=node.order,
+            note=place.note + (", branches are left to follow" if given_up else ""),
+            cause=node.cause, precision=away, status=node.status,
+            interval=(p - away, p + away) if math.isfinite(away) else None,
         )  # fmt: skip
 
     def _branch(
@@ -385,17 +428,29 @@ class Network:
         if not begin.is_crossing:
             largest = [orbit.multipliers()[0] for orbit in orbits]
             multiplier = np.array([abs(m) if m.imag else m.real for m in largest])
+        words = trace.words
         return Branch(
             id=name, kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
-            order=begin.order, word=trace.words[0][1], multiplier=multiplier,
-            words=tuple(Stretch(*each) for each in trace.words),
+            order=begin.order, word=words[0].word, words=tuple(words), multiplier=multiplier,
             parameter=np.array([orbit.p[self.problem.free[0]] for orbit in orbits]),
             x=at[:, 0], ends=ends,
             columns={name: at[:, j] for j, name in enumerate(names[2:], 1)},
         )  # fmt: skip
 
 
-def judged(node: Node, x: Floats, scale: Floats) -> tuple[PointKind, str]:
+@dataclass(eq=False)
+class _Place:
+    """A point of the diagram under construction."""
+
+    node: Node
+    x: Floats
+    kind: PointKind
+    note: str
+    id: str
+    branches: list[str] = field(default_factory=list)
+
+
+def judged(node: Node, x: Floats, problem: Problem) -> tuple[PointKind, str]:
     """What a border collision is at one point of its cycle, from the curves that start there.
 
     Those of the cycle's own order lie on both sides of the parameter (persistence), or on one
@@ -407,25 +462,30 @@ def judged(node: Node, x: Floats, scale: Floats) -> tuple[PointKind, str]:
     for begin in node.starts:
         orbit = begin.sample.orbit
         points = orbit.x[: 1 if begin.is_crossing else None]
-        count = int((np.abs((points - x) / scale).max(axis=1) <= NODE).sum())
+        count = sum(problem.same(point, x, NODE) for point in points)
         if begin.order == node.order:
             own += count * [begin]
         at_preimage = begin.is_crossing and begin.order == 2 * node.order < 2 * len(orbit.x)
         twice |= at_preimage and count > 0
-    sides = {begin.ahead > 0.0 for begin in own}
     if len(own) < 2:
         return PointKind.BC, f"{len(own)} of two branches are known"
-    note = "fold" if len(sides) == 1 else "persistence"
+    note = "fold" if len({begin.ahead > 0.0 for begin in own}) == 1 else "persistence"
     crossings = sum(begin.is_crossing for begin in own)
     flips = twice and note == "fold" and 0 < crossings == len(own) - 1
     return (PointKind.FF if flips else PointKind.BC), note
 
 
+def _key_at_end(begin: Beginning, arc: Arc) -> object:
+    """What tells a curve that has come to a point from others that start there."""
+    return replace(begin, sample=arc.samples[-1]).key
+
+
 def _cause(arc: Arc) -> str:
-    """What happens where an arc ends at a border."""
-    orbit = arc.samples[-1].orbit
+    """What happens where an arc ends at a border; empty if it ends elsewhere."""
+    if arc.stop not in (Stop.BORDER, Stop.SHARE):
+        return ""
     image, code = arc.border or min(arc.curve.ignored)
-    return orbit.taken[image].piece.cause(code)
+    return arc.samples[-1].orbit.taken[image].piece.cause(code)
 
 
 def _is_back(begin: Beginning, arc: Arc) -> bool:

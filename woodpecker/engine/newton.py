@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import root
@@ -16,7 +18,7 @@ LARGE = 0.5  # scaled steps that grow from more than this lead away
 ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Problem:
     """What an orbit is to obey, and in which parameters it may move.
 
@@ -27,25 +29,21 @@ class Problem:
     free
         Which of the k parameters are unknowns.
     x_scale, p_scale
-        (d,) and (k,) lengths that count as 1.
+        d and k lengths that count as 1.
     """
 
     conditions: tuple[Condition, ...]
     free: tuple[int, ...]
-    x_scale: Floats
-    p_scale: Floats
+    x_scale: tuple[float, ...]
+    p_scale: tuple[float, ...]
 
     def columns(self, orbit: Orbit) -> Ints:
-        """Which of an orbit's unknowns may move."""
-        (n, d), k = orbit.x.shape, len(orbit.p)
-        points = np.arange(n * d)
-        parameters = n * d + np.array(self.free, dtype=int)
-        share = [] if orbit.outer is None else [n * d + k]
-        return np.concatenate([points, parameters, share]).astype(int)
+        """Which of an orbit's unknowns may move: its points, free parameters, and the share."""
+        return _columns(orbit.x.size, len(orbit.p), self.free, orbit.outer is not None)
 
     def scale(self, orbit: Orbit) -> Floats:
         """The lengths of all of an orbit's unknowns."""
-        return np.concatenate([np.tile(self.x_scale, len(orbit.x)), self.p_scale, [1.0]])
+        return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def with_(self, *conditions: Condition) -> Problem:
         """The same with more conditions."""
@@ -70,9 +68,27 @@ class Problem:
 
     def step_between(self, one: Orbit, other: Orbit) -> Floats:
         """The step in scaled unknowns from one orbit to another."""
-        columns = self.columns(one)
-        found: Floats = ((other.unknowns - one.unknowns) / self.scale(one))[columns]
+        found: Floats = ((other.unknowns - one.unknowns) / self.scale(one))[self.columns(one)]
         return found
+
+    def same(self, one: Floats, other: Floats, within: float) -> bool:
+        """Whether points (..., d) are equal, within a distance in scaled units."""
+        return bool((np.abs(one - other) / self.x_scale).max() <= within)
+
+
+@lru_cache
+def _columns(points: int, k: int, free: tuple[int, ...], crosses: bool) -> Ints:
+    found = [*range(points), *(points + each for each in free), *([points + k] if crosses else [])]
+    columns = np.array(found, dtype=np.int64)
+    columns.setflags(write=False)
+    return columns
+
+
+@lru_cache
+def _scale(n: int, x_scale: tuple[float, ...], p_scale: tuple[float, ...]) -> Floats:
+    scale = np.array([*x_scale * n, *p_scale, 1.0])
+    scale.setflags(write=False)
+    return scale
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,6 +226,20 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     return problem.moved(near, found.x[:columns]) if off < ROUNDED**0.5 else None
 
 
-def cycles(free: Sequence[int], x_scale: Floats, p_scale: Floats) -> Problem:
+def uncertainty(problem: Problem, orbit: Orbit) -> float:
+    """How far the first free parameter of a solution may be off, by rounding of the map."""
+    matrix = problem.matrix(orbit)
+    unknowns = np.abs(orbit.unknowns / problem.scale(orbit))[problem.columns(orbit)]
+    noise = ROUNDED * (np.abs(matrix) @ np.maximum(unknowns, 1.0))
+    try:
+        back = np.abs(np.linalg.inv(matrix))[orbit.x.size]
+    except np.linalg.LinAlgError:
+        return math.inf
+    return float(back @ noise) * problem.p_scale[problem.free[0]]
+
+
+def cycles(
+    free: Sequence[int], x_scale: Sequence[float], p_scale: Sequence[float]
+) -> Problem:
     """The problem of cycles in some parameters."""
-    return Problem((Closed(),), tuple(free), np.asarray(x_scale), np.asarray(p_scale))
+    return Problem((Closed(),), tuple(free), tuple(map(float, x_scale)), tuple(map(float, p_scale)))

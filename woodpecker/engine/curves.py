@@ -9,14 +9,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.newton import Across, Problem, branch_point, solve, tangent
+from woodpecker.engine.newton import (
+    ROUNDED,
+    Across,
+    Problem,
+    branch_point,
+    solve,
+    tangent,
+    uncertainty,
+)
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
 
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
@@ -47,14 +55,17 @@ class Stop(Enum):
         return self in (Stop.SHORT, Stop.MANY)
 
 
+MULTIPLIERS = (Stop.LP, Stop.PD, Stop.NS, Stop.BP)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Following:
+class CurveSettings:
     """How curves are followed, in scaled unknowns, and where they end.
 
     Parameters
     ----------
-    span
-        Of the first parameter that is free.
+    spans
+        Lower and upper end of each parameter that is free.
     window
         (d, 2) lower and upper ends of each coordinate.
     step, min_step, max_step
@@ -70,7 +81,7 @@ class Following:
         If an interval is empty, or the steps do not ascend.
     """
 
-    span: tuple[float, float]
+    spans: tuple[tuple[float, float], ...]
     window: tuple[tuple[float, float], ...]
     step: float = 0.01
     min_step: float = 1e-9
@@ -79,7 +90,7 @@ class Following:
     max_samples: int = 5000
 
     def __post_init__(self) -> None:
-        for low, high in (self.span, *self.window):
+        for low, high in (*self.spans, *self.window):
             if not low < high:
                 raise ValueError(f"an interval must have low < high, got ({low}, {high})")
         if not 0.0 < self.min_step <= self.step <= self.max_step:
@@ -121,6 +132,8 @@ class Arc:
         Of BORDER: which image's margin vanishes, and its code.
     beyond
         The sample after the end, where the curve does not end there.
+    condition
+        The equation that its end obeys besides those of the curve; None if there is none.
     """
 
     samples: tuple[Sample, ...]
@@ -128,10 +141,22 @@ class Arc:
     curve: Curve
     border: tuple[int, int] | None = None
     beyond: Sample | None = None
+    condition: Condition | None = None
+
+    @property
+    def precision(self) -> float:
+        """How well the first free parameter is known at its end; infinite if it was given up."""
+        if self.stop is Stop.SPAN:
+            return 0.0
+        if self.stop is Stop.BP:
+            return ROUNDED**0.5
+        if self.condition is None:
+            return math.inf
+        return uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Test:
+class TestFunction:
     """A function along a curve whose change of sign ends an arc.
 
     Attributes
@@ -151,6 +176,11 @@ class Test:
     condition: Condition | None = None
     border: tuple[int, int] | None = None
 
+    @property
+    def is_bound(self) -> bool:
+        """Whether it is positive inside, and zero at the start of a curve that comes from outside."""
+        return self.stop not in MULTIPLIERS
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
@@ -169,9 +199,9 @@ class Curve:
     """
 
     problem: Problem
-    settings: Following
+    settings: CurveSettings
     ignored: frozenset[tuple[int, int]] = frozenset()
-    tests: tuple[Stop, ...] = field(default=(Stop.LP, Stop.PD, Stop.NS, Stop.BP))
+    tests: tuple[Stop, ...] = MULTIPLIERS
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
@@ -208,11 +238,11 @@ class Curve:
                 step *= 0.5
                 continue
             if ends:
-                first, *later = sorted(ends, key=lambda end: end[0])
-                beyond = found
-                if later:
-                    beyond = self.advance(last, 0.5 * (first[0] + later[0][0]))
-                return Arc((*samples, first[2]), first[1].stop, self, first[1].border, beyond)
+                (at, test, sample), *later = sorted(ends, key=lambda end: end[0])
+                beyond = self.advance(last, 0.5 * (at + later[0][0])) if later else found
+                return Arc(
+                    (*samples, sample), test.stop, self, test.border, beyond, test.condition
+                )
             if len(samples) > 2 and self._closes(start, last, found, step):
                 return Arc((*samples, start), Stop.CLOSED, self)
             samples.append(found)
@@ -222,12 +252,12 @@ class Curve:
 
     # --- What is looked at ------------------------------------------------------------------------
 
-    def _tests(self, at: Sample) -> Iterator[Test]:
+    def _tests(self, at: Sample) -> Iterator[TestFunction]:
         """All test functions that are to be looked at from a sample on."""
         orbit, problem = at.orbit, self.problem
         (n, d), settings = orbit.x.shape, self.settings
-        parameter = n * d + problem.free[0]
-        bounds = [(Stop.SPAN, parameter, settings.span)]
+        free = zip(problem.free, settings.spans, strict=True)
+        bounds = [(Stop.SPAN, n * d + each, ends) for each, ends in free]
         bounds += [
             (Stop.WINDOW, i * d + j, settings.window[j]) for i in range(n) for j in range(d)
         ]
@@ -235,24 +265,25 @@ class Curve:
             bounds.append((Stop.SHARE, len(orbit.unknowns) - 1, (0.0, 1.0)))
         for stop, column, ends in bounds:
             for end, inward in zip(ends, (1.0, -1.0), strict=True):
-                yield Test(stop, _inside(column, end, inward), Held(column, end))
+                yield TestFunction(stop, _inside(column, end, inward), Held(column, end))
         for i, image in enumerate(orbit.taken):
             for code in image.codes.tolist():
                 if (i, code) not in self.ignored:
-                    yield Test(Stop.BORDER, _margin(i, code), OnBorder(i, code), (i, code))
+                    border = OnBorder(i, code)
+                    yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code))
         yield from self._special(orbit)
 
-    def _special(self, orbit: Orbit) -> Iterator[Test]:
+    def _special(self, orbit: Orbit) -> Iterator[TestFunction]:
         """Folds, flips, pairs on the unit circle, branch points."""
         one = len(self.problem.free) == 1
-        column = int(np.searchsorted(self.problem.columns(orbit), orbit.x.size))
         for stop in self.tests:
+            condition = Multiplier(stop.name) if orbit.outer is None else None
             if stop is Stop.LP and one:
-                yield Test(stop, lambda sample: float(sample.tangent[column]))
+                yield TestFunction(stop, _ahead, condition)
             elif stop is Stop.BP:
-                yield Test(stop, self._bordered)
-            elif orbit.outer is None and (stop is Stop.PD or orbit.x.shape[1] > 1):
-                yield Test(stop, _of_multipliers(stop))
+                yield TestFunction(stop, self._bordered)
+            elif condition is not None and (stop is Stop.PD or orbit.x.shape[1] > 1):
+                yield TestFunction(stop, _of_condition(condition), condition)
 
     def _bordered(self, sample: Sample) -> float:
         """The determinant of the equations bordered with the tangent, with rows of length 1."""
@@ -291,12 +322,12 @@ class Curve:
 
     def _ends(
         self, a: Sample, b: Sample, step: float
-    ) -> list[tuple[float, Test, Sample]] | None:
+    ) -> list[tuple[float, TestFunction, Sample]] | None:
         """What ends the arc between two samples, with distances; None if one cannot be located."""
         found = []
         for test in self._tests(a):
             before, after = test.value(a), test.value(b)
-            if test.condition is not None and abs(before) < NEAR and after >= 0.0:
+            if test.is_bound and abs(before) < NEAR and after >= 0.0:
                 continue  # it vanishes at the start, and grows
             if math.isnan(before) or math.isnan(after) or before * after > 0.0 or before == 0.0:
                 continue
@@ -309,7 +340,7 @@ class Curve:
         return found
 
     def _located(
-        self, a: Sample, step: float, test: Test, before: float, after: float, b: Sample
+        self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample
     ) -> tuple[float, Sample] | None:
         """Where a test function vanishes between two samples."""
         seen = {0.0: (a, before), step: (b, after)}
@@ -331,7 +362,7 @@ class Curve:
         if test.stop is Stop.BP:
             orbit = branch_point(self.problem, sample.orbit)
             return distance, sample if orbit is None else Sample(orbit, sample.tangent)
-        if test.condition is not None and test.stop in (Stop.SPAN, Stop.WINDOW, Stop.BORDER, Stop.SHARE):
+        if test.condition is not None:
             solution = solve(self.problem.with_(test.condition), sample.orbit)
             if solution.converged:
                 sample = self.start(solution.orbit, sample.tangent)
@@ -349,6 +380,12 @@ class Curve:
         )
 
 
+def _ahead(sample: Sample) -> float:
+    """How fast the first free parameter grows; noise about zero is none."""
+    rate = float(sample.tangent[sample.orbit.x.size])
+    return rate if abs(rate) > NEAR else 0.0
+
+
 def _angle(a: Sample, b: Sample) -> float:
     return math.acos(min(1.0, float(a.tangent @ b.tangent)))
 
@@ -357,14 +394,8 @@ def _inside(column: int, end: float, inward: float) -> Callable[[Sample], float]
     return lambda sample: inward * float(sample.orbit.unknowns[column] - end)
 
 
-def _margin(i: int, code: int) -> Callable[[Sample], float]:
-    condition = OnBorder(i, code)
+def _of_condition(condition: Condition) -> Callable[[Sample], float]:
     return lambda sample: float(condition.residual(sample.orbit)[0])
-
-
-def _of_multipliers(stop: Stop) -> Callable[[Sample], float]:
-    condition = Multiplier(stop.name)
-    return lambda sample: condition.value(sample.orbit)
 
 
 def _is_neutral_saddle(sample: Sample) -> bool:
