@@ -1,8 +1,8 @@
 """Curves of orbits: predictor, corrector, step control, and one locator of what ends them.
 
-An *arc* is a part of a curve along which no piece changes and no test function vanishes. Every curve
-is followed by the one loop here, whatever its conditions are: cycles, jump crossings, special points
-in two parameters.
+An *arc* is a part of a curve along which no piece changes and no test function vanishes. Every
+curve is followed by the one loop here, whatever its conditions are: cycles, jump crossings, special
+points in two parameters.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.newton import (
-    ROUNDED,
+    HALF,
     Across,
     Problem,
     branch_point,
@@ -30,8 +30,7 @@ from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbi
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
 ITERATIONS = 80  # of that: halvings alone take fifty
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
-NEAR = 1e-7  # scaled: a test function that is smaller than this at the start of an arc has ended the
-# arc before, or begins at zero
+NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
 
 class Stop(Enum):
@@ -149,7 +148,7 @@ class Arc:
         if self.stop is Stop.SPAN:
             return 0.0
         if self.stop is Stop.BP:
-            return ROUNDED**0.5
+            return HALF
         if self.condition is None:
             return math.inf
         return uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
@@ -178,7 +177,7 @@ class TestFunction:
 
     @property
     def is_bound(self) -> bool:
-        """Whether it is positive inside, and zero at the start of a curve that comes from outside."""
+        """Whether it is positive inside, and zero where a curve begins at it."""
         return self.stop not in MULTIPLIERS
 
 
@@ -240,9 +239,7 @@ class Curve:
             if ends:
                 (at, test, sample), *later = sorted(ends, key=lambda end: end[0])
                 beyond = self.advance(last, 0.5 * (at + later[0][0])) if later else found
-                return Arc(
-                    (*samples, sample), test.stop, self, test.border, beyond, test.condition
-                )
+                return Arc((*samples, sample), test.stop, self, test.border, beyond, test.condition)
             if len(samples) > 2 and self._closes(start, last, found, step):
                 return Arc((*samples, start), Stop.CLOSED, self)
             samples.append(found)
@@ -258,9 +255,7 @@ class Curve:
         (n, d), settings = orbit.x.shape, self.settings
         free = zip(problem.free, settings.spans, strict=True)
         bounds = [(Stop.SPAN, n * d + each, ends) for each, ends in free]
-        bounds += [
-            (Stop.WINDOW, i * d + j, settings.window[j]) for i in range(n) for j in range(d)
-        ]
+        bounds += [(Stop.WINDOW, i * d + j, settings.window[j]) for i in range(n) for j in range(d)]
         if orbit.outer is not None:
             bounds.append((Stop.SHARE, len(orbit.unknowns) - 1, (0.0, 1.0)))
         for stop, column, ends in bounds:
@@ -286,9 +281,8 @@ class Curve:
                 yield TestFunction(stop, _of_condition(condition), condition)
 
     def _bordered(self, sample: Sample) -> float:
-        """The determinant of the equations bordered with the tangent, with rows of length 1."""
-        rows = np.vstack([self.problem.matrix(sample.orbit), sample.tangent])
-        return float(np.linalg.det(rows / np.linalg.norm(rows, axis=1)[:, None]))
+        """The determinant of the equations bordered with the tangent."""
+        return float(np.linalg.det(np.vstack([self.problem.matrix(sample.orbit), sample.tangent])))
 
     def _turns(self, a: Sample, b: Sample) -> bool:
         return _angle(a, b) > self.settings.max_turn

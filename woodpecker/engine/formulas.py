@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 import sympy
 
-from woodpecker.base.arrays import Bools, Floats
+from woodpecker.base.arrays import Floats
 from woodpecker.engine.maps import Image
 
-TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms: a point on a border
-# is known to some 2**-45 times the condition of the equations that it solves
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
 NOWHERE = "no piece of the map holds this point"
 
@@ -135,7 +133,7 @@ class ExpressionMap:
         """The image under the piece that holds the points infinitesimally beside a point."""
         for piece in self.pieces:
             image = piece.at(x, p)
-            signs = np.where(tied(image, x, p), image.gradients @ direction, image.margins)
+            signs = np.where(image.tied(x, p), image.gradients @ direction, image.margins)
             if (signs > 0.0).all():
                 return image
         return self._nowhere(x, p)
@@ -147,13 +145,6 @@ class ExpressionMap:
             np.full(d, math.nan), np.full((d, d + k), math.nan), none, gradients,
             np.arange(0), self.pieces[0], NOWHERE,
         )  # fmt: skip
-
-
-def tied(image: Image, x: Floats, p: Floats) -> Bools:
-    """Which margins of an image are zero, but for rounding."""
-    size = np.abs(image.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
-    found: Bools = np.abs(image.margins) <= TIE * size
-    return found
 
 
 def expression_map(

@@ -1,10 +1,10 @@
 """What starts where orbits meet borders, from the germ of the map there.
 
-At a border point the map has two pieces, and near it nothing else. So an orbit through border points
-has finitely many *paths*: sequences of pieces, one of the two at each such point. Curves that start
-there are cycles along a path that returns, and jump crossings between two paths that part at a
-border. Each is tried: its tangent says on which sides of the borders the points go, and that must be
-the sides of their pieces. No orbit is looked for at a distance.
+At a border point the map has two pieces, and near it nothing else. So an orbit through border
+points has finitely many *paths*: sequences of pieces, one of the two at each such point. Curves
+that start there are cycles along a path that returns, and jump crossings between two paths that
+part at a border. Each is tried: its tangent says on which sides of the borders the points go, and
+these must be the sides of their pieces. No orbit is looked for at a distance.
 """
 
 from __future__ import annotations
@@ -15,14 +15,12 @@ from itertools import combinations
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, CurveSettings, Sample
 from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chain
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import OnBorder, Orbit, orbit_of
 
-TIE = 2.0**-30  # a margin is zero if it is smaller than this part of its terms: a point on a border is
-# known to some 2**-45 times the condition of the equations that it solves
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
 PATHS = 256  # of one orbit at most: eight of its points on borders
@@ -119,11 +117,11 @@ def _sides(map_: PiecewiseMap, x: Floats, p: Floats) -> Iterator[tuple[Image, in
     image = map_.at(x, p)
     if image.reason:
         return
-    codes = image.codes[tied(image, x, p)].tolist()
+    codes = image.codes[image.tied(x, p)].tolist()
     yield image, (codes[0] if codes else -1)
     for code in codes:
         other = map_.beside(x, p, -image.gradients[image.place(code)])
-        back = other.codes[tied(other, x, p)].tolist()
+        back = other.codes[other.tied(x, p)].tolist()
         if not other.reason and back and other.piece.key != image.piece.key:
             yield other, back[0]
 
@@ -164,10 +162,11 @@ def _cycles(
 ) -> Iterator[Beginning]:
     """Those along paths that return, and that are no shorter ones run through several times."""
     for path in all_:
-        keys = [image.piece.key for image in path.images]
+        pieces = [image.piece for image in path.images]
+        keys = [piece.key for piece in pieces]
         shorter = (d for d in range(1, order) if order % d == 0)
-        if curve.problem.same(path.end, x, SAME) and all(keys[d:] + keys[:d] != keys for d in shorter):
-            pieces = [image.piece for image in path.images]
+        is_shortest = all(keys[d:] + keys[:d] != keys for d in shorter)
+        if is_shortest and curve.problem.same(path.end, x, SAME):
             yield from _both_ways(order, curve, orbit_of(pieces, path.x, p))
 
 
@@ -207,7 +206,7 @@ def _meets_another(orbit: Orbit, ignored: frozenset[tuple[int, int]]) -> bool:
     return any(
         (i, code) not in ignored
         for i, image in enumerate(orbit.taken)
-        for code in image.codes[tied(image, orbit.x[orbit.place(i)], orbit.p)].tolist()
+        for code in image.codes[image.tied(orbit.x[orbit.place(i)], orbit.p)].tolist()
     )
 
 
@@ -229,7 +228,7 @@ def is_inside(curve: Curve, sample: Sample) -> bool:
     """
     orbit = sample.orbit
     for i, image in enumerate(orbit.taken):
-        zero = tied(image, orbit.x[orbit.place(i)], orbit.p)
+        zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
         for k, code in enumerate(image.codes.tolist()):
             if (i, code) in curve.ignored:
                 continue
@@ -239,12 +238,6 @@ def is_inside(curve: Curve, sample: Sample) -> bool:
         return True
     rises = float(sample.tangent[-1])
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
-
-
-def tied(image: Image, x: Floats, p: Floats) -> Ints:
-    """Which margins (m,) of an image are zero, but for rounding."""
-    size = np.abs(image.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
-    return np.asarray(np.abs(image.margins) <= TIE * size)
 
 
 def cycle_through(

@@ -6,6 +6,7 @@ import math
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain, pairwise
 
 import numpy as np
 
@@ -32,7 +33,7 @@ from woodpecker.engine.newton import Problem, cycles, other_direction, solve
 from woodpecker.engine.orbits import Held, Orbit, orbit_of
 
 NODE = 1e-7  # scaled: special points closer than this are one
-AWAY = 2.0**-10  # scaled: so far from a branch point the first orbit of another branch is looked for
+AWAY = 2.0**-10  # scaled: so far from a branch point another branch is looked for
 ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
 MOST_ARCS = 1000  # of one branch
 
@@ -123,9 +124,12 @@ def connected(
         raise ValueError(f"free must name one of {k} parameters, from 0 on, got {free}")
     problem = cycles((free,), x_scale or (1.0,) * d, p_scale or (1.0,) * k)
     start = cycle_near(map_, points, values, problem)
-    (low, high), within = settings.spans[0], np.array(settings.window)
-    if not low <= values[free] <= high or (start.x < within[:, 0]).any() or (start.x > within[:, 1]).any():
-        raise ValueError(f"the cycle {start.x.tolist()} at p = {values} lies outside of the settings")
+    for name, at, (low, high) in (
+        ("the parameter", values[free : free + 1], settings.spans[0]),
+        *(("a coordinate", start.x[:, j], settings.window[j]) for j in range(d)),
+    ):
+        if at.min() < low or at.max() > high:
+            raise ValueError(f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}")
     network = Network(map_, settings, problem, tuple(orders), max_branches)
     network.explore(start)
     return network.result(names)
@@ -196,20 +200,18 @@ class Trace:
     @property
     def samples(self) -> list[Sample]:
         """Those of all arcs; one at a border has the pieces before it."""
-        found = [] if self.begin.before is None else [self.begin.before]
-        for arc in self.arcs:
-            found += arc.samples[1:] if found and found[-1] is not self.begin.before else arc.samples
-        return found
+        before = () if self.begin.before is None else (self.begin.before,)
+        later = (arc.samples[1:] for arc in self.arcs[1:])
+        return [*before, *self.arcs[0].samples, *chain.from_iterable(later)]
 
     @property
     def words(self) -> list[Stretch]:
         """Where its words begin, with what happens there."""
-        found, first, cause = [], 0, ""
-        count = 0 if self.begin.before is None else 1
-        for arc in self.arcs:
-            found.append(Stretch(first, arc.samples[0].orbit.word, cause))
-            count += len(arc.samples) - (1 if found[1:] else 0)
-            first, cause = count, _cause(arc)
+        found = [Stretch(0, self.begin.sample.orbit.word)]
+        first = len(self.arcs[0].samples) + (self.begin.before is not None)
+        for before, arc in pairwise(self.arcs):
+            found.append(Stretch(first, arc.samples[0].orbit.word, _cause(before)))
+            first += len(arc.samples) - 1
         return found
 
 

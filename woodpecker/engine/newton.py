@@ -16,6 +16,7 @@ from woodpecker.engine.orbits import STEP, Closed, Condition, Orbit, placed
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
+HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,18 +153,19 @@ def solve(problem: Problem, start: Orbit) -> Solution:
         if not (np.isfinite(matrix).all() and np.isfinite(residual).all()):
             return Solution(orbit, False, count - 1)
         try:
-            step = np.linalg.solve(matrix, -residual)
-        except np.linalg.LinAlgError:
-            return Solution(orbit, False, count - 1)
+            step = np.asarray(np.linalg.solve(matrix, -residual), dtype=float)
+        except np.linalg.LinAlgError:  # exactly at a branch point, which may solve them all the same
+            is_solved = (np.abs(residual) <= _noise(problem, orbit, matrix)).all()
+            return Solution(orbit, bool(is_solved), count - 1)
         size = float(np.abs(step).max())
         if size > max(LARGE, 2.0 * before) or not np.isfinite(size):
             return Solution(orbit, False, count)
         orbit = problem.moved(orbit, step)
         rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
-        if size <= rounding or (before <= rounding**0.5 and size >= 0.5 * before):
+        if size <= rounding or (before <= HALF and size >= 0.5 * before):
             return Solution(orbit, orbit.is_defined, count)
         before = size
-    return Solution(orbit, before <= ROUNDED**0.5 and orbit.is_defined, STEPS)
+    return Solution(orbit, before <= HALF and orbit.is_defined, STEPS)
 
 
 def tangent(problem: Problem, orbit: Orbit) -> Floats:
@@ -184,8 +186,8 @@ def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats:
     """The unit tangent of the second curve through a branch point.
 
     There the equations are unchanged to first order in a plane, spanned by the tangent v of the
-    first curve and some u; with w orthogonal to all their derivatives, the second curve leaves along
-    c v + u with 2 c w F''(v, u) + w F''(u, u) = 0. Second derivatives are differences.
+    first curve and some u; with w orthogonal to all their derivatives, the second curve leaves
+    along c v + u with 2 c w F''(v, u) + w F''(u, u) = 0. Second derivatives are differences.
 
     Parameters
     ----------
@@ -212,7 +214,7 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     w and m: a regular system at a simple branch point, where m is zero.
     """
     matrix = problem.matrix(near)
-    rows, columns = matrix.shape
+    columns = matrix.shape[1]
 
     def equations(at: Floats) -> Floats:
         orbit = problem.moved(near, at[:columns])
@@ -223,14 +225,20 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     w = np.linalg.svd(matrix)[0][:, -1]
     found = root(equations, np.concatenate([np.zeros(columns), w, [0.0]]), options={"xtol": 1e-14})
     off = np.abs(equations(found.x)).max()
-    return problem.moved(near, found.x[:columns]) if off < ROUNDED**0.5 else None
+    return problem.moved(near, found.x[:columns]) if off < HALF else None
+
+
+def _noise(problem: Problem, orbit: Orbit, matrix: Floats) -> Floats:
+    """What rounding may leave of the residuals."""
+    unknowns = np.abs(orbit.unknowns / problem.scale(orbit))[problem.columns(orbit)]
+    found: Floats = ROUNDED * (np.abs(matrix) @ np.maximum(unknowns, 1.0))
+    return found
 
 
 def uncertainty(problem: Problem, orbit: Orbit) -> float:
     """How far the first free parameter of a solution may be off, by rounding of the map."""
     matrix = problem.matrix(orbit)
-    unknowns = np.abs(orbit.unknowns / problem.scale(orbit))[problem.columns(orbit)]
-    noise = ROUNDED * (np.abs(matrix) @ np.maximum(unknowns, 1.0))
+    noise = _noise(problem, orbit, matrix)
     try:
         back = np.abs(np.linalg.inv(matrix))[orbit.x.size]
     except np.linalg.LinAlgError:
@@ -238,8 +246,6 @@ def uncertainty(problem: Problem, orbit: Orbit) -> float:
     return float(back @ noise) * problem.p_scale[problem.free[0]]
 
 
-def cycles(
-    free: Sequence[int], x_scale: Sequence[float], p_scale: Sequence[float]
-) -> Problem:
+def cycles(free: Sequence[int], x_scale: Sequence[float], p_scale: Sequence[float]) -> Problem:
     """The problem of cycles in some parameters."""
     return Problem((Closed(),), tuple(free), tuple(map(float, x_scale)), tuple(map(float, p_scale)))

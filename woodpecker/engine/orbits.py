@@ -84,7 +84,7 @@ class Orbit:
         return self.columns(self.place(i), image.gradients[image.place(code)])
 
     def columns(self, i: int, rows: Floats) -> Floats:
-        """Derivatives (..., d + k) in the i-th point and the parameters, as ones in all unknowns."""
+        """Derivatives (..., d + k) in the i-th point and p as derivatives in all unknowns."""
         (n, d), k = self.x.shape, len(self.p)
         wide = np.zeros((*rows.shape[:-1], n * d + k + 1))
         wide[..., i * d : (i + 1) * d] = rows[..., :d]
@@ -234,7 +234,7 @@ class Multiplier:
         return np.array([self.value(orbit)])
 
     def rows(self, orbit: Orbit) -> Floats:
-        """(1, ...) its derivatives, by central differences along each unknown: pieces are smooth."""
+        """(1, ...) its derivatives, by central differences: pieces are smooth."""
         at = orbit.unknowns
         row = np.zeros((1, len(at)))
         for column in range(len(at) - 1):

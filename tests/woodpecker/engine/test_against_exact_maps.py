@@ -1,0 +1,125 @@
+"""Random piecewise-linear maps of the line: what the engine finds is what `pwmap` proves."""
+
+from __future__ import annotations
+
+import random
+
+import networkx as nx
+import pytest
+import sympy
+
+from pwmap import PiecewiseLinearMap, bifurcation_diagram
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind
+from woodpecker.engine.curves import CurveSettings
+from woodpecker.engine.formulas import ExpressionMap, expression_map
+from woodpecker.engine.network import connected
+
+x, p = sympy.symbols("x p")
+ORDERS = (1, 2, 3)
+SPAN = (-1, 1)
+
+
+def random_map(rng: random.Random) -> tuple[list[sympy.Expr], list[sympy.Rational]]:
+    """Pieces and breaks; no slope is 0, 1 or -1, so that all points are generic."""
+    count = rng.choice([2, 2, 3])
+    breaks = [sympy.Rational(b, 8) for b in sorted(rng.sample(range(-12, 13), count - 1))]
+    pieces = []
+    for _ in range(count):
+        slope = sympy.Rational(rng.choice([n for n in range(-22, 23) if n not in (-11, 0, 11)]), 11)
+        offset, rate = sympy.Rational(rng.randint(-26, 26), 13), rng.choice([1, 1, 1, 2, -1])
+        pieces.append(slope * x + offset + rate * p)
+    return pieces, breaks
+
+
+def both(
+    pieces: list[sympy.Expr], breaks: list[sympy.Rational]
+) -> tuple[PiecewiseLinearMap, ExpressionMap]:
+    """The same map for both packages."""
+    conditions = [(piece, x <= b) for piece, b in zip(pieces, breaks, strict=False)]
+    exact = PiecewiseLinearMap.from_sympy(str(sympy.Piecewise(*conditions, (pieces[-1], True))), x)
+    margins = {}
+    for i in range(len(pieces)):
+        margins["ABC"[i]] = {f"x = {b}": x - b for b in breaks[:i][-1:]}
+        margins["ABC"[i]] |= {f"x = {b}": b - x for b in breaks[i : i + 1]}
+    named = {"ABC"[i]: (piece,) for i, piece in enumerate(pieces)}
+    return exact, expression_map((x,), (p,), named, margins)
+
+
+def component(diagram: Diagram, first: Branch) -> set[str]:
+    """Branches and points that are connected: at special points, or as points of one cycle."""
+    graph = nx.Graph()
+    for branch in diagram.branches:
+        graph.add_node(branch.id)
+        ends = (diagram.point(end) for end in branch.ends)
+        graph.add_edges_from((branch.id, q.id) for q in ends if q.kind is not PointKind.EP)
+    cycles = [b for b in diagram.branches if b.kind is BranchKind.FIXED_POINT]
+    for one in cycles:
+        for other in cycles:
+            turns = {one.word[i:] + one.word[:i] for i in range(len(one.word))}
+            if other.word in turns and one.exact["interval"] == other.exact["interval"]:
+                graph.add_edge(one.id, other.id)
+    found: set[str] = nx.node_connected_component(graph, first.id)
+    return found
+
+
+def rounded(value: float) -> float:
+    return round(float(value), 5) + 0.0
+
+
+def described(diagram: Diagram, ids: set[str] | None = None) -> tuple[list[object], list[object]]:
+    """Branches by kind, order and ends; points by kind, place and note."""
+    branches = [
+        (
+            b.kind.value, b.order,
+            sorted((rounded(b.parameter[k]), rounded(b.x[k])) for k in (0, -1)),
+        )
+        for b in diagram.branches
+        if ids is None or b.id in ids
+    ]  # fmt: skip
+    points = [
+        (q.kind.value, rounded(q.parameter), rounded(q.x), q.order, q.note)
+        for q in diagram.points
+        if q.kind is not PointKind.EP and (ids is None or q.id in ids)
+    ]
+    return sorted(branches, key=str), sorted(points, key=str)
+
+
+@pytest.mark.parametrize("count", [6, pytest.param(150, marks=pytest.mark.slow)])
+def test_random_maps(count: int) -> None:
+    rng = random.Random(11)
+    compared = 0
+    for _ in range(count):
+        pieces, breaks = random_map(rng)
+        exact, map_ = both(pieces, breaks)
+        diagram = bifurcation_diagram(exact, "p", SPAN, orders=ORDERS)
+        first = next((b for b in diagram.branches if is_start(b)), None)
+        if first is None:
+            continue
+        at_p, at_x = (0.37 * v[0] + 0.63 * v[-1] for v in (first.parameter, first.x))
+        settings = CurveSettings(spans=(SPAN,), window=((-60.0, 60.0),))
+        found = connected(map_, [at_x], [at_p], settings, orders=ORDERS)
+        assert described(found.diagram) == described(diagram, component(diagram, first)), pieces
+        compared += 1
+    assert compared > 0.7 * count
+
+
+def is_start(branch: Branch) -> bool:
+    return branch.kind is BranchKind.FIXED_POINT and branch.order == 1 and len(branch) > 1
+
+
+def test_the_map_of_the_paper_folds_and_flips() -> None:
+    """P1^L at a = 5/4: one crossing of each order, at x* (1 - (-a)^(1 - j)), from a fold-flip."""
+    steep = sympy.Rational(5, 4)
+    map_ = expression_map(
+        (x,), (p,), {"L": (p - 2,), "R": (p - steep * x,)}, {"L": {"x = 0": -x}, "R": {"x = 0": x}}
+    )
+    settings = CurveSettings(spans=((-1.0, 1.9),), window=((-5.0, 5.0),))
+    diagram = connected(map_, [0.5], [1.125], settings, orders=(1, 2, 3, 4)).diagram
+    (flip,) = (q for q in diagram.points if q.kind is PointKind.FF)
+    assert (flip.parameter, flip.x, flip.note) == (0.0, 0.0, "fold")
+    for order in (1, 2, 3, 4):
+        (crossing,) = (
+            b for b in diagram.branches if b.kind is BranchKind.JUMP and b.order == order
+        )
+        exact = crossing.parameter / 2.25 * (1.0 - (-1.25) ** (1 - order))
+        assert crossing.x == pytest.approx(exact, abs=1e-13)

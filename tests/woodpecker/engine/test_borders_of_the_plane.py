@@ -1,0 +1,126 @@
+"""Border collisions and jump crossings of maps of the plane, against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy
+
+from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind
+from woodpecker.engine.curves import CurveSettings
+from woodpecker.engine.formulas import ExpressionMap, expression_map
+from woodpecker.engine.network import connected
+
+x, y, mu = sympy.symbols("x y mu")
+SLOPES = sympy.symbols("t_l d_l t_r d_r")
+SIDES = {"L": {"x = 0": -x}, "R": {"x = 0": x}}
+LARGE = ((-1e3, 1e3), (-1e3, 1e3))
+
+
+@pytest.fixture(scope="module")
+def normal_form() -> ExpressionMap:
+    """The border-collision normal form: trace and determinant on both sides."""
+    t_l, d_l, t_r, d_r = SLOPES
+    pieces = {"L": (t_l * x + y + mu, -d_l * x), "R": (t_r * x + y + mu, -d_r * x)}
+    return expression_map((x, y), (mu, *SLOPES), pieces, SIDES)
+
+
+def real_multipliers(trace: float, determinant: float) -> tuple[int, int]:
+    """How many real multipliers are larger than 1, and smaller than -1."""
+    values = np.linalg.eigvals(np.array([[trace, 1.0], [-determinant, 0.0]]))
+    real = values[np.abs(values.imag) < 1e-12].real
+    return int((real > 1.0).sum()), int((real < -1.0).sum())
+
+
+@pytest.mark.parametrize("count", [25, pytest.param(1000, marks=pytest.mark.slow)])
+def test_rule_of_feigin(normal_form: ExpressionMap, count: int) -> None:
+    """Fold if there is an odd number of multipliers above 1 on both sides together.
+
+    Cycles of period two are born if those below -1 are odd [diBernardo2008].
+    """
+    rng = np.random.default_rng(20)
+    settings = CurveSettings(spans=((-1.5, 1.5),), window=LARGE, step=0.1, max_step=0.5)
+    seen = set()
+    for _ in range(count):
+        t_l, d_l, t_r, d_r = slopes = rng.uniform(-2.0, 2.0, 4)
+        denominator = 1.0 - t_l + d_l
+        at_mu = -float(np.sign(denominator))  # where the fixed point of L is admissible
+        at_x = at_mu / denominator
+        found = connected(normal_form, [at_x, -d_l * at_x], [at_mu, *slopes], settings)
+        (collision,) = (q for q in found.diagram.points if q.kind is PointKind.BC)
+        (above_l, below_l), (above_r, below_r) = (
+            real_multipliers(t_l, d_l), real_multipliers(t_r, d_r)
+        )  # fmt: skip
+        note = "persistence" if (above_l + above_r) % 2 == 0 else "fold"
+        doubles = (below_l + below_r) % 2 == 1
+        assert (collision.note, collision.x) == (note, pytest.approx(0.0, abs=1e-12)), slopes
+        assert any(branch.order == 2 for branch in found.diagram.branches) == doubles, slopes
+        seen.add((note, doubles))
+    assert len(seen) == 4
+
+
+def test_crossings_of_the_plane_solve_linear_equations() -> None:
+    """With one matrix A on both sides: x_b = A x_b + m_l + s (m_r - m_l), linear in y and s.
+
+    At s = 0 and s = 1 it is the fixed point of one side, right at its border.
+    """
+    rng = np.random.default_rng(7)
+    settings = CurveSettings(spans=((-3.0, 3.0),), window=LARGE, step=0.05, max_step=0.2)
+    for _ in range(20):
+        a = rng.uniform(-0.9, 0.9, (2, 2))
+        left, jump = rng.uniform(-1.0, 1.0, 2), rng.uniform(0.2, 1.0, 2)
+        offset = left + np.array([1, 0]) * mu  # of the left side; it grows with mu
+        image = [sum(a[i, j] * v for j, v in enumerate((x, y))) + offset[i] for i in (0, 1)]
+        pieces = {"L": image, "R": [image[i] + jump[i] for i in (0, 1)]}
+        map_ = expression_map((x, y), (mu,), pieces, SIDES)
+
+        back = np.eye(2) - a  # (1 - A) x = m + s jump; x_b = (0, y)
+        along = np.linalg.solve(back, np.array([1.0, 0.0]))[0]
+        rates = np.linalg.solve(back, left)[0], np.linalg.solve(back, jump)[0]
+        start, end = -rates[0] / along, -(rates[0] + rates[1]) / along  # mu at s = 0 and s = 1
+        if not max(abs(start), abs(end)) < 2.5:
+            continue
+        before = start - 0.3 * np.sign(along)  # the fixed point of L lies at x < 0 there
+        guess = np.linalg.solve(back, left + np.array([before, 0.0]))
+        found = connected(map_, guess, [before], settings, orders=(1,), names=("mu", "x", "y"))
+        (crossing,) = (b for b in found.diagram.branches if b.kind is BranchKind.JUMP)
+        assert sorted(crossing.parameter[[0, -1]]) == pytest.approx(sorted((start, end)), abs=1e-12)
+        for p, at in zip(crossing.parameter, crossing.columns["y"], strict=True):
+            matrix = np.column_stack([back[:, 1], -jump])  # unknowns y and s
+            exact = np.linalg.solve(matrix, left + np.array([p, 0.0]))
+            assert at == pytest.approx(exact[0], abs=1e-11)
+            assert -1e-12 <= exact[1] <= 1.0 + 1e-12
+        assert ends_of_cycles(found.diagram) >= set(crossing.ends)
+
+
+def ends_of_cycles(diagram: Diagram) -> set[str]:
+    return {end for b in diagram.branches if b.kind is BranchKind.FIXED_POINT for end in b.ends}
+
+
+def test_crossings_of_the_plane_between_two_matrices() -> None:
+    """Every sample is a mixture of both limits at a point of the border; its ends are cycles."""
+    left = np.array([[0.4, 0.3], [-0.2, 0.5]])
+    right = np.array([[-0.6, 0.2], [0.3, -0.4]])
+    shift = np.array([-1.0, 0.4])
+    pieces = {
+        "L": (0.4 * x + 0.3 * y + mu, -0.2 * x + 0.5 * y),
+        "R": (-0.6 * x + 0.2 * y + mu - 1.0, 0.3 * x - 0.4 * y + 0.4),
+    }
+    map_ = expression_map((x, y), (mu,), pieces, SIDES)
+    settings = CurveSettings(spans=((-2.0, 3.0),), window=LARGE)
+    guess = np.linalg.solve(np.eye(2) - left, np.array([-0.5, 0.0]))
+    found = connected(map_, guess, [-0.5], settings, orders=(1, 2), names=("mu", "x", "y"))
+    crossings = [b for b in found.diagram.branches if b.kind is BranchKind.JUMP and b.order == 1]
+    assert len(crossings) == 1
+    crossing = crossings[0]
+    for p, at in zip(crossing.parameter, crossing.columns["y"], strict=True):
+        point = np.array([0.0, at])
+        one = left @ point + np.array([p, 0.0])
+        other = right @ point + np.array([p, 0.0]) + shift
+        across = other - one
+        share = float((point - one) @ across / (across @ across))
+        assert one + share * across == pytest.approx(point, abs=1e-12)
+        assert -1e-12 <= share <= 1.0 + 1e-12
+    assert ends_of_cycles(found.diagram) >= set(crossing.ends)
+    left_open = [q.note for q in found.diagram.points if q.status.value == "open"]
+    assert set(left_open) <= {"two borders at once"}  # such a crossing of P_2 has no germ in R^2

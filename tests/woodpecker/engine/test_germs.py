@@ -1,0 +1,146 @@
+"""Derivatives of chains, pieces beside a border, branch points, and crossings that pass corners."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy
+
+from pwmap.diagrams.diagram import BranchKind, PointKind
+from woodpecker.engine.curves import CurveSettings
+from woodpecker.engine.formulas import expression_map
+from woodpecker.engine.germs import beginnings
+from woodpecker.engine.maps import chain
+from woodpecker.engine.network import connected
+from woodpecker.engine.newton import cycles
+from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, shifted
+
+x, y, z, p = sympy.symbols("x y z p")
+LINES = expression_map(
+    (x,), (p,), {"L": (x / 2 + p,), "R": (x / 3 + p - 1,)}, {"L": {"x = 0": -x}, "R": {"x = 0": x}}
+)
+CURVED = expression_map(
+    (x, y), (p,),
+    {"L": (sympy.sin(x) + y * p, x * y), "R": (x**2 - y, p + sympy.cos(y))},
+    {"L": {"left": p - x * y}, "R": {"right": x * y - p}},
+)  # fmt: skip
+
+
+def differences(function: object, at: np.ndarray) -> np.ndarray:
+    """Central differences of order four, columns (..., m): good to some 1e-11 at steps of 1e-3."""
+    assert callable(function)
+    h, columns = 1e-3, []
+    for k in range(len(at)):
+        step = h * np.eye(len(at))[k]
+        near, far = (
+            np.asarray(function(at + n * step)) - np.asarray(function(at - n * step))
+            for n in (1, 2)
+        )
+        columns.append((8.0 * near - far) / (12.0 * h))
+    return np.stack(columns, axis=-1)
+
+
+def test_derivatives_of_chains() -> None:
+    both = chain([CURVED.pieces[0], CURVED.pieces[1], CURVED.pieces[0]])
+    at = np.array([0.3, -0.4, 0.7])
+    image = both.at(at[:2], at[2:])
+    for name, found in (("value", image.jacobian), ("margins", image.gradients)):
+        expected = differences(lambda u, n=name: getattr(both.at(u[:2], u[2:]), n), at)
+        assert found == pytest.approx(expected, abs=1e-10)
+    assert [both.cause(code) for code in image.codes.tolist()] == ["left", "right", "left"]
+
+
+@pytest.mark.parametrize(
+    "condition", [Closed(), OnBorder(2, 0), Multiplier("LP"), Multiplier("NS")]
+)
+def test_rows_of_conditions(condition: Closed) -> None:
+    """A crossing of P_2 with tails, moved in every unknown; Multiplier takes differences itself."""
+    left, right = CURVED.pieces
+    points = np.array([[0.3, -0.4], [0.5, 0.2]])
+    tails = chain([left, right]), chain([right, right])
+    orbit = orbit_of([right, tails[0]], points, np.array([0.7]), 0.35, tails[1])
+    at = orbit.unknowns
+
+    def residual(u: np.ndarray) -> np.ndarray:
+        moved = orbit
+        for k in range(len(u)):
+            moved = shifted(moved, k, u[k] - moved.unknowns[k])
+        return condition.residual(moved)
+
+    tolerance = 1e-8 if isinstance(condition, Multiplier) else 1e-9
+    assert condition.rows(orbit) == pytest.approx(differences(residual, at), abs=tolerance)
+
+
+def test_products_of_multipliers_in_three_dimensions() -> None:
+    """det of the second compound less 1 is the product of mu_i mu_j - 1."""
+    matrix = np.array([[0.4, 1.1, -0.3], [-0.7, 0.5, 0.9], [0.2, -0.6, 1.3]])
+    image = [sum(matrix[i, j] * v for j, v in enumerate((x, y, z))) + p for i in range(3)]
+    map_ = expression_map((x, y, z), (p,), {"A": image})
+    orbit = orbit_of(map_.pieces, np.zeros((1, 3)), np.zeros(1))
+    mu = np.linalg.eigvals(matrix)
+    product = np.prod([mu[i] * mu[j] - 1.0 for i in range(3) for j in range(i)])
+    assert Multiplier("NS").value(orbit) == pytest.approx(product.real, abs=1e-13)
+    assert Multiplier("PD").value(orbit) == pytest.approx(np.prod(mu + 1.0).real, abs=1e-13)
+
+
+def test_pieces_beside_a_border() -> None:
+    at = np.zeros(1), np.zeros(1)
+    assert LINES.beside(*at, np.array([1.0, 0.0])).piece.word == "R"
+    assert LINES.beside(*at, np.array([-1.0, 5.0])).piece.word == "L"
+    assert LINES.beside(np.array([-1.0]), np.zeros(1), np.array([1.0, 0.0])).piece.word == "L"
+    along = LINES.beside(*at, np.array([0.0, 1.0]))  # the border itself: neither side
+    assert along.reason == "no piece of the map holds this point"
+
+
+def test_what_starts_at_a_collision() -> None:
+    """At p = 0 the fixed point of L meets the border: it, and one crossing of each order."""
+    settings = CurveSettings(spans=((-1.0, 2.0),), window=((-9.0, 9.0),))
+    base = cycles((0,), (1.0,), (1.0,))
+    found = list(beginnings(LINES, np.zeros((1, 1)), np.zeros(1), (1, 2, 3), settings, base))
+    assert [(each.order, each.is_crossing, each.ahead > 0.0) for each in found] == [
+        (1, False, False), (1, True, True), (2, True, True), (3, True, True),
+    ]  # fmt: skip
+    words = [each.sample.orbit.word for each in found]
+    assert words == ["L", "L / R", "L | L / R", "L | L | L / R"]
+    rates = [each.sample.tangent[:1] / each.ahead for each in found]  # dx/dp of the first point
+    assert np.concatenate(rates) == pytest.approx([2.0, 0.0, -2.0, -6.0], abs=1e-13)
+
+
+def test_a_crossing_goes_on_through_corners() -> None:
+    """P_3's crossing from 3/10 to 7/9 changes its word where its first point meets the border."""
+    settings = CurveSettings(spans=((-1.0, 2.0),), window=((-3.0, 3.0),))
+    diagram = connected(LINES, [-0.9], [-0.45], settings, orders=(1, 3)).diagram
+    branch, = (
+        b for b in diagram.branches
+        if b.kind is BranchKind.JUMP and sorted(b.parameter[[0, -1]]) == pytest.approx([0.3, 7 / 9])
+    )  # fmt: skip
+    changes = [branch.parameter[stretch.first - 1] for stretch in branch.words[1:]]
+    assert sorted(changes) == pytest.approx([1 / 3, 3 / 4], abs=1e-14)
+    assert {stretch.cause for stretch in branch.words[1:]} == {"x = 0"}
+
+
+def test_pitchfork_and_its_branches() -> None:
+    """x -> p x - x^3: three branches meet at p = 1, the outer ones at +-sqrt(p - 1)."""
+    cubic = expression_map((x,), (p,), {"C": (p * x - x**3,)})
+    settings = CurveSettings(spans=((0.5, 1.8),), window=((-2.0, 2.0),))
+    diagram = connected(cubic, [0.0], [0.7], settings, orders=(1,)).diagram
+    (point,) = (q for q in diagram.points if q.kind is PointKind.BP)
+    assert (point.parameter, point.x) == pytest.approx((1.0, 0.0), abs=point.precision)
+    assert len(point.branches) == 4
+    outer = [b for b in diagram.branches if abs(b.x).max() > 0.1]
+    assert len(outer) == 2
+    for branch in outer:
+        assert branch.x**2 == pytest.approx(branch.parameter - 1.0, abs=1e-6)
+        assert branch.x[5:] ** 2 == pytest.approx(branch.parameter[5:] - 1.0, abs=1e-12)
+
+
+def test_intervals_of_special_points_hold_them() -> None:
+    """x -> p + x - x^2: fold at 0, flip at 1; each interval is short and holds its value."""
+    logistic = expression_map((x,), (p,), {"Q": (p + x - x**2,)})
+    settings = CurveSettings(spans=((-0.5, 1.2),), window=((-3.0, 3.0),))
+    diagram = connected(logistic, [0.7], [0.5], settings, orders=(1,)).diagram
+    for kind, exact in ((PointKind.LP, 0.0), (PointKind.PD, 1.0)):
+        (point,) = (q for q in diagram.points if q.kind is kind)
+        assert point.interval is not None
+        assert point.interval[0] <= exact <= point.interval[1]
+        assert point.precision < 1e-11

@@ -1,0 +1,121 @@
+"""Cycles of maps of the plane: folds, flips, pairs on the unit circle, and their curves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy
+
+from pwmap.diagrams.diagram import PointKind
+from woodpecker.engine.curves import CurveSettings, Stop
+from woodpecker.engine.formulas import expression_map
+from woodpecker.engine.network import Connected, connected
+from woodpecker.engine.two_parameters import special_curve
+
+x, y, a, b = sympy.symbols("x y a b")
+HENON = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
+DELAYED = expression_map((x, y), (a, b), {"D": (a * x * (1 - y) + b, x)})  # delayed logistic map
+WINDOW = ((-4.0, 4.0), (-4.0, 4.0))
+TOLERANCE = 1e-12  # Newton's method leaves some 2**-44 times the condition of the equations
+
+
+@pytest.fixture(scope="module")
+def henon() -> Connected:
+    settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
+    return connected(HENON, [0.6, 0.2], [0.1, 0.3], settings, orders=(1, 2, 4))
+
+
+def places(found: Connected, kind: PointKind, order: int) -> list[float]:
+    points = found.diagram.points
+    return sorted(q.parameter for q in points if q.kind is kind and q.order == order)
+
+
+def test_henon_fold_and_flips(henon: Connected) -> None:
+    c = 1.0 - 0.3
+    assert places(henon, PointKind.LP, 1) == pytest.approx([-(c**2) / 4], abs=TOLERANCE)
+    assert places(henon, PointKind.PD, 1) == pytest.approx([3 * c**2 / 4], abs=TOLERANCE)
+    # the trace of the two-cycle is 4 a^2 x0 x1 + 2 b and its points multiply to (c^2 - a) / a^2
+    second = c**2 + (1 + 0.3**2 + 2 * 0.3) / 4
+    assert places(henon, PointKind.PD, 2) == pytest.approx([second] * 2, abs=TOLERANCE)
+
+
+def test_henon_cycles_are_cycles(henon: Connected) -> None:
+    for branch in henon.diagram.branches:
+        for k in range(0, len(branch), 7):
+            at, second = branch.x[k], None
+            point = np.array([at, 0.3 * _before(branch.parameter[k], at, branch.order, henon)])
+            p = np.array([branch.parameter[k], 0.3])
+            second = point
+            for _ in range(branch.order):
+                second = HENON.at(second, p).value
+            assert second == pytest.approx(point, abs=1e-9)
+
+
+def _before(p: float, at: float, order: int, found: Connected) -> float:
+    """The point of a cycle before the one that has the first coordinate ``at``."""
+    hits = [hit for hit in found.diagram.at(p) if hit.branch.order == order]
+    values = [hit.x for hit in hits]
+    return min(values, key=lambda v: min(abs(1 - p * v**2 + 0.3 * u - at) for u in values))
+
+
+def test_neimark_sacker_of_the_delayed_logistic_map() -> None:
+    """Its fixed point 1 - 1/a has multipliers of product a x = a - 1: on the circle at a = 2."""
+    settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)
+    found = connected(DELAYED, [0.3, 0.3], [1.5, 0.0], settings, orders=(1,))
+    assert places(found, PointKind.NS, 1) == pytest.approx([2.0], abs=TOLERANCE)
+    assert places(found, PointKind.BP, 1) == pytest.approx([1.0], abs=1e-7)  # transcritical
+    at_one = next(q for q in found.diagram.points if q.kind is PointKind.BP)
+    assert len(at_one.branches) == 4
+
+
+def test_a_neutral_saddle_is_no_neimark_sacker_point() -> None:
+    """At b = -1 the determinant is 1; where the trace -2 a x is large, multipliers are real."""
+    settings = CurveSettings(spans=((-1.5, -0.5),), window=WINDOW)
+    saddle = connected(HENON, [-1.25, 0.88], [2.0, -0.7], settings, orders=(1,), free=1)
+    assert not [q for q in saddle.diagram.points if q.kind is PointKind.NS]
+    focus = connected(HENON, [0.4, -0.28], [2.0, -0.7], settings, orders=(1,), free=1)
+    assert places(focus, PointKind.NS, 1) == pytest.approx([-1.0], abs=TOLERANCE)
+
+
+@pytest.mark.parametrize(
+    ("kind", "exact"),
+    [(PointKind.LP, lambda b: -((1 - b) ** 2) / 4), (PointKind.PD, lambda b: 3 * (1 - b) ** 2 / 4)],
+)
+def test_curves_of_fold_and_flip(henon: Connected, kind: PointKind, exact: object) -> None:
+    settings = CurveSettings(spans=((-1.0, 1.5), (-0.4, 0.4)), window=WINDOW)
+    curve = special_curve(henon.orbits[f"{kind.value}1"], kind, (0, 1), settings)
+    assert set(curve.stops) == {Stop.SPAN}
+    assert callable(exact)
+    assert curve.p[:, 0] == pytest.approx(exact(curve.p[:, 1]), abs=TOLERANCE)
+    assert sorted(curve.p[[0, -1], 1]) == pytest.approx([-0.4, 0.4], abs=0.0)
+
+
+def test_curve_of_neimark_sacker() -> None:
+    """With an offset b the fixed point satisfies x = a x (1 - x) + b, and a x = 1 on the circle."""
+    settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)
+    found = connected(DELAYED, [0.3, 0.3], [1.5, 0.0], settings, orders=(1,))
+    both = CurveSettings(spans=((1.2, 2.6), (-0.5, 0.5)), window=WINDOW)
+    curve = special_curve(found.orbits["NS1"], PointKind.NS, (0, 1), both)
+    at = 1.0 / curve.p[:, 0]
+    assert curve.p[:, 1] == pytest.approx(2.0 * at - 1.0, abs=TOLERANCE)
+    assert curve.x[:, 0, 0] == pytest.approx(at, abs=TOLERANCE)
+
+
+def test_a_start_that_is_no_cycle_is_refused() -> None:
+    settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
+    with pytest.raises(ValueError, match="no cycle of 1 points was found"):
+        connected(HENON, [0.6, 0.2], [-0.9, 0.3], settings)
+    with pytest.raises(
+        ValueError, match=r"the parameter of the cycle must lie in \[0.5, 1.0\], got \[0.1\]"
+    ):
+        connected(HENON, [0.6, 0.2], [0.1, 0.3], CurveSettings(spans=((0.5, 1.0),), window=WINDOW))
+    with pytest.raises(ValueError, match="a window of 2 intervals"):
+        connected(HENON, [0.6, 0.2], [0.1, 0.3], CurveSettings(spans=((0, 1),), window=((-4, 4),)))
+
+
+def test_virtual_cycles_are_refused() -> None:
+    pieces = {"L": (x / 2 + a,), "R": (x / 3 + a - 1,)}
+    lines = expression_map((x,), (a,), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+    settings = CurveSettings(spans=((-1.0, 1.0),), window=((-9.0, 9.0),))
+    with pytest.raises(ValueError, match="is virtual"):
+        connected(lines, [-1.0], [0.5], settings)

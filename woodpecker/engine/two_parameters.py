@@ -1,0 +1,132 @@
+"""Special points in two parameters: a cycle with one condition and one parameter more.
+
+There is nothing else to it: the curve is a problem like any other, and the loop that follows cycles
+follows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pwmap.diagrams.diagram import PointKind
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import Curve, CurveSettings, Sample, Stop
+from woodpecker.engine.newton import Problem, cycles, solve
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpecialCurve:
+    """A special point of cycles, followed in two parameters.
+
+    Attributes
+    ----------
+    kind
+        What it is.
+    p
+        (m, 2) the two parameters.
+    x
+        (m, n, d) the points of the cycle.
+    stops
+        What ends it where it begins and at its end.
+    """
+
+    kind: PointKind
+    p: Floats
+    x: Floats
+    stops: tuple[Stop, Stop]
+
+    def __repr__(self) -> str:
+        """What it is, between which places, and why it ends there."""
+        first, last = (tuple(round(float(v), 6) for v in self.p[k]) for k in (0, -1))
+        return (
+            f"SpecialCurve({self.kind.value}, {len(self.p)} places, from {first} "
+            f"({self.stops[0].value}) to {last} ({self.stops[1].value}))"
+        )
+
+
+def special_curve(
+    orbit: Orbit, kind: PointKind, free: tuple[int, int], settings: CurveSettings, *,
+    x_scale: Sequence[float] | None = None, p_scale: Sequence[float] | None = None,
+) -> SpecialCurve:  # fmt: skip
+    """The curve of a fold, flip, Neimark-Sacker point or border collision in two parameters.
+
+    Parameters
+    ----------
+    orbit
+        The cycle at such a point, as :attr:`woodpecker.engine.network.Connected.orbits` has it.
+    kind
+        LP, PD, NS, or BC and FF: then the margin that vanishes stays zero.
+    free
+        The two parameters, from 0 on.
+    settings
+        With a span of each of them.
+    x_scale, p_scale
+        d and k lengths that count as 1; by default all are 1.
+
+    Returns
+    -------
+    SpecialCurve
+        Both ways from the point.
+
+    Raises
+    ------
+    ValueError
+        If the kind has no such curve, no margin vanishes at a BC, or Newton's method does not
+        converge to a point of this kind.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from pwmap import PointKind
+    >>> from woodpecker.engine.curves import CurveSettings
+    >>> from woodpecker.engine.formulas import expression_map
+    >>> from woodpecker.engine.network import connected
+    >>> x, y, a, b = symbols("x y a b")
+    >>> henon = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
+    >>> window = ((-4, 4), (-4, 4))
+    >>> found = connected(
+    ...     henon, [0.6, 0.2], [0.1, 0.3], CurveSettings(spans=((-1, 1),), window=window),
+    ...     orders=(1,),
+    ... )
+    >>> both = CurveSettings(spans=((-1, 1), (-0.5, 0.5)), window=window)
+    >>> special_curve(found.orbits["PD1"], PointKind.PD, (0, 1), both)
+    SpecialCurve(PD, 32 places, from (0.1875, 0.5) (end of the parameter span) to (1.0, -0.154701) \
+(end of the parameter span))
+    """
+    if len(settings.spans) != 2:
+        raise ValueError(f"expected a span of each of two parameters, got {len(settings.spans)}")
+    d, k = orbit.x.shape[1], len(orbit.p)
+    base = cycles(free, x_scale or (1.0,) * d, p_scale or (1.0,) * k)
+    condition, ignored = _condition(orbit, kind)
+    problem: Problem = base.with_(condition)
+    curve = Curve(problem, settings, ignored, tests=())
+    held = solve(cycles(free[:1], base.x_scale, base.p_scale).with_(condition), orbit)
+    if not held.converged:
+        raise ValueError(f"Newton's method finds no {kind.value} near this cycle at p = {orbit.p}")
+    start = curve.start(held.orbit)
+    ahead, behind = (curve.follow(Sample(start.orbit, s * start.tangent)) for s in (1.0, -1.0))
+    samples = (*behind.samples[:0:-1], *ahead.samples)
+    stops = behind.stop, ahead.stop
+    if ahead.stop is Stop.CLOSED:
+        samples, stops = ahead.samples, (ahead.stop, ahead.stop)
+    return SpecialCurve(
+        kind, np.array([sample.orbit.p[list(free)] for sample in samples]),
+        np.array([sample.orbit.x for sample in samples]), stops,
+    )  # fmt: skip
+
+
+def _condition(orbit: Orbit, kind: PointKind) -> tuple[Condition, frozenset[tuple[int, int]]]:
+    """What makes a cycle a special one, and the margins that vanish with it."""
+    if kind in (PointKind.LP, PointKind.PD, PointKind.NS):
+        return Multiplier(kind.value), frozenset()
+    if kind not in (PointKind.BC, PointKind.FF):
+        raise ValueError(f"kind must be LP, PD, NS, BC or FF, got {kind.value}")
+    for i, image in enumerate(orbit.images):
+        codes = image.codes[image.tied(orbit.x[i], orbit.p)].tolist()
+        if codes:
+            return OnBorder(i, codes[0]), frozenset([(i, codes[0])])
+    raise ValueError("expected a cycle with a point on a border, no margin vanishes here")
