@@ -11,11 +11,13 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
+from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import (
     HALF,
     Across,
@@ -45,13 +47,14 @@ class Stop(Enum):
     NS = "Neimark-Sacker: a pair of multipliers lies on the unit circle"
     BP = "branch point: two curves cross"
     CLOSED = "the curve is closed"
+    OTHER_PIECE = "the map takes another piece, and no margin of this one says so"
     SHORT = "steps become too short"
     MANY = "more samples than a curve may have"
 
     @property
     def is_open(self) -> bool:
         """Whether the curve was given up here: how it goes on is not known."""
-        return self in (Stop.SHORT, Stop.MANY)
+        return self in (Stop.OTHER_PIECE, Stop.SHORT, Stop.MANY)
 
 
 MULTIPLIERS = (Stop.LP, Stop.PD, Stop.NS, Stop.BP)
@@ -181,12 +184,22 @@ class TestFunction:
         return self.stop not in MULTIPLIERS
 
 
+class End(NamedTuple):
+    """What may end an arc between two samples: at which distance from the first, and where."""
+
+    distance: float
+    test: TestFunction
+    sample: Sample
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
     """A problem with one unknown left free, and what is looked at along it.
 
     Attributes
     ----------
+    map
+        The map that its orbits are of.
     problem
         Its equations.
     settings
@@ -197,6 +210,7 @@ class Curve:
         Which multipliers are looked at: of LP, PD, NS, BP.
     """
 
+    map: PiecewiseMap
     problem: Problem
     settings: CurveSettings
     ignored: frozenset[tuple[int, int]] = frozenset()
@@ -224,22 +238,31 @@ class Curve:
         the step, of which ``min_step`` is the end.
         """
         settings, samples, step = self.settings, [start], self.settings.step
+        given_up = Stop.SHORT
         while len(samples) < settings.max_samples:
             if step < settings.min_step:
-                return Arc(tuple(samples), Stop.SHORT, self)
+                return Arc(tuple(samples), given_up, self)
             last = samples[-1]
             found = self.advance(last, step)
             if found is None or self._turns(last, found) or self._dips(last, found, step):
-                step *= 0.5
+                step, given_up = 0.5 * step, Stop.SHORT
                 continue
             ends = self._ends(last, found, step)
             if ends is None:
-                step *= 0.5
+                step, given_up = 0.5 * step, Stop.SHORT
                 continue
-            if ends:
-                (at, test, sample), *later = sorted(ends, key=lambda end: end[0])
-                beyond = self.advance(last, 0.5 * (at + later[0][0])) if later else found
-                return Arc((*samples, sample), test.stop, self, test.border, beyond, test.condition)
+            end = ends[0] if ends else None
+            if not self._agrees(found.orbit if end is None else end.sample.orbit, end):
+                step, given_up = 0.5 * step, Stop.OTHER_PIECE
+                continue
+            if end is not None:
+                beyond = found
+                if len(ends) > 1:
+                    beyond = self.advance(last, 0.5 * (end.distance + ends[1].distance))
+                test = end.test
+                return Arc(
+                    (*samples, end.sample), test.stop, self, test.border, beyond, test.condition
+                )
             if len(samples) > 2 and self._closes(start, last, found, step):
                 return Arc((*samples, start), Stop.CLOSED, self)
             samples.append(found)
@@ -284,6 +307,16 @@ class Curve:
         """The determinant of the equations bordered with the tangent."""
         return float(np.linalg.det(np.vstack([self.problem.matrix(sample.orbit), sample.tangent])))
 
+    def _agrees(self, orbit: Orbit, end: End | None) -> bool:
+        """Whether the map takes the pieces of an orbit, at points on borders aside."""
+        at_border = {orbit.place(i) for i, _ in self.ignored}
+        if end is not None and end.test.border is not None:
+            at_border.add(orbit.place(end.test.border[0]))
+        return all(
+            i in at_border or self.map.at(x, orbit.p).piece.key == image.piece.key
+            for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
+        )
+
     def _turns(self, a: Sample, b: Sample) -> bool:
         return _angle(a, b) > self.settings.max_turn
 
@@ -314,10 +347,8 @@ class Curve:
 
     # --- Where it ends ----------------------------------------------------------------------------
 
-    def _ends(
-        self, a: Sample, b: Sample, step: float
-    ) -> list[tuple[float, TestFunction, Sample]] | None:
-        """What ends the arc between two samples, with distances; None if one cannot be located."""
+    def _ends(self, a: Sample, b: Sample, step: float) -> list[End] | None:
+        """What ends the arc between two samples, by distance; None if one cannot be located."""
         found = []
         for test in self._tests(a):
             before, after = test.value(a), test.value(b)
@@ -330,8 +361,8 @@ class Curve:
                 return None
             if test.stop is Stop.NS and _is_neutral_saddle(located[1]):
                 continue
-            found.append((located[0], test, located[1]))
-        return found
+            found.append(End(located[0], test, located[1]))
+        return sorted(found, key=lambda end: end.distance)
 
     def _located(
         self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample

@@ -10,13 +10,13 @@ these must be the sides of their pieces. No orbit is looked for at a distance.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Curve, CurveSettings, Sample
+from woodpecker.engine.curves import Curve, Sample
 from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chain
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import OnBorder, Orbit, orbit_of
@@ -119,17 +119,18 @@ def _sides(map_: PiecewiseMap, x: Floats, p: Floats) -> Iterator[tuple[Image, in
         return
     codes = image.codes[image.tied(x, p)].tolist()
     yield image, (codes[0] if codes else -1)
+    seen = {image.piece.key}
     for code in codes:
         other = map_.beside(x, p, -image.gradients[image.place(code)])
         back = other.codes[other.tied(x, p)].tolist()
-        if not other.reason and back and other.piece.key != image.piece.key:
+        if not other.reason and back and other.piece.key not in seen:
+            seen.add(other.piece.key)
             yield other, back[0]
 
 
 def beginnings(
-    map_: PiecewiseMap, points: Floats, p: Floats, orders: Sequence[int], settings: CurveSettings,
-    base: Problem,
-) -> Iterator[Beginning]:  # fmt: skip
+    base: Curve, points: Floats, p: Floats, orders: Sequence[int]
+) -> Iterator[Beginning]:
     """All curves of some orders that start where orbits from some points meet borders.
 
     These are cycles, and crossings with s = 0 or 1, or those that meet a border besides the one
@@ -137,55 +138,50 @@ def beginnings(
 
     Parameters
     ----------
-    map_
-        The map.
+    base
+        Curves of cycles: the map, scales, how they are followed.
     points, p
         (m, d) first points: those of a cycle, or the first one of a crossing; and the parameters.
     orders
         Of cycles and of jump crossings.
-    settings, base
-        How curves are followed; the problem of cycles.
     """
     seen = set[Hashable]()
     for order in orders:
         for x in points:
-            all_ = paths(map_, x, p, order)
-            closed = _cycles(all_, x, p, order, Curve(base, settings))
-            for begin in (*closed, *_crossings(all_, x, p, order, base, settings)):
+            all_ = paths(base.map, x, p, order)
+            for begin in (*_cycles(base, all_, x, p), *_crossings(base, all_, x, p)):
                 if begin.key not in seen:
                     seen.add(begin.key)
                     yield begin
 
 
-def _cycles(
-    all_: Sequence[Path], x: Floats, p: Floats, order: int, curve: Curve
-) -> Iterator[Beginning]:
+def _cycles(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
     """Those along paths that return, and that are no shorter ones run through several times."""
     for path in all_:
-        pieces = [image.piece for image in path.images]
+        pieces, order = [image.piece for image in path.images], len(path.images)
         keys = [piece.key for piece in pieces]
         shorter = (d for d in range(1, order) if order % d == 0)
         is_shortest = all(keys[d:] + keys[:d] != keys for d in shorter)
-        if is_shortest and curve.problem.same(path.end, x, SAME):
-            yield from _both_ways(order, curve, orbit_of(pieces, path.x, p))
+        if is_shortest and base.problem.same(path.end, x, SAME):
+            yield from _both_ways(order, base, orbit_of(pieces, path.x, p))
 
 
-def _crossings(
-    all_: Sequence[Path], x: Floats, p: Floats, order: int, base: Problem, settings: CurveSettings
-) -> Iterator[Beginning]:
+def _crossings(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
     """Those between two paths that part at a jump and have the first point between their ends."""
+    problem = base.problem
     for one, other in combinations(all_, 2):
+        order = len(one.images)
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
-        if base.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
+        if problem.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
             continue
-        across = (other.end - one.end) / base.x_scale
+        across = (other.end - one.end) / problem.x_scale
         length = float(across @ across)
-        share = float((x - one.end) / base.x_scale @ across) / length if length > 0.0 else -1.0
+        share = float((x - one.end) / problem.x_scale @ across) / length if length > 0.0 else -1.0
         if not (-SAME <= share <= 1.0 + SAME):
             continue
         share = 0.0 if abs(share) <= SAME else 1.0 if abs(share - 1.0) <= SAME else share
-        if not base.same(one.end + share * (other.end - one.end), x, SAME):
+        if not problem.same(one.end + share * (other.end - one.end), x, SAME):
             continue
         pieces = [image.piece for image in one.images]
         outer = chain([image.piece for image in other.images[head - 1 :]])
@@ -197,7 +193,8 @@ def _crossings(
         ignored = frozenset([at_border, (head, length * other.ties[head - 1])])
         if 0.0 < share < 1.0 and not _meets_another(orbit, ignored):
             continue  # it passes here
-        curve = Curve(base.with_(OnBorder(*at_border)), settings, ignored)
+        crossing = problem.with_(OnBorder(*at_border))
+        curve = replace(base, problem=crossing, ignored=ignored)
         yield from _both_ways(order, curve, orbit)
 
 

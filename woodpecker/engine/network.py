@@ -130,7 +130,7 @@ def connected(
     ):
         if at.min() < low or at.max() > high:
             raise ValueError(f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}")
-    network = Network(map_, settings, problem, tuple(orders), max_branches)
+    network = Network(Curve(map_, problem, settings), tuple(orders), max_branches)
     network.explore(start)
     return network.result(names)
 
@@ -218,11 +218,8 @@ class Trace:
 class Network:
     """What has been found: special points, branches, and what is left to follow."""
 
-    def __init__(
-        self, map_: PiecewiseMap, settings: CurveSettings, problem: Problem,
-        orders: tuple[int, ...], max_branches: int,
-    ) -> None:  # fmt: skip
-        self.map, self.settings, self.problem, self.orders = map_, settings, problem, orders
+    def __init__(self, base: Curve, orders: tuple[int, ...], max_branches: int) -> None:
+        self.base, self.map, self.problem, self.orders = base, base.map, base.problem, orders
         self.max_branches = max_branches
         self.nodes: list[Node] = []
         self.branches: list[tuple[Trace, Node]] = []  # each with the point where it begins
@@ -233,14 +230,13 @@ class Network:
 
         It is followed one way to a special point, and from there as any other.
         """
-        curve = Curve(self.problem, self.settings)
-        first = curve.start(start)
-        ahead = self._trace(Beginning(len(start.x), curve, first))
+        first = self.base.start(start)
+        ahead = self._trace(Beginning(len(start.x), self.base, first))
         if ahead.arcs[-1].stop is Stop.CLOSED:
             self.branches.append((ahead, ahead.end))
             return
         last = ahead.arcs[-1].samples[-1]
-        back = Beginning(len(start.x), curve, Sample(last.orbit, -last.tangent))
+        back = Beginning(len(start.x), self.base, Sample(last.orbit, -last.tangent))
         ahead.end.waiting.insert(0, back)
         self.todo.appendleft((ahead.end, back))
         while self.todo and len(self.branches) < self.max_branches:
@@ -271,9 +267,7 @@ class Network:
         if arc.stop is not Stop.BORDER or not begin.is_crossing or self._cycle(arc) is not None:
             return None
         orbit = arc.samples[-1].orbit
-        starts = beginnings(
-            self.map, orbit.x[:1], orbit.p, (begin.order,), self.settings, self.problem
-        )
+        starts = beginnings(self.base, orbit.x[:1], orbit.p, (begin.order,))
         others = [each for each in starts if each.key != _key_at_end(begin, arc)]
         return others[0] if len(others) == 1 else None
 
@@ -308,7 +302,7 @@ class Network:
         node, order = self._known(cycle, PointKind.BC), len(cycle.x)
         if node is None:
             wanted = sorted({*self.orders, order, 2 * order})
-            starts = beginnings(self.map, cycle.x, cycle.p, wanted, self.settings, self.problem)
+            starts = beginnings(self.base, cycle.x, cycle.p, wanted)
             node = Node(
                 PointKind.BC, cycle, order, cause=_cause(arc), precision=arc.precision,
                 starts=tuple(starts),

@@ -154,7 +154,9 @@ def solve(problem: Problem, start: Orbit) -> Solution:
             return Solution(orbit, False, count - 1)
         try:
             step = np.asarray(np.linalg.solve(matrix, -residual), dtype=float)
-        except np.linalg.LinAlgError:  # exactly at a branch point, which may solve them all the same
+        except (
+            np.linalg.LinAlgError
+        ):  # exactly at a branch point, which may solve them all the same
             is_solved = (np.abs(residual) <= _noise(problem, orbit, matrix)).all()
             return Solution(orbit, bool(is_solved), count - 1)
         size = float(np.abs(step).max())

@@ -14,6 +14,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, CurveSettings, Sample, Stop
+from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, solve
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
 
@@ -49,6 +50,7 @@ class SpecialCurve:
 
 
 def special_curve(
+    map_: PiecewiseMap,
     orbit: Orbit, kind: PointKind, free: tuple[int, int], settings: CurveSettings, *,
     x_scale: Sequence[float] | None = None, p_scale: Sequence[float] | None = None,
 ) -> SpecialCurve:  # fmt: skip
@@ -56,6 +58,8 @@ def special_curve(
 
     Parameters
     ----------
+    map_
+        A map of R^d with at least two parameters.
     orbit
         The cycle at such a point, as :attr:`woodpecker.engine.network.Connected.orbits` has it.
     kind
@@ -93,7 +97,7 @@ def special_curve(
     ...     orders=(1,),
     ... )
     >>> both = CurveSettings(spans=((-1, 1), (-0.5, 0.5)), window=window)
-    >>> special_curve(found.orbits["PD1"], PointKind.PD, (0, 1), both)
+    >>> special_curve(henon, found.orbits["PD1"], PointKind.PD, (0, 1), both)
     SpecialCurve(PD, 32 places, from (0.1875, 0.5) (end of the parameter span) to (1.0, -0.154701) \
 (end of the parameter span))
     """
@@ -103,7 +107,7 @@ def special_curve(
     base = cycles(free, x_scale or (1.0,) * d, p_scale or (1.0,) * k)
     condition, ignored = _condition(orbit, kind)
     problem: Problem = base.with_(condition)
-    curve = Curve(problem, settings, ignored, tests=())
+    curve = Curve(map_, problem, settings, ignored, tests=())
     held = solve(cycles(free[:1], base.x_scale, base.p_scale).with_(condition), orbit)
     if not held.converged:
         raise ValueError(f"Newton's method finds no {kind.value} near this cycle at p = {orbit.p}")

@@ -83,7 +83,7 @@ def test_a_neutral_saddle_is_no_neimark_sacker_point() -> None:
 )
 def test_curves_of_fold_and_flip(henon: Connected, kind: PointKind, exact: object) -> None:
     settings = CurveSettings(spans=((-1.0, 1.5), (-0.4, 0.4)), window=WINDOW)
-    curve = special_curve(henon.orbits[f"{kind.value}1"], kind, (0, 1), settings)
+    curve = special_curve(HENON, henon.orbits[f"{kind.value}1"], kind, (0, 1), settings)
     assert set(curve.stops) == {Stop.SPAN}
     assert callable(exact)
     assert curve.p[:, 0] == pytest.approx(exact(curve.p[:, 1]), abs=TOLERANCE)
@@ -95,7 +95,7 @@ def test_curve_of_neimark_sacker() -> None:
     settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)
     found = connected(DELAYED, [0.3, 0.3], [1.5, 0.0], settings, orders=(1,))
     both = CurveSettings(spans=((1.2, 2.6), (-0.5, 0.5)), window=WINDOW)
-    curve = special_curve(found.orbits["NS1"], PointKind.NS, (0, 1), both)
+    curve = special_curve(DELAYED, found.orbits["NS1"], PointKind.NS, (0, 1), both)
     at = 1.0 / curve.p[:, 0]
     assert curve.p[:, 1] == pytest.approx(2.0 * at - 1.0, abs=TOLERANCE)
     assert curve.x[:, 0, 0] == pytest.approx(at, abs=TOLERANCE)
