@@ -256,7 +256,7 @@ class Curve:
                 step, given_up = 0.5 * step, Stop.OTHER_PIECE
                 continue
             if end is not None:
-                beyond = found
+                beyond: Sample | None = found
                 if len(ends) > 1:
                     beyond = self.advance(last, 0.5 * (end.distance + ends[1].distance))
                 test = end.test
@@ -352,8 +352,12 @@ class Curve:
         found = []
         for test in self._tests(a):
             before, after = test.value(a), test.value(b)
-            if test.is_bound and abs(before) < NEAR and after >= 0.0:
-                continue  # it vanishes at the start, and grows
+            if test.is_bound and before < NEAR and (after < 0.0 or before < 0.0):
+                if step > COARSE * self.settings.min_step:
+                    return None  # a shorter step shows whether the curve leaves right here
+                if after < 0.0:
+                    found.append(End(0.0, test, a))
+                continue
             if math.isnan(before) or math.isnan(after) or before * after > 0.0 or before == 0.0:
                 continue
             located = self._located(a, step, test, before, after, b)

@@ -109,8 +109,8 @@ def connected(
     >>> for point in found.diagram.points:  # exact: -(1 - b)^2/4 and 3 (1 - b)^2/4
     ...     if point.kind.value != "EP":
     ...         print(point.kind, round(point.parameter, 12))
-    LP -0.1225
     PD 0.3675
+    LP -0.1225
     """
     points = np.atleast_2d(np.asarray(x, dtype=float))
     values = np.atleast_1d(np.asarray(p, dtype=float))
@@ -235,7 +235,7 @@ class Network:
         if ahead.arcs[-1].stop is Stop.CLOSED:
             self.branches.append((ahead, ahead.end))
             return
-        last = ahead.arcs[-1].samples[-1]
+        last = ahead.arcs[-1].samples[-1]  # from there it is followed the whole way back
         back = Beginning(len(start.x), self.base, Sample(last.orbit, -last.tangent))
         ahead.end.waiting.insert(0, back)
         self.todo.appendleft((ahead.end, back))

@@ -44,7 +44,7 @@ class SpecialCurve:
         """What it is, between which places, and why it ends there."""
         first, last = (tuple(round(float(v), 6) for v in self.p[k]) for k in (0, -1))
         return (
-            f"SpecialCurve({self.kind.value}, {len(self.p)} places, from {first} "
+            f"SpecialCurve({self.kind.value}, from {first} "
             f"({self.stops[0].value}) to {last} ({self.stops[1].value}))"
         )
 
@@ -98,7 +98,7 @@ def special_curve(
     ... )
     >>> both = CurveSettings(spans=((-1, 1), (-0.5, 0.5)), window=window)
     >>> special_curve(henon, found.orbits["PD1"], PointKind.PD, (0, 1), both)
-    SpecialCurve(PD, 32 places, from (0.1875, 0.5) (end of the parameter span) to (1.0, -0.154701) \
+    SpecialCurve(PD, from (0.1875, 0.5) (end of the parameter span) to (1.0, -0.154701) \
 (end of the parameter span))
     """
     if len(settings.spans) != 2:

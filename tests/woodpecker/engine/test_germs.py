@@ -144,3 +144,14 @@ def test_intervals_of_special_points_hold_them() -> None:
         assert point.interval is not None
         assert point.interval[0] <= exact <= point.interval[1]
         assert point.precision < 1e-11
+
+
+def test_a_start_at_the_end_of_the_span() -> None:
+    """From there the branch goes one way only, and its first point is where it starts."""
+    logistic = expression_map((x,), (p,), {"Q": (p + x - x**2,)})
+    settings = CurveSettings(spans=((0.25, 0.75),), window=((-3.0, 3.0),))
+    for at, other in ((0.25, 0.75), (0.75, 0.25)):
+        diagram = connected(logistic, [at**0.5], [at], settings, orders=(1,)).diagram
+        ends = {(point.note, point.parameter) for point in diagram.points}
+        assert ends == {("end of the parameter span", at), ("end of the parameter span", other)}
+        assert len(diagram.branches) == 1

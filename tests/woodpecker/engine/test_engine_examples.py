@@ -1,0 +1,17 @@
+"""The examples of the engine's docstrings print what they say."""
+
+import doctest
+from importlib import import_module
+
+import pytest
+from pages import OPTIONS
+
+FILES = ("formulas", "network", "two_parameters")
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_examples(name: str) -> None:
+    module = import_module(f"woodpecker.engine.{name}")
+    found = doctest.testmod(module, optionflags=OPTIONS)
+    assert found.attempted > 0
+    assert found.failed == 0
