@@ -37,6 +37,7 @@ MOST_LABELS = 30  # of points that have labels unless the caller asks for all
 MARKERS = {
     PointKind.LP: ("s", "#6a51a3"),
     PointKind.PD: ("D", "#6a51a3"),
+    PointKind.NS: ("h", "#6a51a3"),
     PointKind.BP: ("P", "#6a51a3"),
     PointKind.BC: ("o", "#cb181d"),
     PointKind.FF: ("*", "#cb181d"),

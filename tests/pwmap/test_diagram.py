@@ -166,11 +166,11 @@ def test_the_word_of_each_sample() -> None:
 
 
 def test_every_kind_of_point_has_a_meaning() -> None:
-    codes = ["LP", "PD", "BP", "BC", "FF", "FALL", "EP", "MC", "XC", "FC"]
+    codes = ["LP", "PD", "NS", "BP", "BC", "FF", "FALL", "EP", "MC", "XC", "FC"]
     assert [kind.value for kind in PointKind] == codes
     assert PointKind.LP.meaning == "fold: multiplier +1"
     assert PointKind.PD.meaning == "flip: multiplier -1"
-    assert len({kind.meaning for kind in PointKind}) == 10
+    assert len({kind.meaning for kind in PointKind}) == 11
 
 
 @pytest.mark.parametrize(
