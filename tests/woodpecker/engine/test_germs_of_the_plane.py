@@ -1,0 +1,124 @@
+"""What starts at border collisions of random maps of the plane, against all cycles nearby.
+
+Brute force: every word up to a length names an affine map, its fixed point is a cycle if the points
+lie on the sides that the word says. Such cycles within a short distance of a collision, at
+parameters on both sides of it, must be those that the germ says start there, no more and no fewer.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+import sympy
+
+from pwmap.diagrams.diagram import PointKind
+from woodpecker.engine.curves import Curve, CurveSettings
+from woodpecker.engine.formulas import ExpressionMap, expression_map
+from woodpecker.engine.germs import beginnings
+from woodpecker.engine.network import connected
+from woodpecker.engine.newton import cycles
+
+x, y, p = sympy.symbols("x y p")
+ORDERS = (1, 2, 3, 4)
+BESIDE = 1e-5  # of the parameter: cycles that start at a collision lie at some 1e-5 times a rate
+NEAR = 1e-2  # of it: rates up to a thousand; other cycles are farther away
+SETTINGS = CurveSettings(spans=((-1.5, 1.5),), window=((-50.0, 50.0), (-50.0, 50.0)))
+
+
+class Affine:
+    """x -> A x + b + c p on each side of x = 0."""
+
+    def __init__(self, rng: np.random.Generator, jumps: bool) -> None:
+        self.matrices = {side: rng.uniform(-1.4, 1.4, (2, 2)) for side in "LR"}
+        offset, rate = rng.uniform(-0.5, 0.5, 2), rng.uniform(-1.0, 1.0, 2)
+        self.offsets = {"L": offset, "R": offset + (rng.uniform(-0.5, 0.5, 2) if jumps else 0.0)}
+        self.rates = dict.fromkeys("LR", rate)
+        if not jumps:  # continuous: both matrices agree along the border
+            self.matrices["R"][:, 1] = self.matrices["L"][:, 1]
+
+    def expressions(self) -> ExpressionMap:
+        pieces = {
+            side: [
+                a[i, 0] * x + a[i, 1] * y + self.offsets[side][i] + self.rates[side][i] * p
+                for i in range(2)
+            ]
+            for side, a in self.matrices.items()
+        }
+        return expression_map((x, y), (p,), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+
+    def cycle(self, word: str, at: float) -> np.ndarray | None:
+        """Its points (n, 2), if they lie on their sides."""
+        matrix, shift = np.eye(2), np.zeros(2)
+        for side in word:
+            a = self.matrices[side]
+            matrix, shift = a @ matrix, a @ shift + self.offsets[side] + self.rates[side] * at
+        points = [np.linalg.solve(np.eye(2) - matrix, shift)]
+        for side in word[:-1]:
+            points.append(
+                self.matrices[side] @ points[-1] + self.offsets[side] + self.rates[side] * at
+            )
+        sides = [
+            (-1.0 if side == "L" else 1.0) * q[0] for side, q in zip(word, points, strict=True)
+        ]
+        return np.array(points) if min(sides) > 0.0 else None
+
+
+def least_turn(word: str) -> str:
+    return min(word[i:] + word[:i] for i in range(len(word)))
+
+
+def words() -> list[str]:
+    """One of each class of rotated words, none of them a power."""
+    found = []
+    for order in ORDERS:
+        for letters in product("LR", repeat=order):
+            word = "".join(letters)
+            turns = {word[i:] + word[:i] for i in range(order)}
+            if word == min(turns) and len(turns) == order:
+                found.append(word)
+    return found
+
+
+@pytest.mark.parametrize("jumps", [False, True])
+@pytest.mark.parametrize("count", [6, pytest.param(40, marks=pytest.mark.slow)])
+def test_cycles_that_start_at_collisions(jumps: bool, count: int) -> None:
+    rng = np.random.default_rng(3)
+    collisions = births = 0
+    for _ in range(count):
+        affine = Affine(rng, jumps)
+        start = affine.cycle("L", 0.7)
+        if start is None or np.abs(start).max() > 40.0:
+            continue
+        map_ = affine.expressions()
+        found = connected(map_, start, [0.7], SETTINGS, orders=ORDERS[:2])
+        base = Curve(map_, cycles((0,), (1.0, 1.0), (1.0,)), SETTINGS)
+        for point in found.diagram.points:
+            if point.kind not in (PointKind.BC, PointKind.FF) or abs(point.parameter) > 1.4:
+                continue
+            orbit = found.orbits[point.id]
+            starts = list(beginnings(base, orbit.x, orbit.p, ORDERS))
+            said = {
+                (least_turn(each.sample.orbit.word.replace(" | ", "")), each.ahead > 0.0)
+                for each in starts
+                if not each.is_crossing
+            }
+            shown = set()
+            for sign in (-1.0, 1.0):
+                at = point.parameter + sign * BESIDE
+                for word in words():
+                    points = affine.cycle(word, at)
+                    if points is not None and _is_near(points, orbit.x):
+                        shown.add((word, sign > 0.0))
+            assert said == shown, (point.parameter, affine.matrices)
+            collisions += 1
+            births += len(said) > 2
+    assert collisions >= max(1, count // 5)
+    assert births > 0 or jumps or count < 40
+
+
+def _is_near(points: np.ndarray, orbit: np.ndarray) -> bool:
+    """Whether all points lie near points of an orbit, and go round all of it."""
+    away = np.abs(points[:, None] - orbit[None]).max(axis=2)
+    return bool(away.min(axis=1).max() < NEAR and len(points) % len(orbit) == 0)
