@@ -17,6 +17,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import announce
+from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
@@ -26,11 +27,12 @@ from woodpecker.mechanics.modes import (
     FORCE,
     LIMIT,
     POLE,
+    SOUND,
     STEP,
     Numbers,
-    model,
     parameters_of,
     refill,
+    table,
 )
 from woodpecker.mechanics.toy import Toy, known_parameter, limits
 from woodpecker.piecewise.pieces import Image
@@ -38,9 +40,8 @@ from woodpecker.piecewise.settled import Sweep
 from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
+from woodpecker.simulation.returns import RELATIVE_STEP
 
-RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
-# to bounce: the cube root of the kernel's rounding
 KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
 CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
 TOO_FAR = "the path does not reach so far"
@@ -68,7 +69,7 @@ class _Table:
     def __init__(self, toy: Toy, parameter: str) -> None:
         self._toy, self._parameter, self._held = toy, parameter, NOTHING_HELD
         self._low, self._high = limits(toy, parameter)
-        self.numbers: Floats = model(toy)
+        self.numbers: Floats = table(toy)
         self._rates: Floats = np.zeros(CHANGE)
         self.change: Floats = self._rates if parameter in Numbers._fields else FIXED
         self.seed: Floats = np.zeros((1, 3))
@@ -87,6 +88,9 @@ class _Table:
             self._toy.replace(**{self._parameter: p})
         if self._put(self._parameter, complex(p, STEP)):
             refill(self._complex, self.numbers, self._rates)
+        if not self.numbers[FORCE, SOUND]:
+            self._value = math.nan
+            raise unsound(self._toy.replace(**{self._parameter: p}))
         self._value = p
 
     def _hold(self, p: float, held: Held) -> None:
@@ -137,7 +141,7 @@ class _Room:
             self._table.numbers, self._table.change, np.ascontiguousarray(x), 1, self._table.seed,
             out, codes, lengths, words,
         )  # fmt: skip
-        out[codes != RETURNED] = math.nan
+        out[codes > RETURNED] = math.nan
         return Sweep(out[:, 0], out[:, 3])
 
 

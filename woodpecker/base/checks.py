@@ -13,25 +13,31 @@ import numpy.typing as npt
 
 from woodpecker.base.arrays import Floats
 
+LONGEST = 100  # characters of a value in a sentence
+MOST = 10**7  # of whatever is counted, unless less is said: more has no room in memory
+
 
 def number(name: str, value: Any) -> float:
     """One real number, nan and infinities included; ValueError for anything else."""
     one = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
     if isinstance(one, bool | np.bool_) or not isinstance(one, numbers.Real | Decimal):
         raise ValueError(f"{name} must be one real number, got {_shown(value)}")
-    return float(one)
+    try:
+        return float(one)
+    except OverflowError:
+        raise ValueError(f"{name} must be below 1.8e308, got {_shown(value)}") from None
 
 
 def positive(name: str, value: Any) -> float:
     """One positive, finite number; ValueError for anything else."""
     checked = number(name, value)
     if not 0.0 < checked < math.inf:
-        raise ValueError(f"{name} must be positive and finite, got {value}")
+        raise ValueError(f"{name} must be positive and finite, got {_shown(value)}")
     return checked
 
 
-def whole(name: str, value: Any, least: int = 1) -> int:
-    """An integer of any kind but bool, not below ``least``; ValueError for anything else."""
+def whole(name: str, value: Any, least: int = 1, most: int = MOST) -> int:
+    """An integer of any kind but bool in [least, most]; ValueError for anything else."""
     try:
         if isinstance(value, bool | np.bool_):
             raise TypeError
@@ -40,6 +46,8 @@ def whole(name: str, value: Any, least: int = 1) -> int:
         checked = least - 1
     if checked < least:
         raise ValueError(f"{name} must be a whole number of at least {least}, got {_shown(value)}")
+    if checked > most:
+        raise ValueError(f"{name} must be a whole number of at most {most}, got {_shown(value)}")
     return checked
 
 
@@ -71,7 +79,10 @@ def real_array(name: str, value: npt.ArrayLike) -> Floats:
 
 
 def _shown(value: Any) -> str:
-    """A value in a sentence: large arrays by their shape."""
+    """A value in a sentence: large arrays by their shape, long texts by how they begin."""
     if isinstance(value, np.ndarray) and value.size > 4:
         return f"an array of shape {value.shape}"
-    return repr(value)
+    if isinstance(value, int) and abs(value) > 10**LONGEST:
+        return f"a whole number of {int(math.log10(abs(value))) + 1} digits"
+    text = repr(value)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

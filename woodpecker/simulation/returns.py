@@ -19,11 +19,13 @@ from woodpecker.base.compiled import COMPILED, announce
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.calls import compute, sweep
-from woodpecker.simulation.codes import FREE_FALL, POLE_END, RETURNED
+from woodpecker.simulation.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word
 
 EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
+RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
+# to bounce: the cube root of the kernel's rounding
 CHUNK = 256  # starts handed to one worker at a time
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 
@@ -40,9 +42,11 @@ class Return:
         Time [s] and distance fallen [m, positive down]. For a toy that falls off the pole the drop
         is the length of the pole, for one that falls for ever it is infinite.
     slope
-        d P_j / d phi_S [-], exact, from the variational flow.
+        d P_j / d phi_S [-], exact, from the variational flow; nan where none was found, which the
+        status says: at a grazing, or after very many impacts in very short time.
     d_eps_n1
-        d P_j / d eps_N1 [rad], exact likewise.
+        d P_j / d eps_N1 [rad], exact likewise; where eps_N1 is zero and the beak comes to rest, a
+        one-sided difference.
     word
         Sequence of events.
     status
@@ -242,6 +246,7 @@ def joined(parts: Sequence[ReturnMap]) -> ReturnMap:
 
 
 _COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
+SLOPE = 3  # the column; that of the derivative in eps_N1 follows
 _SEED = np.array([[1.0, 0.0, 0.0]])
 
 
@@ -271,6 +276,8 @@ def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Co
 def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     """Map some starts in this thread or process."""
     out, codes, lengths, words = _sweep(toy, starts, order)
+    if toy.eps_n1 == 0.0:
+        _differ_from_above(toy, starts, order, out, codes)
     known: dict[bytes, str] = {}
     texts = []
     for row, length in zip(words, lengths, strict=True):
@@ -281,8 +288,9 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     endless = codes == FREE_FALL
     if math.isfinite(toy.pole):
         codes[endless] = POLE_END
-    lost = codes != RETURNED
-    out[np.ix_(lost, [0, 1, 3, 4])] = np.nan
+    lost = codes > RETURNED
+    for column in (0, 1, SLOPE, SLOPE + 1):
+        out[lost, column] = np.nan
     out[(codes == POLE_END) | endless, 2] = toy.pole
     return ReturnMap(
         start=starts,
@@ -290,6 +298,21 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
         words=tuple(texts),
         status=tuple(map(_reason, codes.tolist(), texts)),
     )
+
+
+def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes: Ints) -> None:
+    """Fill in derivatives in eps_N1 where it is zero and a larger one would make the beak bounce.
+
+    By a one-sided difference of second order: the bounces are not in the flow that is followed.
+    """
+    rows = np.flatnonzero((codes == RETURNED_NO_SLOPE) & np.isfinite(out[:, SLOPE]))
+    if len(rows):
+        here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)
+        near, far = (
+            _sweep(toy.replace(eps_n1=step), starts[rows], order)[0][:, 0] for step in steps
+        )
+        rates = out[rows, SLOPE + 1] = (-3.0 * here + 4.0 * near - far) / steps[1]
+        codes[rows[np.isfinite(rates)]] = RETURNED
 
 
 def _reason(code: int, text: str) -> Status:

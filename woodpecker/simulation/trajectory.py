@@ -36,6 +36,7 @@ from woodpecker.simulation.words import EventKind, decode, symbol, word
 MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
 SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
 COORDINATES, VELOCITIES = ("y", "phi_m", "phi_s"), ("dy", "dphi_m", "dphi_s")
+PIECES_MOST = 100_000  # of a sliding phase, over which its work is integrated one by one
 GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
 
 
@@ -337,14 +338,15 @@ def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> _Followe
     """The motion from a state, until a time or the end of the pole."""
     numbers = model(toy)
     z, states = _initial(toy, state)
+    start = z.copy()
     codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
     phases = np.zeros((max_events + 1, PHASE_COLUMNS))
     rows = np.zeros((max_events, EVENT_COLUMNS))
     announce(compute)
     reason = status(run(numbers, z, states, False, t_end, codes, phases, NO_PATH, rows, counts))
     phases = phases[: max(1, counts[1])].copy()
-    if counts[1] == 0:
-        phases[0, :7] = z
+    if counts[1] == 0:  # it is not decided how the first phase begins
+        phases[0, :7] = z[:] = start
     finish, drop = float(z[6]), float(state.y - z[0])
     if -z[0] > toy.pole:
         reason = Status.POLE_END
@@ -407,6 +409,11 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     -------
     EnergyBalance
         Energies [J], and what the balance misses.
+
+    Raises
+    ------
+    ValueError
+        If an energy overflows, or the spring swings too often while a contact slides.
 
     Examples
     --------
@@ -522,7 +529,13 @@ def _sliding_work(trajectory: Trajectory) -> float:
         sliding = [i for i, s in enumerate(mode_states(mode)) if s > Contact.STICK]
         if not sliding or end <= start:
             continue
-        pieces = 1 + int(2.0 * numbers[mode, OMEGA] * (end - start))
+        swung = 2.0 * numbers[mode, OMEGA] * (end - start)
+        if not swung < PIECES_MOST:
+            raise ValueError(
+                f"the energy balance follows at most {PIECES_MOST} half radians of a swing while a "
+                f"contact slides, got {swung:.3g}"
+            )
+        pieces = 1 + int(swung)
         edges = np.linspace(0.0, end - start, pieces + 1)
         half = 0.5 * np.diff(edges)[:, None]
         times = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
