@@ -235,7 +235,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
         size = 0.0
         for k in range(GUARDS):
             size += _put(numbers, rates, index, k, row[k])
-        slides = beak > STICK or (sleeve - 1) % 3 + 1 > STICK
+        slides = beak > STICK or (sleeve > 0 and (sleeve - 1) % 3 + 1 > STICK)
         if not slides:
             least = SINGULAR if index == 0 else 0.0  # constraints are looked at below
             sound = sound and pivot > least and size < LARGEST
