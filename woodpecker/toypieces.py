@@ -16,6 +16,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
@@ -138,7 +139,7 @@ class _Room:
         codes, lengths = np.empty((2, len(x)), dtype=np.int64)
         announce(compute)
         sweep(
-            self._table.numbers, self._table.change, np.ascontiguousarray(x), 1, self._table.seed,
+            self._table.numbers, self._table.change, x, 1, self._table.seed,
             out, codes, lengths, words,
         )  # fmt: skip
         out[codes > RETURNED] = math.nan
@@ -175,7 +176,7 @@ class ToyPieces:
     Raises
     ------
     TypeError
-        If the parameter is unknown.
+        If ``toy`` is none, or the parameter is unknown.
 
     Examples
     --------
@@ -194,6 +195,7 @@ class ToyPieces:
     _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        instance("toy", self.toy, Toy)
         known_parameter(self.parameter)
 
     def __reduce__(self) -> tuple[Callable[[Toy, str, Held], ToyPieces], tuple[Toy, str, Held]]:
@@ -272,6 +274,7 @@ class ToyPieces:
         key, image
             The image in rad.
         """
+        x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:
             return NO_PATH.tobytes(), math.nan
@@ -296,7 +299,7 @@ class ToyPieces:
         ValueError
             If the toy cannot have this value of the parameter.
         """
-        return self.room().sweep(x, p, self._held)
+        return self.room().sweep(real_array("x", x).ravel(), number("p", p), self._held)
 
     @property
     def evaluations(self) -> int:
@@ -354,8 +357,16 @@ class ToyPiece(NamedTuple):
         return cause_of(self.path, code).sentence
 
 
+def _numbers(x: float, p: float) -> tuple[float, float]:
+    """Both as floats, which the kernel is compiled for; ValueError unless they are real numbers."""
+    if isinstance(x, float) and isinstance(p, float):
+        return x, p
+    return number("x", x), number("p", p)
+
+
 def image_taken(whole: ToyMap, x: float, p: float) -> Image:
     """The return from phi_S = x [rad] along the path that the toy takes there."""
+    x, p = _numbers(x, p)
     follower, obstacle = whole.ready(x, p)
     if obstacle:
         return _undefined(ToyPiece(whole, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)

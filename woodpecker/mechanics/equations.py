@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import real_array
+from woodpecker.base.checks import instance, real_array
 from woodpecker.mechanics.toy import Toy
 
 Vector = tuple[Any, Any, Any]
@@ -122,6 +122,8 @@ def equilibrium(toy: Toy) -> Equilibrium:
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
         If they overflow.
 
@@ -131,6 +133,7 @@ def equilibrium(toy: Toy) -> Equilibrium:
     >>> print(f"{equilibrium(Toy()).phi_s:.9f} rad")
     -0.221693812 rad
     """
+    instance("toy", toy, Toy)
     phi_m = -toy.phi_m_max
     phi_s = phi_m - toy.m_s * toy.g * toy.l_g / toy.c_phi
     if not math.isfinite(phi_s):
@@ -155,6 +158,8 @@ def jam_limit(toy: Toy) -> float:
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
         If the contact forces overflow.
 
@@ -164,6 +169,7 @@ def jam_limit(toy: Toy) -> float:
     >>> print(f"{jam_limit(Toy()):.7f}")
     0.2851875
     """
+    instance("toy", toy, Toy)
     d = -toy.m_s * toy.g * toy.l_g / toy.c_phi
     weight, torque, _ = force_at_rest(toy)
     lambda_t = -weight
@@ -228,6 +234,8 @@ def free_frequency(toy: Toy) -> float:
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
         If it overflows.
 
@@ -237,6 +245,7 @@ def free_frequency(toy: Toy) -> float:
     >>> print(f"{free_frequency(Toy()):.6f} Hz")
     72.908498 Hz
     """
+    instance("toy", toy, Toy)
     mass = toy.m_s + toy.m_m
     between = toy.m_s * toy.m_m / mass
     length = toy.l_m + toy.l_g
@@ -265,6 +274,8 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
         If q or u are not finite, or of another shape, or an energy overflows.
 
@@ -275,6 +286,7 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
     >>> f"{1e6 * kinetic:.6f} {1e6 * potential:.6f}"  # micro-joule
     '3.425000 72.767500'
     """
+    instance("toy", toy, Toy)
     q, u = _coordinates("q", q), _coordinates("u", u)
     with np.errstate(over="ignore", invalid="ignore"):
         kinetic = 0.5 * np.einsum("...i,ij,...j->...", u, np.array(mass_matrix(toy)), u)

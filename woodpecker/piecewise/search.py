@@ -21,8 +21,6 @@ from woodpecker.base.checks import number, whole
 from woodpecker.piecewise.explorer import Explorer, Seen
 from woodpecker.piecewise.settings import Settings
 
-MOST_SLICES = 100_000  # a slice takes some hundredths of a second
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
@@ -60,7 +58,7 @@ class Search:
     crowded: int = 64
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "slices", whole("slices", self.slices, most=MOST_SLICES))
+        object.__setattr__(self, "slices", whole("slices", self.slices))
         object.__setattr__(self, "crowded", whole("crowded", self.crowded))
         object.__setattr__(self, "finest", number("finest", self.finest))
         if not 0.0 < self.finest < 1.0:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table, tally
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.base.checks import number, real_array, whole
+from woodpecker.base.checks import instance, number, real_array, shown, whole
 from woodpecker.base.compiled import COMPILED, announce
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
@@ -26,6 +26,7 @@ from woodpecker.simulation.words import EventKind, word
 EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
 # to bounce: the cube root of the kernel's rounding
+ORDER_MOST = 100_000  # returns of one call; each has room for a word of EVENT_LIMIT symbols
 CHUNK = 256  # starts handed to one worker at a time
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 
@@ -162,9 +163,11 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
-        If phi_s is not one number, not finite or beyond the beak's contact, or the order is no
-        whole number of at least 1.
+        If phi_s is not one number, not finite or beyond the beak's contact, the order is no whole
+        number from 1 to 100 000, or doubles cannot hold the equations of motion.
 
     Examples
     --------
@@ -177,7 +180,7 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     -0.529843646 rad, 0.703689
     """
     start = np.array([number("phi_s", phi_s)])
-    many = _chunk(toy, checked_starts(toy, start), whole("order", order))
+    many = _chunk(toy, checked_starts(toy, start), whole("order", order, most=ORDER_MOST))
     return Return(
         **{name: float(getattr(many, name)[0]) for name in _COLUMNS},
         word=many.words[0],
@@ -208,6 +211,8 @@ def return_map(
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none, or the executor has no method ``map``.
     ValueError
         As :func:`first_return`, or if starts are no real numbers.
 
@@ -220,8 +225,11 @@ def return_map(
     >>> found.slope.round(6).tolist()
     [-0.901261, -0.54036, -0.635028]
     """
-    starts, order = checked_starts(toy, phi_s), whole("order", order)
-    parts = [starts[k : k + CHUNK] for k in range(0, len(starts), CHUNK)] or [starts]
+    starts, order = checked_starts(toy, phi_s), whole("order", order, most=ORDER_MOST)
+    chunk = max(1, CHUNK // math.ceil(order / 100))  # words need room
+    parts = [starts[k : k + chunk] for k in range(0, len(starts), chunk)] or [starts]
+    if not (executor is None or hasattr(executor, "map")):
+        raise TypeError(f"executor must have a method map, got {shown(executor)}")
     if executor is not None:
         results = list(executor.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
     elif COMPILED and len(parts) > 1:
@@ -252,6 +260,7 @@ _SEED = np.array([[1.0, 0.0, 0.0]])
 
 def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
     """Starts [rad] as a flat array; ValueError unless the toy can start from all of them."""
+    instance("toy", toy, Toy)
     starts = real_array("phi_s", phi_s).ravel()
     bad = starts[~(np.isfinite(starts) & (starts < toy.phi_s_max))]
     if bad.size:

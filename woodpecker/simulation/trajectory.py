@@ -11,7 +11,7 @@ import numpy.typing as npt
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, table
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import number, positive, real_array, whole
+from woodpecker.base.checks import instance, number, positive, real_array, whole
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.equations import (
     energy,
@@ -37,6 +37,7 @@ MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
 SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
 COORDINATES, VELOCITIES = ("y", "phi_m", "phi_s"), ("dy", "dphi_m", "dphi_s")
 PIECES_MOST = 100_000  # of a sliding phase, over which its work is integrated one by one
+COUNTED_MOST = 10**6  # samples, or events, of one simulation
 GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
 
 
@@ -62,6 +63,10 @@ class State:
     dphi_m: float = 0.0
     dphi_s: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
     @classmethod
     def on_section(cls, toy: Toy, phi_s: float) -> State:
         """At rest with the sleeve on its lower contact.
@@ -78,6 +83,7 @@ class State:
         State
             With y = 0 [m] and all velocities zero.
         """
+        instance("toy", toy, Toy)
         return cls(phi_m=-toy.phi_m_max, phi_s=phi_s)
 
 
@@ -291,6 +297,8 @@ def simulate(
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
         If the start is neither a number nor a state or penetrates a contact, t_end is not positive
         and finite, or there are fewer than 2 samples or no events to be followed.
@@ -304,8 +312,10 @@ def simulate(
     >>> print(f"the beak strikes after {1e3 * motion.events[4].time:.6f} ms")
     the beak strikes after 48.187190 ms
     """
+    instance("toy", toy, Toy)
     t_end = positive("t_end", t_end)
-    samples, max_events = whole("samples", samples, 2), whole("max_events", max_events)
+    samples = whole("samples", samples, 2, COUNTED_MOST)
+    max_events = whole("max_events", max_events, most=COUNTED_MOST)
     state = start if isinstance(start, State) else State.on_section(toy, number("phi_s", start))
     found = _followed(toy, state, t_end, max_events)
     times, q, u = _sampled(toy, found, samples)
@@ -412,6 +422,8 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
 
     Raises
     ------
+    TypeError
+        If ``trajectory`` is none.
     ValueError
         If an energy overflows, or the spring swings too often while a contact slides.
 
@@ -422,6 +434,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
     '83.2612 125.1273'
     """
+    instance("trajectory", trajectory, Trajectory)
     toy, end = trajectory.toy, trajectory.t_end
     q, u = trajectory.at(np.array([0.0, end]))
     kinetic, potential = energy(toy, q, u)
