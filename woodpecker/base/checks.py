@@ -31,7 +31,9 @@ def number(name: str, value: Any) -> float:
 def instance(name: str, value: Any, kind: type) -> None:
     """TypeError unless a value is of a kind."""
     if not isinstance(value, kind):
-        raise TypeError(f"{name} must be woodpecker.{kind.__name__}, got {shown(value)}")
+        raise TypeError(
+            f"{name} must be {kind.__module__.split('.')[0]}.{kind.__name__}, got {shown(value)}"
+        )
 
 
 def positive(name: str, value: Any) -> float:
