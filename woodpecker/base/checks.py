@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.shown import real, shown
 
-LONGEST = 100  # characters of a value in a sentence
 MOST = 10**7  # of whatever is counted, unless less is said: more has no room in memory
 
 
@@ -22,10 +22,7 @@ def number(name: str, value: Any) -> float:
     one = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
     if isinstance(one, bool | np.bool_) or not isinstance(one, numbers.Real | Decimal):
         raise ValueError(f"{name} must be one real number, got {shown(value)}")
-    try:
-        return float(one)
-    except OverflowError:
-        raise ValueError(f"{name} must be below 1.8e308, got {shown(value)}") from None
+    return real(name, one)
 
 
 def instance(name: str, value: Any, kind: type) -> None:
@@ -84,13 +81,3 @@ def real_array(name: str, value: npt.ArrayLike) -> Floats:
         except ValueError:
             raise ValueError(f"{name} must be real numbers, got {shown(value)}") from None
     return np.array(given, dtype=float)
-
-
-def shown(value: Any) -> str:
-    """A value in a sentence: large arrays by their shape, long texts by how they begin."""
-    if isinstance(value, np.ndarray) and value.size > 4:
-        return f"an array of shape {value.shape}"
-    if isinstance(value, int) and abs(value) > 10**LONGEST:
-        return f"a whole number of {int(math.log10(abs(value))) + 1} digits"
-    text = repr(value)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

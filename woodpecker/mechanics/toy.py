@@ -11,7 +11,7 @@ from enum import Enum, StrEnum
 from typing import Any, Literal, NamedTuple
 
 from pwmap.diagrams.shown import changed
-from woodpecker.base.checks import number, shown
+from woodpecker.base.shown import real, shown
 
 LAW = "expansion_friction"  # the one field of a toy that is no number
 
@@ -163,7 +163,7 @@ class Toy:
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, numbers.Real | Decimal):
                 raise TypeError(f"{name} must be a real number, got {value!r}")
-            object.__setattr__(self, name, number(name, value))
+            object.__setattr__(self, name, real(name, value))
         try:
             law = ExpansionFriction(self.expansion_friction)
         except ValueError:

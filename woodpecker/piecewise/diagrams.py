@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Diagram
-from woodpecker.base.checks import shown, whole
+from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler
+from woodpecker.base.shown import shown
 from woodpecker.piecewise.checkpoint import Record, restore
 from woodpecker.piecewise.explorer import Explorer, Progress, Seen
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve

@@ -14,8 +14,9 @@ import numpy.typing as npt
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table, tally
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.base.checks import instance, number, real_array, shown, whole
+from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.compiled import COMPILED, announce
+from woodpecker.base.shown import shown
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.calls import compute, sweep
