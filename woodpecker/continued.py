@@ -10,7 +10,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from woodpecker.base.checkpoint import START
-from woodpecker.base.checks import interval
+from woodpecker.base.checks import instance, interval
 from woodpecker.base.executors import Serial
 from woodpecker.curves import Spans, curve_from
 from woodpecker.mechanics.toy import Toy
@@ -159,6 +159,7 @@ def _diagram(
     progress: Progress | None, run: str | os.PathLike[str] | None, resume: bool,
 ) -> Diagram:  # fmt: skip
     """What is connected to a periodic solution over one parameter."""
+    instance("toy", toy, Toy)
     if not orbit.success:
         raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
     if orbit.toy != toy:

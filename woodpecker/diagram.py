@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
-from woodpecker.base.checks import interval
+from woodpecker.base.checks import instance, interval
 from woodpecker.base.executors import worker_count
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.diagrams import Found, finite_window, iterates, whole_diagram
@@ -141,7 +141,9 @@ def find_all(
     (3, True)
     """
     map_ = ToyPieces(toy, parameter)
-    wanted, looked = interval("span", span, finite=True), search or Search()
+    instance("toy", toy, Toy)
+    wanted, looked = interval("span", span, finite=True), Search() if search is None else search
+    instance("search", looked, Search)
     chosen = settings_for(settings, span=possible(toy, parameter, wanted), window=window)
     finite_window(chosen)
     worker_count(workers)

@@ -9,7 +9,7 @@ from enum import Enum
 import numpy as np
 
 from pwmap.diagrams.shown import brief, table
-from woodpecker.base.checks import whole
+from woodpecker.base.checks import instance, whole
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.jumps import Jump, jump_of
 from woodpecker.piecewise.orbits import (
@@ -29,6 +29,7 @@ from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
 
 DEFAULT = Settings()
+ORDER_MOST = 1000  # returns of an orbit: its equations are solved together
 
 
 class ShootingStatus(Enum):
@@ -160,8 +161,10 @@ def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAUL
 
     Raises
     ------
+    TypeError
+        If the toy or the settings are none.
     ValueError
-        If the guess or the order is out of range.
+        If the guess or the order is out of range, or doubles cannot hold the equations of motion.
 
     Examples
     --------
@@ -173,7 +176,8 @@ def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAUL
     the sleeve stays jammed: the toy rests, or swings without falling, in one of a band of centres,
     none of which can be followed
     """
-    start, order = first_return(toy, guess, order), whole("order", order)
+    instance("settings", settings, Settings)
+    start, order = first_return(toy, guess, order), whole("order", order, most=ORDER_MOST)
     map_, p = ToyPieces(toy), toy.eps_n1
     first = _taken(map_, np.array([float(guess)]), p)
     if not start.status.success:

@@ -11,6 +11,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import instance, number
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.crossings import is_inside
 from woodpecker.piecewise.orbits import (
@@ -69,9 +70,9 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     Raises
     ------
     TypeError
-        If the diagram's parameter is none of the toy.
+        If ``toy`` or ``diagram`` are none, or the diagram's parameter is none of the toy.
     ValueError
-        If the toy cannot have this value.
+        If the value is no number, or the toy cannot have this value.
 
     Examples
     --------
@@ -81,10 +82,13 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     >>> [(one.branch.id, round(one.orbit.phi_s, 9)) for one in solutions(toy, diagram, 0.48)]
     [('F1', -0.532395917)]
     """
-    there = toy.replace(**{diagram.parameter_name: float(value)})
+    instance("toy", toy, Toy)
+    instance("diagram", diagram, Diagram)
+    value = number("value", value)
+    there = toy.replace(**{diagram.parameter_name: value})
     map_ = ToyPieces(there, diagram.parameter_name)
     return tuple(
-        OnBranch(hit.branch, _solution(there, map_, diagram, hit, float(value)))
+        OnBranch(hit.branch, _solution(there, map_, diagram, hit, value))
         for hit in diagram.at(value)
         if hit.branch.kind is BranchKind.FIXED_POINT
     )
@@ -204,7 +208,7 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     ValueError
         If a name is unknown.
     TypeError
-        If the diagram's parameter is none of the toy.
+        If ``diagram`` is none, or its parameter is none of the toy.
 
     Examples
     --------
@@ -215,6 +219,7 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     >>> sorted(branch.columns), [f"{period:.6f}" for period in branch.columns["period"][[0, -1]]]
     (['drop', 'period'], ['0.147560', '0.144450'])
     """
+    instance("diagram", diagram, Diagram)
     known_observables(names)
     branches = tuple(
         replace(

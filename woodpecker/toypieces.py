@@ -16,7 +16,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.compiled import announce
+from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
@@ -26,11 +28,12 @@ from woodpecker.mechanics.modes import (
     FORCE,
     LIMIT,
     POLE,
+    SOUND,
     STEP,
     Numbers,
-    model,
     parameters_of,
     refill,
+    table,
 )
 from woodpecker.mechanics.toy import Toy, known_parameter, limits
 from woodpecker.piecewise.pieces import Image
@@ -38,9 +41,8 @@ from woodpecker.piecewise.settled import Sweep
 from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
+from woodpecker.simulation.returns import RELATIVE_STEP
 
-RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
-# to bounce: the cube root of the kernel's rounding
 KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
 CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
 TOO_FAR = "the path does not reach so far"
@@ -68,7 +70,7 @@ class _Table:
     def __init__(self, toy: Toy, parameter: str) -> None:
         self._toy, self._parameter, self._held = toy, parameter, NOTHING_HELD
         self._low, self._high = limits(toy, parameter)
-        self.numbers: Floats = model(toy)
+        self.numbers: Floats = table(toy)
         self._rates: Floats = np.zeros(CHANGE)
         self.change: Floats = self._rates if parameter in Numbers._fields else FIXED
         self.seed: Floats = np.zeros((1, 3))
@@ -87,6 +89,9 @@ class _Table:
             self._toy.replace(**{self._parameter: p})
         if self._put(self._parameter, complex(p, STEP)):
             refill(self._complex, self.numbers, self._rates)
+        if not self.numbers[FORCE, SOUND]:
+            self._value = math.nan
+            raise unsound(self._toy.replace(**{self._parameter: p}))
         self._value = p
 
     def _hold(self, p: float, held: Held) -> None:
@@ -134,10 +139,10 @@ class _Room:
         codes, lengths = np.empty((2, len(x)), dtype=np.int64)
         announce(compute)
         sweep(
-            self._table.numbers, self._table.change, np.ascontiguousarray(x), 1, self._table.seed,
+            self._table.numbers, self._table.change, x, 1, self._table.seed,
             out, codes, lengths, words,
         )  # fmt: skip
-        out[codes != RETURNED] = math.nan
+        out[codes > RETURNED] = math.nan
         return Sweep(out[:, 0], out[:, 3])
 
 
@@ -171,7 +176,7 @@ class ToyPieces:
     Raises
     ------
     TypeError
-        If the parameter is unknown.
+        If ``toy`` is none, or the parameter is unknown.
 
     Examples
     --------
@@ -190,6 +195,7 @@ class ToyPieces:
     _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        instance("toy", self.toy, Toy)
         known_parameter(self.parameter)
 
     def __reduce__(self) -> tuple[Callable[[Toy, str, Held], ToyPieces], tuple[Toy, str, Held]]:
@@ -268,6 +274,7 @@ class ToyPieces:
         key, image
             The image in rad.
         """
+        x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:
             return NO_PATH.tobytes(), math.nan
@@ -292,7 +299,7 @@ class ToyPieces:
         ValueError
             If the toy cannot have this value of the parameter.
         """
-        return self.room().sweep(x, p, self._held)
+        return self.room().sweep(real_array("x", x).ravel(), number("p", p), self._held)
 
     @property
     def evaluations(self) -> int:
@@ -350,8 +357,16 @@ class ToyPiece(NamedTuple):
         return cause_of(self.path, code).sentence
 
 
+def _numbers(x: float, p: float) -> tuple[float, float]:
+    """Both as floats, which the kernel is compiled for; ValueError unless they are real numbers."""
+    if isinstance(x, float) and isinstance(p, float):
+        return x, p
+    return number("x", x), number("p", p)
+
+
 def image_taken(whole: ToyMap, x: float, p: float) -> Image:
     """The return from phi_S = x [rad] along the path that the toy takes there."""
+    x, p = _numbers(x, p)
     follower, obstacle = whole.ready(x, p)
     if obstacle:
         return _undefined(ToyPiece(whole, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)

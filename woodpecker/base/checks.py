@@ -12,26 +12,37 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.shown import real, shown
+
+MOST = 10**7  # of whatever is counted, unless less is said: more has no room in memory
 
 
 def number(name: str, value: Any) -> float:
     """One real number, nan and infinities included; ValueError for anything else."""
     one = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
     if isinstance(one, bool | np.bool_) or not isinstance(one, numbers.Real | Decimal):
-        raise ValueError(f"{name} must be one real number, got {_shown(value)}")
-    return float(one)
+        raise ValueError(f"{name} must be one real number, got {shown(value)}")
+    return real(name, one)
+
+
+def instance(name: str, value: Any, kind: type) -> None:
+    """TypeError unless a value is of a kind."""
+    if not isinstance(value, kind):
+        raise TypeError(
+            f"{name} must be {kind.__module__.split('.')[0]}.{kind.__name__}, got {shown(value)}"
+        )
 
 
 def positive(name: str, value: Any) -> float:
     """One positive, finite number; ValueError for anything else."""
     checked = number(name, value)
     if not 0.0 < checked < math.inf:
-        raise ValueError(f"{name} must be positive and finite, got {value}")
+        raise ValueError(f"{name} must be positive and finite, got {shown(value)}")
     return checked
 
 
-def whole(name: str, value: Any, least: int = 1) -> int:
-    """An integer of any kind but bool, not below ``least``; ValueError for anything else."""
+def whole(name: str, value: Any, least: int = 1, most: int = MOST) -> int:
+    """An integer of any kind but bool in [least, most]; ValueError for anything else."""
     try:
         if isinstance(value, bool | np.bool_):
             raise TypeError
@@ -39,7 +50,9 @@ def whole(name: str, value: Any, least: int = 1) -> int:
     except TypeError:
         checked = least - 1
     if checked < least:
-        raise ValueError(f"{name} must be a whole number of at least {least}, got {_shown(value)}")
+        raise ValueError(f"{name} must be a whole number of at least {least}, got {shown(value)}")
+    if checked > most:
+        raise ValueError(f"{name} must be a whole number of at most {most}, got {shown(value)}")
     return checked
 
 
@@ -48,7 +61,7 @@ def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, flo
     try:
         low, high = (number(name, end) for end in value)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be two real numbers, got {_shown(value)}") from None
+        raise ValueError(f"{name} must be two real numbers, got {shown(value)}") from None
     if not low < high:
         raise ValueError(f"{name} must ascend, got ({low}, {high})")
     if finite and not (math.isfinite(low) and math.isfinite(high)):
@@ -66,12 +79,5 @@ def real_array(name: str, value: npt.ArrayLike) -> Floats:
         try:  # such as fractions
             return np.array([number(name, each) for each in given.ravel()]).reshape(given.shape)
         except ValueError:
-            raise ValueError(f"{name} must be real numbers, got {_shown(value)}") from None
+            raise ValueError(f"{name} must be real numbers, got {shown(value)}") from None
     return np.array(given, dtype=float)
-
-
-def _shown(value: Any) -> str:
-    """A value in a sentence: large arrays by their shape."""
-    if isinstance(value, np.ndarray) and value.size > 4:
-        return f"an array of shape {value.shape}"
-    return repr(value)

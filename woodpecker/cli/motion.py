@@ -148,7 +148,9 @@ def _complete(trajectory: Trajectory) -> None:
     """CommandError if the motion could not be followed as far as it goes."""
     from woodpecker import Status
 
-    gave_up = (Status.EVENT_LIMIT, Status.CONTACT_NO_SOLUTION, Status.CONTACT_AMBIGUOUS)
+    gave_up = (
+        Status.EVENT_LIMIT, Status.CONTACT_NO_SOLUTION, Status.CONTACT_AMBIGUOUS, Status.OVERFLOW
+    )  # fmt: skip
     if trajectory.status in gave_up:
         raise CommandError(
             f"the motion was followed to t = {trajectory.t_end:.9g} s only, after "

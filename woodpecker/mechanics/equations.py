@@ -13,6 +13,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import instance, real_array
 from woodpecker.mechanics.toy import Toy
 
 Vector = tuple[Any, Any, Any]
@@ -96,6 +98,13 @@ class Equilibrium(NamedTuple):
     phi_s: float  # rad
 
 
+def unsound(toy: Toy) -> ValueError:
+    """The error of a toy of which doubles cannot hold the equations of motion."""
+    return ValueError(
+        f"the equations of motion of {toy!r} overflow, or are singular, in double precision"
+    )
+
+
 def equilibrium(toy: Toy) -> Equilibrium:
     """Equilibrium angles [rad] on the jammed sleeve; it exists if mu_2 >= ``jam_limit(toy)``.
 
@@ -111,14 +120,25 @@ def equilibrium(toy: Toy) -> Equilibrium:
     Equilibrium
         The angles phi_M and phi_S [rad].
 
+    Raises
+    ------
+    TypeError
+        If ``toy`` is none.
+    ValueError
+        If they overflow.
+
     Examples
     --------
     >>> from woodpecker import Toy, equilibrium
     >>> print(f"{equilibrium(Toy()).phi_s:.9f} rad")
     -0.221693812 rad
     """
+    instance("toy", toy, Toy)
     phi_m = -toy.phi_m_max
-    return Equilibrium(phi_m, phi_m - toy.m_s * toy.g * toy.l_g / toy.c_phi)
+    phi_s = phi_m - toy.m_s * toy.g * toy.l_g / toy.c_phi
+    if not math.isfinite(phi_s):
+        raise unsound(toy)
+    return Equilibrium(phi_m, phi_s)
 
 
 def jam_limit(toy: Toy) -> float:
@@ -136,17 +156,67 @@ def jam_limit(toy: Toy) -> float:
     float
         The friction coefficient [-].
 
+    Raises
+    ------
+    TypeError
+        If ``toy`` is none.
+    ValueError
+        If the contact forces overflow.
+
     Examples
     --------
     >>> from woodpecker import Toy, jam_limit
     >>> print(f"{jam_limit(Toy()):.7f}")
     0.2851875
     """
+    instance("toy", toy, Toy)
     d = -toy.m_s * toy.g * toy.l_g / toy.c_phi
-    h = np.array(force_at_rest(toy)) + np.array(force_per_stretch(toy)) * d
-    lambda_t = -h[0]
-    lambda_n = -(h[1] + toy.r_m * lambda_t) / toy.h_m
+    weight, torque, _ = force_at_rest(toy)
+    lambda_t = -weight
+    lambda_n = -(torque + toy.c_phi * d + toy.r_m * lambda_t) / toy.h_m
+    if not (math.isfinite(lambda_t) and math.isfinite(lambda_n)):
+        raise unsound(toy)
     return float(lambda_t / lambda_n) if lambda_n > 0.0 else math.inf
+
+
+def jam_range(toy: Toy) -> tuple[float, float]:
+    """Interval of phi_S [rad] in which returns end, and so all points of cycles lie.
+
+    A return ends at a minimum of phi_S while contact 2 sticks: not above the equilibrium, and where
+    mu_2 lambda_N2 - lambda_T2 is not negative. On the jammed sleeve that is linear in phi_S. The
+    lower end is above the upper one if the toy never returns, as for mu_2 = 0.
+
+    Parameters
+    ----------
+    toy
+        The toy.
+
+    Returns
+    -------
+    low, high
+        Angles [rad]; ``low`` may be minus infinity.
+
+    Raises
+    ------
+    ValueError
+        If they overflow.
+    """
+    high = equilibrium(toy).phi_s
+    inertia = toy.j_s + toy.m_s * toy.l_g * toy.l_g
+    per_swing = toy.m_s * toy.l_g  # of lambda_T2, in the acceleration of phi_S
+    along = per_swing * (toy.l_m - toy.r_m) + inertia
+    weight, torque, _ = force_at_rest(toy)
+    torque -= toy.m_s * toy.g * toy.l_g
+    held = toy.mu_2 * (toy.r_m * weight - torque) / toy.h_m + weight
+    rate = toy.mu_2 * along / toy.h_m - per_swing
+    if not (math.isfinite(held) and math.isfinite(rate)):
+        raise unsound(toy)
+    if held >= 0.0 and rate >= 0.0:
+        return -math.inf, high
+    if held < 0.0 and rate <= 0.0:
+        return math.inf, high
+    turn = high + held / rate * inertia / toy.c_phi  # d = -acceleration * inertia / c_phi
+    return (turn, high) if held >= 0.0 else (-math.inf, turn)
 
 
 def free_frequency(toy: Toy) -> float:
@@ -162,14 +232,29 @@ def free_frequency(toy: Toy) -> float:
     float
         The frequency [Hz].
 
+    Raises
+    ------
+    TypeError
+        If ``toy`` is none.
+    ValueError
+        If it overflows.
+
     Examples
     --------
     >>> from woodpecker import Toy, free_frequency
     >>> print(f"{free_frequency(Toy()):.6f} Hz")
     72.908498 Hz
     """
-    acceleration = np.linalg.solve(np.array(mass_matrix(toy)), np.array(force_per_stretch(toy)))
-    return math.sqrt(acceleration[1] - acceleration[2]) / (2.0 * math.pi)
+    instance("toy", toy, Toy)
+    mass = toy.m_s + toy.m_m
+    between = toy.m_s * toy.m_m / mass
+    length = toy.l_m + toy.l_g
+    free = toy.j_m + toy.j_s + between * length * length  # no difference of large numbers in either
+    held = toy.j_m * toy.j_s + between * (toy.l_m * toy.l_m * toy.j_s + toy.l_g * toy.l_g * toy.j_m)
+    square = toy.c_phi * free / held if held > 0.0 else math.inf
+    if not 0.0 < square < math.inf:
+        raise unsound(toy)
+    return math.sqrt(square) / (2.0 * math.pi)
 
 
 def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
@@ -187,6 +272,13 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
     kinetic, potential
         Arrays of shape (...) [J]; the potential energy is zero at q = 0.
 
+    Raises
+    ------
+    TypeError
+        If ``toy`` is none.
+    ValueError
+        If q or u are not finite, or of another shape, or an energy overflows.
+
     Examples
     --------
     >>> from woodpecker import Toy, energy
@@ -194,8 +286,20 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
     >>> f"{1e6 * kinetic:.6f} {1e6 * potential:.6f}"  # micro-joule
     '3.425000 72.767500'
     """
-    q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
-    kinetic = 0.5 * np.einsum("...i,ij,...j->...", u, np.array(mass_matrix(toy)), u)
-    stretch = q[..., 2] - q[..., 1]
-    potential = 0.5 * toy.c_phi * stretch**2 - q @ np.array(force_at_rest(toy))
+    instance("toy", toy, Toy)
+    q, u = _coordinates("q", q), _coordinates("u", u)
+    with np.errstate(over="ignore", invalid="ignore"):
+        kinetic = 0.5 * np.einsum("...i,ij,...j->...", u, np.array(mass_matrix(toy)), u)
+        stretch = q[..., 2] - q[..., 1]
+        potential = 0.5 * toy.c_phi * stretch**2 - q @ np.array(force_at_rest(toy))
+    if not (np.isfinite(kinetic).all() and np.isfinite(potential).all()):
+        raise ValueError(f"the energy of {toy!r} overflows in double precision")
     return kinetic, potential
+
+
+def _coordinates(name: str, value: Any) -> Floats:
+    """Three finite numbers, or an array of such."""
+    numbers = real_array(name, value)
+    if numbers.shape[-1:] != (3,) or not np.isfinite(numbers).all():
+        raise ValueError(f"{name} must be three finite numbers, or rows of three, got {value}")
+    return numbers

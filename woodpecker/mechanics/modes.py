@@ -27,7 +27,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Complexes, Floats
 from woodpecker.base.compiled import jit, part
-from woodpecker.mechanics.cases import fill_cases
+from woodpecker.mechanics.cases import SINGULAR, fill_cases
 from woodpecker.mechanics.equations import (
     force_at_rest,
     force_per_stretch,
@@ -35,6 +35,7 @@ from woodpecker.mechanics.equations import (
     mass_matrix,
     normal_directions,
     tangential_directions,
+    unsound,
 )
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
@@ -49,9 +50,11 @@ class Contact(IntEnum):
 
 
 OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled code
+JAMMED = 1  # row of the mode in which the sleeve sticks at its lower edge alone
 
 EPSILONS = ("eps_n1", "eps_n2", "eps_n3")
 STEP = 1e-150  # imaginary part of the parameter that moves
+LARGEST = 1e100  # number of a table or a state: products of three of them do not overflow
 
 _mass, _constant, _elastic = part(mass_matrix), part(force_at_rest), part(force_per_stretch)
 _normal, _tangent, _offsets = (
@@ -69,8 +72,9 @@ LIMIT, MU, EPS, TANGENT, RESPONSE_N, RESPONSE_T = 0, 1, 2, 3, 6, 9
 # the gap over its lever arm is LIMIT + SIGN * angle; responses are M^-1 w_N and M^-1 w_T
 DELASSUS = 31  # rows and columns N1, T1, N2, T2, N3, T3 of W^T M^-1 W
 FORCE = 37  # h_0, h_1, the length of the pole, the lever arms of the gaps, and
-POLE, LEVER, SUMMED, DUE = 6, 7, 10, 11  # SUMMED: 1 or 0, see toy.ExpansionFriction; DUE: 1 if the
-# index combinations of the beak with contact 2 (DUE + 1: with contact 3) are still to be written
+POLE, LEVER, SUMMED, DUE, SOUND = 6, 7, 10, 11, 13  # SUMMED: 1 or 0, see toy.ExpansionFriction;
+# DUE: 1 if the index combinations of the beak with contact 2 (DUE + 1: with contact 3) are still to
+# be written; SOUND: 1 if doubles can hold the equations of motion, or 0
 PAIR = 38  # impulses of the beak with contact 2, then with contact 3: 36 index combinations each,
 EXPANSION = 72  # in compression; so many rows further on the same in expansion
 SHAPE = (182, 29)
@@ -127,7 +131,20 @@ def model(toy: Toy) -> Floats:
     """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will.
 
     Index combinations of pairs are due: the kernel writes them where it needs them first.
+
+    Raises
+    ------
+    ValueError
+        If doubles cannot hold the equations of motion.
     """
+    numbers = table(toy)
+    if not numbers[FORCE, SOUND]:
+        raise unsound(toy)
+    return numbers
+
+
+def table(toy: Toy) -> Floats:
+    """The same whether or not doubles can hold it; the entry SOUND says so."""
     return _bouncing(toy).copy()
 
 
@@ -138,7 +155,8 @@ def change(toy: Toy, parameter: str) -> Floats:
     (:func:`woodpecker.mechanics.impacts.impact`).
     """
     numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
-    fill(parameters_of(toy, parameter).tolist(), numbers, rates)
+    with np.errstate(all="ignore"):
+        fill(parameters_of(toy, parameter).tolist(), numbers, rates)
     if parameter in EPSILONS:
         rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
     return rates
@@ -154,7 +172,8 @@ def _bouncing(toy: Toy) -> Floats:
 @lru_cache(maxsize=64)
 def _plastic(toy: Toy) -> Floats:
     numbers = blank(toy)
-    fill(parameters_of(toy).tolist(), numbers, np.zeros(CHANGE))
+    with np.errstate(all="ignore"):
+        fill(parameters_of(toy).tolist(), numbers, np.zeros(CHANGE))
     return numbers
 
 
@@ -180,6 +199,9 @@ def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
 def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) -> None:
     """Write the table of the modes and all else that depends on the parameters, and derivatives.
 
+    A mode in which something slides may be singular (the paradox of Painleve): then its row is nan,
+    and the toy never takes it. If anything else is, or overflows, the table is not SOUND.
+
     Parameters
     ----------
     parameters
@@ -199,6 +221,7 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
     mu, lever = (toy.mu_1, toy.mu_2, toy.mu_3), (toy.h_s, toy.h_m, toy.h_m)
     system, row = np.empty((7, 13), dtype=np.complex128), np.empty(GUARDS, dtype=np.complex128)
     scale = np.empty(7)
+    sound = True
     for index in range(MODES):
         beak, sleeve = index // 7, index % 7
         together = beak == OPEN or sleeve == 0 or (sleeve - 1) % 3 + 1 == beak
@@ -206,28 +229,44 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
             for k in range(GUARDS):
                 numbers[index, k] = math.nan
             continue
-        _mode(system, scale, row, beak, sleeve, mass, constant, elastic, normal, tangent, mu)
+        pivot = _mode(
+            system, scale, row, beak, sleeve, mass, constant, elastic, normal, tangent, mu
+        )
+        size = 0.0
         for k in range(GUARDS):
-            numbers[index, k], rates[index, k] = row[k].real, row[k].imag / STEP
+            size += _put(numbers, rates, index, k, row[k])
+        slides = beak > STICK or (sleeve > 0 and (sleeve - 1) % 3 + 1 > STICK)
+        if not slides:
+            least = SINGULAR if index == 0 else 0.0  # constraints are looked at below
+            sound = sound and pivot > least and size < LARGEST
+        elif not (pivot > 0.0 and size < LARGEST):
+            for k in range(GUARDS):
+                numbers[index, k] = math.nan
+    size = 0.0
     for i in range(3):
-        _put(numbers, rates, CONTACT + i, LIMIT, offsets[i] / lever[i])
-        _put(numbers, rates, CONTACT + i, MU, mu[i])
-        _put(numbers, rates, FORCE, i, constant[i])
-        _put(numbers, rates, FORCE, 3 + i, elastic[i])
-        _put(numbers, rates, FORCE, LEVER + i, lever[i])
+        size += _put(numbers, rates, CONTACT + i, LIMIT, offsets[i] / lever[i])
+        size += _put(numbers, rates, CONTACT + i, MU, mu[i])
+        size += _put(numbers, rates, FORCE, i, constant[i])
+        size += _put(numbers, rates, FORCE, 3 + i, elastic[i])
+        size += _put(numbers, rates, FORCE, LEVER + i, lever[i])
         for j in range(3):
-            _put(numbers, rates, CONTACT + i, TANGENT + j, tangent[i][j])
+            size += _put(numbers, rates, CONTACT + i, TANGENT + j, tangent[i][j])
             system[i, j] = mass[i][j]
             system[i, 3 + 2 * j], system[i, 4 + 2 * j] = normal[j][i], tangent[j][i]
     _solve(system, 3, 6, scale)
     for a in range(6):
         response = (RESPONSE_N, RESPONSE_T)[a % 2]
         for j in range(3):
-            _put(numbers, rates, CONTACT + a // 2, response + j, system[j, 3 + a])
+            size += _put(numbers, rates, CONTACT + a // 2, response + j, system[j, 3 + a])
         for b in range(6):
             w = normal[b // 2] if b % 2 == 0 else tangent[b // 2]
             product = w[0] * system[0, 3 + a] + w[1] * system[1, 3 + a] + w[2] * system[2, 3 + a]
-            _put(numbers, rates, DELASSUS + b, a, product)
+            size += _put(numbers, rates, DELASSUS + b, a, product)
+    for i in range(3):
+        n, t = DELASSUS + 2 * i, 2 * i
+        product, mixed = numbers[n, t] * numbers[n + 1, t + 1], numbers[n, t + 1]
+        sound = sound and product - mixed * mixed > SINGULAR * product
+    numbers[FORCE, SOUND] = 1.0 if sound and size < LARGEST else 0.0
     numbers[FORCE, DUE] = numbers[FORCE, DUE + 1] = 1.0
 
 
@@ -260,21 +299,26 @@ def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, syste
 
 
 @part
-def _put(numbers: Floats, rates: Floats, row: int, column: int, value: complex) -> None:
+def _put(numbers: Floats, rates: Floats, row: int, column: int, value: complex) -> float:
+    """Write a number and its derivative; the sum of their moduli."""
     numbers[row, column], rates[row, column] = value.real, value.imag / STEP
+    return float(abs(numbers[row, column]) + abs(rates[row, column]))
 
 
 @part
 def _mode(
     system: Complexes, scale: Floats, row: Complexes, beak: int, sleeve: int, mass: Any,
     constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
-) -> None:  # fmt: skip
-    """One row of the table: M qdd - W lambda = h with the constraints of the closed contacts."""
+) -> float:  # fmt: skip
+    """One row of the table: M qdd - W lambda = h with the constraints of the closed contacts.
+
+    Returns the smallest pivot; the row is meaningless if it is zero.
+    """
     state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
     n = 3 + (2 if beak != OPEN else 0) + (2 if sleeve != 0 else 0)
     row[:] = 0.0
     if n == 7 and beak == STICK:
-        return  # at rest for good; the forces are not unique, see contact.rest_is_possible
+        return 1.0  # at rest for good; the forces are not unique, see contact.rest_is_possible
     system[:, :] = 0.0
     for i in range(3):
         for j in range(3):
@@ -293,7 +337,9 @@ def _mode(
             system[at + 1, at + 1] = 1.0
             system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
         at += 2
-    _solve(system, n, 2, scale)
+    least = _solve(system, n, 2, scale)
+    if least == 0.0:
+        return 0.0
     if beak != OPEN:
         system[2, n] = system[2, n + 1] = 0.0  # a closed contact holds its angle exactly
     if sleeve != 0:
@@ -321,6 +367,7 @@ def _mode(
                 row[LAMBDA + 4 * i + k] = system[at, n + k]
                 row[LAMBDA + 4 * i + 2 + k] = system[at + 1, n + k]
             at += 2
+    return least
 
 
 @part
@@ -332,21 +379,27 @@ def _quotient(a: complex, b: complex) -> complex:
 
 
 @part
-def _solve(system: Complexes, n: int, right: int, scale: Floats) -> None:
+def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
     """Solve for the columns right of the first n, in place; scaled, so that no unit is preferred.
 
-    Scales and pivots are chosen by real parts: they do not change the solution.
+    Scales and pivots are chosen by real parts: they do not change the solution. Returns the
+    smallest pivot of rows scaled to 1; if it is zero nothing is solved.
     """
+    least = 1.0
     for j in range(n):
         scale[j] = 0.0
         for i in range(n):
             scale[j] = max(scale[j], abs(system[i, j].real))
+        if not 0.0 < scale[j] < math.inf:
+            return 0.0
         scale[j] = 1.0 / math.sqrt(scale[j])
     for i in range(n):
         largest = 0.0
         for j in range(n):
             system[i, j] *= scale[j]
             largest = max(largest, abs(system[i, j].real))
+        if not 0.0 < largest < math.inf:
+            return 0.0
         for j in range(n + right):
             system[i, j] = _quotient(system[i, j], complex(largest, 0.0))
     for i in range(n):
@@ -354,6 +407,10 @@ def _solve(system: Complexes, n: int, right: int, scale: Floats) -> None:
         for k in range(i + 1, n):
             if abs(system[k, i].real) > abs(system[pivot, i].real):
                 pivot = k
+        size = abs(system[pivot, i].real)
+        least = min(least, size)
+        if not size > 0.0:
+            return 0.0
         if pivot != i:
             for j in range(i, n + right):
                 system[i, j], system[pivot, j] = system[pivot, j], system[i, j]
@@ -370,6 +427,7 @@ def _solve(system: Complexes, n: int, right: int, scale: Floats) -> None:
     for j in range(n, n + right):
         for i in range(n):
             system[i, j] *= scale[i]
+    return float(least)
 
 
 def watched(states: tuple[Contact, ...]) -> list[int]:

@@ -11,6 +11,7 @@ from enum import Enum, StrEnum
 from typing import Any, Literal, NamedTuple
 
 from pwmap.diagrams.shown import changed
+from woodpecker.base.shown import real, shown
 
 LAW = "expansion_friction"  # the one field of a toy that is no number
 
@@ -162,13 +163,13 @@ class Toy:
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, numbers.Real | Decimal):
                 raise TypeError(f"{name} must be a real number, got {value!r}")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, real(name, value))
         try:
             law = ExpansionFriction(self.expansion_friction)
         except ValueError:
             raise ValueError(
                 "expansion_friction must be 'summed' or 'separate', "
-                f"got {self.expansion_friction!r}"
+                f"got {shown(self.expansion_friction)}"
             ) from None
         object.__setattr__(self, "expansion_friction", law)
         for name, (_, _, domain) in _DESCRIPTIONS.items():
@@ -248,8 +249,9 @@ def parameters() -> tuple[str, ...]:
 
 def known_parameter(name: str) -> str:
     """The name itself; TypeError if the toy has no such parameter."""
-    if name not in _DESCRIPTIONS:
-        raise TypeError(f"unknown parameter {name!r}, expected one of {', '.join(parameters())}")
+    if not isinstance(name, str) or name not in _DESCRIPTIONS:
+        expected = ", ".join(parameters())
+        raise TypeError(f"unknown parameter {shown(name)}, expected one of {expected}")
     return name
 
 

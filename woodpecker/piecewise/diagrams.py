@@ -13,6 +13,7 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler
+from woodpecker.base.shown import shown
 from woodpecker.piecewise.checkpoint import Record, restore
 from woodpecker.piecewise.explorer import Explorer, Progress, Seen
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve
@@ -287,6 +288,8 @@ def iterates(orders: Sequence[int]) -> tuple[int, ...]:
     ValueError
         If there is none, or one is not at least 1.
     """
+    if np.ndim(orders) == 0:
+        raise ValueError(f"orders must be whole numbers such as (1, 2), got {shown(orders)}")
     wanted = sorted({whole("orders", order) for order in orders})
     if not wanted:
         raise ValueError(f"orders must name at least one iterate, got {tuple(orders)}")

@@ -71,7 +71,7 @@ def newton(
         if not trial.defined:
             return place, False, k
         place = trial
-        if length <= settings.converged or length**2 <= settings.converged * before:
+        if length <= settings.converged or length * length <= settings.converged * before:
             return place, True, k + 1
         before = length
     return place, before <= numerics.noise * settings.converged, settings.newton

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from woodpecker.base.checks import number, whole
 from woodpecker.piecewise.explorer import Explorer, Seen
 from woodpecker.piecewise.settings import Settings
 
@@ -57,12 +58,11 @@ class Search:
     crowded: int = 64
 
     def __post_init__(self) -> None:
-        if self.slices < 1:
-            raise ValueError(f"slices must be at least 1, got {self.slices}")
+        object.__setattr__(self, "slices", whole("slices", self.slices))
+        object.__setattr__(self, "crowded", whole("crowded", self.crowded))
+        object.__setattr__(self, "finest", number("finest", self.finest))
         if not 0.0 < self.finest < 1.0:
             raise ValueError(f"finest must lie in (0, 1), got {self.finest}")
-        if self.crowded < 1:
-            raise ValueError(f"crowded must be at least 1, got {self.crowded}")
 
 
 class Past(NamedTuple):

@@ -15,7 +15,14 @@ import numpy.typing as npt
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import jit, part
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, OPEN, STICK
-from woodpecker.simulation.codes import EVENT_COLUMNS, PHASE_COLUMNS, RETURNED, ROOM, STEP_COLUMNS
+from woodpecker.simulation.codes import (
+    EVENT_COLUMNS,
+    PHASE_COLUMNS,
+    RETURNED,
+    RETURNED_NO_SLOPE,
+    ROOM,
+    STEP_COLUMNS,
+)
 from woodpecker.simulation.following import follow_path
 from woodpecker.simulation.margins import NOTES, ROUTE
 from woodpecker.simulation.run import search
@@ -114,7 +121,9 @@ def _iterate(
         rate = route.tangents[0, 2] if taken == RETURNED else math.nan
         along = rate * along + route.tangents[1, 2]
         slope *= rate
-    row[OUT], row[OUT + 1], row[OUT + 2] = z[2], z[6], -z[0]
+    if status == RETURNED and not (abs(slope) < math.inf and abs(along) < math.inf):
+        status = RETURNED_NO_SLOPE
+    row[OUT], row[OUT + 1], row[OUT + 2] = z[2], z[6], 0.0 - z[0]
     row[OUT + 3], row[OUT + 4] = slope, along
     row[STATUS], row[LENGTH] = status, min(counts[0], len(word))
 

@@ -13,9 +13,10 @@ from woodpecker.mechanics.impacts import PAIR_ROOM
 # A number with a type: numba would compile every function anew for a literal argument.
 typed = cast("Callable[[int], int]", np.int64)
 
-# Why a run stopped.
+# Why a run stopped; those that are positive leave no image.
+RETURNED_NO_SLOPE = -1
 RETURNED, TIME_REACHED, FREE_FALL, POLE_END, AT_REST = 0, 1, 2, 3, 4
-EVENT_LIMIT, CONTACT_NO_SOLUTION, CONTACT_AMBIGUOUS = 5, 6, 7
+EVENT_LIMIT, CONTACT_NO_SOLUTION, CONTACT_AMBIGUOUS, OVERFLOW, NEVER_JAMS = 5, 6, 7, 8, 9
 
 # Event codes: 8 * kind + bit mask of the contacts + 64 * (marks of an impact, see contact.MARKS).
 IMPACT, DETACH, SLIP_START, STICK_START, REVERSAL, CHATTER_END, INDETERMINATE_IMPACT = range(7)

@@ -7,12 +7,14 @@ import math
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.modes import (
+    ALPHA,
     ANGLE,
     CONE_NEGATIVE,
     CONE_POSITIVE,
     CONTACT,
     GAP,
     GUARDS,
+    JAMMED,
     KAPPA,
     LAMBDA,
     MU,
@@ -121,6 +123,17 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
 
 
 @part
+def never_jams(model: Floats) -> bool:
+    """Whether there is no angle at which a jammed sleeve could hold the woodpecker as it turns.
+
+    A return ends at a minimum of phi_S, where d lies below its equilibrium on the jammed sleeve.
+    There mu_2 lambda_N2 - lambda_T2 must not be negative, and it is linear in d.
+    """
+    p, r = force_guard(model, JAMMED, CONE_POSITIVE + 1)
+    return bool(r >= 0.0 and p - r * model[JAMMED, ALPHA] / model[JAMMED, KAPPA] < 0.0)
+
+
+@part
 def next_event(
     model: Floats, mode: int, z: Floats, gaps: Floats, states: Ints, to_section: bool,
     horizon: float, before: int, ignored: int,
@@ -143,6 +156,6 @@ def next_event(
         else:
             f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, states, before)
             t = first_root(max(0.0, f0), f1, f2, f3, kappa, omega, horizon)
-        if t < horizon:
+        if t < horizon or t != t:  # nan: what comes is beyond doubles, as the state will say
             horizon, fired = t, guard
     return horizon, fired

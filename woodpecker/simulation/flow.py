@@ -11,6 +11,7 @@ from woodpecker.mechanics.modes import (
     ANGLE,
     CONTACT,
     KAPPA,
+    LARGEST,
     LIMIT,
     OMEGA,
     SECULAR,
@@ -85,6 +86,15 @@ def copy(source: Floats, target: Floats) -> None:
     """Copy the seven entries of a state; loops compile much faster than slices."""
     for k in range(7):
         target[k] = source[k]
+
+
+@part
+def representable(z: Floats) -> bool:
+    """Whether doubles can hold a state and what is computed of it: nothing is too large, or nan."""
+    size = 0.0
+    for k in range(7):
+        size += abs(z[k])
+    return size < LARGEST
 
 
 @part

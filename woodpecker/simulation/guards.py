@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from woodpecker.base.compiled import part
 
 TWO_PI = 2.0 * math.pi
@@ -47,7 +49,7 @@ def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, 
         s, c = math.sin(half), math.cos(half)
         c0 = 1.0 - 2.0 * s * s
     else:
-        s, c = math.sinh(half), math.cosh(half)
+        s, c = np.sinh(half), np.cosh(half)  # inf where those of math raise
         c0 = 1.0 + 2.0 * s * s
     s1 = 2.0 * s * c / omega
     s2 = 2.0 * (s / omega) * (s / omega)
@@ -218,8 +220,8 @@ def _critical_points(
     root_1 = root_1 if 0.0 < root_1 < reach else math.inf
     root_2 = root_2 if 0.0 < root_2 < reach else math.inf
     if omega > 0.0:
-        root_1 = 2.0 * math.atanh(root_1 / reach) / omega if root_1 < math.inf else math.inf
-        root_2 = 2.0 * math.atanh(root_2 / reach) / omega if root_2 < math.inf else math.inf
+        root_1 = 2.0 * np.arctanh(root_1 / reach) / omega if root_1 < math.inf else math.inf
+        root_2 = 2.0 * np.arctanh(root_2 / reach) / omega if root_2 < math.inf else math.inf
     return min(root_1, root_2), max(root_1, root_2)
 
 

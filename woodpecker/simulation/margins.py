@@ -327,6 +327,8 @@ def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, rou
         e2 += change[mode, ALPHA] + change[mode, KAPPA] * d0
         turn = -0.5 * change[mode, KAPPA] / omega
     across = d2 / omega
+    if d1 == 0.0 == across:
+        return 0.0  # at rest, where it does not matter when
     per_across = (e2 - across * turn) / omega
     angle = (d1 * per_across - e1 * across) / (d1 * d1 + across * across)
     return float((angle - t * turn) / omega)

@@ -214,8 +214,9 @@ class Follower:
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()
         times, starts = np.empty(phases), self._phases[:phases, 6]
-        times[:-1] = starts[1:] - starts[:-1]
-        times[-1] = z[6] - starts[-1]
+        if phases:  # none if it is not decided how the first one begins
+            times[:-1] = starts[1:] - starts[:-1]
+            times[-1] = z[6] - starts[-1]
         codes = self._words[0, :symbols]
         text = self._texts.get(key := codes.tobytes())
         if text is None:

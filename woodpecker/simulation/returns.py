@@ -14,16 +14,20 @@ import numpy.typing as npt
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table, tally
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.base.checks import number, real_array, whole
+from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.compiled import COMPILED, announce
+from woodpecker.base.shown import shown
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.calls import compute, sweep
-from woodpecker.simulation.codes import FREE_FALL, POLE_END, RETURNED
+from woodpecker.simulation.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word
 
 EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
+RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
+# to bounce: the cube root of the kernel's rounding
+ORDER_MOST = 100_000  # returns of one call; each has room for a word of EVENT_LIMIT symbols
 CHUNK = 256  # starts handed to one worker at a time
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 
@@ -40,9 +44,11 @@ class Return:
         Time [s] and distance fallen [m, positive down]. For a toy that falls off the pole the drop
         is the length of the pole, for one that falls for ever it is infinite.
     slope
-        d P_j / d phi_S [-], exact, from the variational flow.
+        d P_j / d phi_S [-], exact, from the variational flow; nan where none was found, which the
+        status says: at a grazing, or after very many impacts in very short time.
     d_eps_n1
-        d P_j / d eps_N1 [rad], exact likewise.
+        d P_j / d eps_N1 [rad], exact likewise; where eps_N1 is zero and the beak comes to rest, a
+        one-sided difference.
     word
         Sequence of events.
     status
@@ -158,9 +164,11 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
-        If phi_s is not one number, not finite or beyond the beak's contact, or the order is no
-        whole number of at least 1.
+        If phi_s is not one number, not finite or beyond the beak's contact, the order is no whole
+        number from 1 to 100 000, or doubles cannot hold the equations of motion.
 
     Examples
     --------
@@ -173,7 +181,7 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     -0.529843646 rad, 0.703689
     """
     start = np.array([number("phi_s", phi_s)])
-    many = _chunk(toy, checked_starts(toy, start), whole("order", order))
+    many = _chunk(toy, checked_starts(toy, start), whole("order", order, most=ORDER_MOST))
     return Return(
         **{name: float(getattr(many, name)[0]) for name in _COLUMNS},
         word=many.words[0],
@@ -204,6 +212,8 @@ def return_map(
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none, or the executor has no method ``map``.
     ValueError
         As :func:`first_return`, or if starts are no real numbers.
 
@@ -216,8 +226,11 @@ def return_map(
     >>> found.slope.round(6).tolist()
     [-0.901261, -0.54036, -0.635028]
     """
-    starts, order = checked_starts(toy, phi_s), whole("order", order)
-    parts = [starts[k : k + CHUNK] for k in range(0, len(starts), CHUNK)] or [starts]
+    starts, order = checked_starts(toy, phi_s), whole("order", order, most=ORDER_MOST)
+    chunk = max(1, CHUNK // math.ceil(order / 100))  # words need room
+    parts = [starts[k : k + chunk] for k in range(0, len(starts), chunk)] or [starts]
+    if not (executor is None or hasattr(executor, "map")):
+        raise TypeError(f"executor must have a method map, got {shown(executor)}")
     if executor is not None:
         results = list(executor.map(_chunk, [toy] * len(parts), parts, [order] * len(parts)))
     elif COMPILED and len(parts) > 1:
@@ -242,11 +255,13 @@ def joined(parts: Sequence[ReturnMap]) -> ReturnMap:
 
 
 _COLUMNS = ("phi_s", "period", "drop", "slope", "d_eps_n1")
+SLOPE = 3  # the column; that of the derivative in eps_N1 follows
 _SEED = np.array([[1.0, 0.0, 0.0]])
 
 
 def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
     """Starts [rad] as a flat array; ValueError unless the toy can start from all of them."""
+    instance("toy", toy, Toy)
     starts = real_array("phi_s", phi_s).ravel()
     bad = starts[~(np.isfinite(starts) & (starts < toy.phi_s_max))]
     if bad.size:
@@ -271,6 +286,8 @@ def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Co
 def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     """Map some starts in this thread or process."""
     out, codes, lengths, words = _sweep(toy, starts, order)
+    if toy.eps_n1 == 0.0:
+        _differ_from_above(toy, starts, order, out, codes)
     known: dict[bytes, str] = {}
     texts = []
     for row, length in zip(words, lengths, strict=True):
@@ -281,8 +298,9 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     endless = codes == FREE_FALL
     if math.isfinite(toy.pole):
         codes[endless] = POLE_END
-    lost = codes != RETURNED
-    out[np.ix_(lost, [0, 1, 3, 4])] = np.nan
+    lost = codes > RETURNED
+    for column in (0, 1, SLOPE, SLOPE + 1):
+        out[lost, column] = np.nan
     out[(codes == POLE_END) | endless, 2] = toy.pole
     return ReturnMap(
         start=starts,
@@ -290,6 +308,21 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
         words=tuple(texts),
         status=tuple(map(_reason, codes.tolist(), texts)),
     )
+
+
+def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes: Ints) -> None:
+    """Fill in derivatives in eps_N1 where it is zero and a larger one would make the beak bounce.
+
+    By a one-sided difference of second order: the bounces are not in the flow that is followed.
+    """
+    rows = np.flatnonzero((codes == RETURNED_NO_SLOPE) & np.isfinite(out[:, SLOPE]))
+    if len(rows):
+        here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)
+        near, far = (
+            _sweep(toy.replace(eps_n1=step), starts[rows], order)[0][:, 0] for step in steps
+        )
+        rates = out[rows, SLOPE + 1] = (-3.0 * here + 4.0 * near - far) / steps[1]
+        codes[rows[np.isfinite(rates)]] = RETURNED
 
 
 def _reason(code: int, text: str) -> Status:

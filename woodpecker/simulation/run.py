@@ -23,14 +23,16 @@ from woodpecker.simulation.codes import (
     EVENT_LIMIT,
     FREE_FALL,
     GUARD,
+    NEVER_JAMS,
+    OVERFLOW,
     POLE_END,
     RETURNED,
     TIME_REACHED,
     Room,
     typed,
 )
-from woodpecker.simulation.events import mode_of, next_event
-from woodpecker.simulation.flow import advance, measure, put_on_section
+from woodpecker.simulation.events import mode_of, never_jams, next_event
+from woodpecker.simulation.flow import advance, copy, measure, put_on_section, representable
 from woodpecker.simulation.recording import record_events, record_phase
 
 
@@ -45,6 +47,8 @@ def search(
     """
     counts = room.counts
     z, gaps, states = room.z, room.gaps, room.states
+    if to_section and never_jams(model):
+        return NEVER_JAMS
     measure(model, z, gaps)
     none = typed(-1)
     fired = room.bounce[0] = room.bounce[2] = none
@@ -53,14 +57,16 @@ def search(
     while True:
         symbols = counts[0]
         status = arrive(model, fired, word, counts, room)
+        if not representable(z):
+            return _stopped(phases, counts, z)
         if len(events) > 0:
             record_events(events, counts, symbols, z[6], word, room.event)
         if status == SOLVED and 0 <= fired < 3:
             status = watch_bounces(model, fired, symbols, to_section, word, counts, events, room)
         if status != SOLVED:
             return CONTACT_NO_SOLUTION if status == NO_SOLUTION else CONTACT_AMBIGUOUS
-        if counts[0] > len(word):
-            return EVENT_LIMIT
+        if counts[0] > len(word) or 0 < len(phases) == counts[1]:
+            return EVENT_LIMIT  # the latter: an event in which nothing changes has no symbol
         mode = mode_of(states)
         if len(phases) > 0:
             record_phase(phases, path, counts, z, mode, room.decided)
@@ -73,6 +79,8 @@ def search(
             together = SLIP <= fired < SECTION and mode >= 7 and mode % 7 > 0
             path[counts[1] - 1, GUARD] = SLIP if together else fired  # they slide as one
         advance(model, mode, t, z, gaps, room.work)
+        if not representable(z):
+            return _stopped(phases, counts, z)
         if z[0] < -model[FORCE, POLE]:
             return POLE_END
         if fired == SECTION:
@@ -80,3 +88,11 @@ def search(
             return RETURNED
         if fired < 0:
             return TIME_REACHED
+
+
+@part
+def _stopped(phases: Floats, counts: Ints, z: Floats) -> int:
+    """Go back to where the last phase began, if that is known: doubles cannot hold its end."""
+    if counts[1] > 0:
+        copy(phases[counts[1] - 1], z)
+    return OVERFLOW

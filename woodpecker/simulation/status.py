@@ -10,8 +10,11 @@ from woodpecker.simulation.codes import (
     CONTACT_NO_SOLUTION,
     EVENT_LIMIT,
     FREE_FALL,
+    NEVER_JAMS,
+    OVERFLOW,
     POLE_END,
     RETURNED,
+    RETURNED_NO_SLOPE,
     TIME_REACHED,
 )
 
@@ -33,6 +36,7 @@ class Status(Enum):
         "the toy returned, but the contact laws leave the impulses of an impact open: "
         "the middle of all solutions was taken"
     )
+    RETURNED_NO_SLOPE = "the toy returned, but no finite slope of the return map was found"
     TIME_REACHED = "the requested time was reached"
     FREE_FALL = "free fall: the toy slides or falls along the pole for ever"
     POLE_END = "free fall: the toy fell off the end of the pole"
@@ -40,6 +44,8 @@ class Status(Enum):
     EVENT_LIMIT = "the event limit was reached before the toy returned"
     CONTACT_NO_SOLUTION = "a contact problem has no solution"
     CONTACT_AMBIGUOUS = "a contact problem has several solutions"
+    NEVER_JAMS = "the sleeve cannot jam at any angle, mu_2 is too small: the toy never returns"
+    OVERFLOW = "the motion leaves the numbers that double precision can hold"
 
     @property
     def success(self) -> bool:
@@ -49,6 +55,7 @@ class Status(Enum):
 
 _BY_CODE = {
     RETURNED: Status.RETURNED,
+    RETURNED_NO_SLOPE: Status.RETURNED_NO_SLOPE,
     TIME_REACHED: Status.TIME_REACHED,
     FREE_FALL: Status.FREE_FALL,
     POLE_END: Status.POLE_END,
@@ -56,6 +63,8 @@ _BY_CODE = {
     EVENT_LIMIT: Status.EVENT_LIMIT,
     CONTACT_NO_SOLUTION: Status.CONTACT_NO_SOLUTION,
     CONTACT_AMBIGUOUS: Status.CONTACT_AMBIGUOUS,
+    NEVER_JAMS: Status.NEVER_JAMS,
+    OVERFLOW: Status.OVERFLOW,
 }
 
 

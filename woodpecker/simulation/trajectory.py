@@ -11,7 +11,7 @@ import numpy.typing as npt
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, table
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import number, positive, real_array, whole
+from woodpecker.base.checks import instance, number, positive, real_array, whole
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.equations import (
     energy,
@@ -36,6 +36,8 @@ from woodpecker.simulation.words import EventKind, decode, symbol, word
 MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
 SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
 COORDINATES, VELOCITIES = ("y", "phi_m", "phi_s"), ("dy", "dphi_m", "dphi_s")
+PIECES_MOST = 100_000  # of a sliding phase, over which its work is integrated one by one
+COUNTED_MOST = 10**6  # samples, or events, of one simulation
 GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
 
 
@@ -61,6 +63,10 @@ class State:
     dphi_m: float = 0.0
     dphi_s: float = 0.0
 
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
     @classmethod
     def on_section(cls, toy: Toy, phi_s: float) -> State:
         """At rest with the sleeve on its lower contact.
@@ -77,6 +83,7 @@ class State:
         State
             With y = 0 [m] and all velocities zero.
         """
+        instance("toy", toy, Toy)
         return cls(phi_m=-toy.phi_m_max, phi_s=phi_s)
 
 
@@ -290,6 +297,8 @@ def simulate(
 
     Raises
     ------
+    TypeError
+        If ``toy`` is none.
     ValueError
         If the start is neither a number nor a state or penetrates a contact, t_end is not positive
         and finite, or there are fewer than 2 samples or no events to be followed.
@@ -303,8 +312,10 @@ def simulate(
     >>> print(f"the beak strikes after {1e3 * motion.events[4].time:.6f} ms")
     the beak strikes after 48.187190 ms
     """
+    instance("toy", toy, Toy)
     t_end = positive("t_end", t_end)
-    samples, max_events = whole("samples", samples, 2), whole("max_events", max_events)
+    samples = whole("samples", samples, 2, COUNTED_MOST)
+    max_events = whole("max_events", max_events, most=COUNTED_MOST)
     state = start if isinstance(start, State) else State.on_section(toy, number("phi_s", start))
     found = _followed(toy, state, t_end, max_events)
     times, q, u = _sampled(toy, found, samples)
@@ -337,14 +348,15 @@ def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> _Followe
     """The motion from a state, until a time or the end of the pole."""
     numbers = model(toy)
     z, states = _initial(toy, state)
+    start = z.copy()
     codes, counts = np.zeros(max_events, dtype=np.int16), np.zeros(3, dtype=np.int64)
     phases = np.zeros((max_events + 1, PHASE_COLUMNS))
     rows = np.zeros((max_events, EVENT_COLUMNS))
     announce(compute)
     reason = status(run(numbers, z, states, False, t_end, codes, phases, NO_PATH, rows, counts))
     phases = phases[: max(1, counts[1])].copy()
-    if counts[1] == 0:
-        phases[0, :7] = z
+    if counts[1] == 0:  # it is not decided how the first phase begins
+        phases[0, :7] = z[:] = start
     finish, drop = float(z[6]), float(state.y - z[0])
     if -z[0] > toy.pole:
         reason = Status.POLE_END
@@ -408,6 +420,13 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     EnergyBalance
         Energies [J], and what the balance misses.
 
+    Raises
+    ------
+    TypeError
+        If ``trajectory`` is none.
+    ValueError
+        If an energy overflows, or the spring swings too often while a contact slides.
+
     Examples
     --------
     >>> from woodpecker import Toy, energy_balance, simulate
@@ -415,6 +434,7 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
     >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
     '83.2612 125.1273'
     """
+    instance("trajectory", trajectory, Trajectory)
     toy, end = trajectory.toy, trajectory.t_end
     q, u = trajectory.at(np.array([0.0, end]))
     kinetic, potential = energy(toy, q, u)
@@ -522,7 +542,13 @@ def _sliding_work(trajectory: Trajectory) -> float:
         sliding = [i for i, s in enumerate(mode_states(mode)) if s > Contact.STICK]
         if not sliding or end <= start:
             continue
-        pieces = 1 + int(2.0 * numbers[mode, OMEGA] * (end - start))
+        swung = 2.0 * numbers[mode, OMEGA] * (end - start)
+        if not swung < PIECES_MOST:
+            raise ValueError(
+                f"the energy balance follows at most {PIECES_MOST} half radians of a swing while a "
+                f"contact slides, got {swung:.3g}"
+            )
+        pieces = 1 + int(swung)
         edges = np.linspace(0.0, end - start, pieces + 1)
         half = 0.5 * np.diff(edges)[:, None]
         times = (edges[:-1, None] + half * (1.0 + nodes)).ravel()

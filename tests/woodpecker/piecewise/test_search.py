@@ -213,7 +213,7 @@ def test_a_search_needs_a_finite_window(window: tuple[float, float]) -> None:
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"slices": 0}, "slices must be at least 1, got 0"),
+        ({"slices": 0}, "slices must be a whole number of at least 1, got 0"),
         ({"finest": 0.0}, r"finest must lie in \(0, 1\), got 0.0"),
         ({"finest": 1.0}, r"finest must lie in \(0, 1\), got 1.0"),
         ({"finest": math.nan}, r"finest must lie in \(0, 1\), got nan"),
