@@ -233,8 +233,9 @@ def differentiable(orbit: Orbit, margin: Margin, settings: Settings) -> Orbit:
     i, image = margin.index, orbit.images[margin.index]
     if math.isfinite(image.slope):
         return orbit
-    away = image.onward(margin.code) * settings.converged * settings.x_scale
-    there = image.piece.at(float(orbit.x[i]) - away, orbit.p)
+    x = float(orbit.x[i])
+    away = image.onward(margin.code) * settings.rounded_x(x)
+    there = image.piece.at(x - away, orbit.p)
     image = image._replace(slope=there.slope, d_parameter=there.d_parameter)
     return Orbit(orbit.x, orbit.p, replaced(orbit.images, i, image))
 

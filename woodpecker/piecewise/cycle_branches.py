@@ -15,6 +15,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import conditions, directions
 from woodpecker.piecewise.corrector import Corrector
+from woodpecker.piecewise.counting import Allowance, counted
 from woodpecker.piecewise.crossings import Restart, border_at, is_inside, replaced, restart
 from woodpecker.piecewise.curves import (
     Beginning,
@@ -64,8 +65,8 @@ class Cycles:
     def __init__(
         self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
     ) -> None:
-        self.map, self.settings = map_, settings
-        self.corrector = Corrector(map_, Closed(), settings)
+        self.map, self.settings = counted(map_), settings
+        self.corrector = Corrector(self.map, Closed(), settings)
         self.stepper = Stepper(self.corrector, [FLIP], stop)
 
     def through(self, orbit: Orbit) -> Followed:
@@ -84,8 +85,9 @@ class Cycles:
         step: float = math.inf,
     ) -> Leg:  # fmt: skip
         samples, marks = list(first), list[Mark]()
-        while True:
-            arc = self.stepper.follow(samples[-1], ignored, origin, step)
+        allowed = Allowance(self.map, self.settings.of_branch(len(origin.orbit)))
+        while True:  # until the stepper has spent what is allowed, if nothing else ends it
+            arc = self.stepper.follow(samples[-1], ignored, origin, step, allowed)
             ignored, step = None, max(arc.step, self.settings.again)
             arc = self._sharpened(_at_nearest(arc, self.settings))
             samples += arc.samples[1:]

@@ -74,10 +74,13 @@ class Past(NamedTuple):
         Those that were finished.
     since
         Orders of branches that were found after the last of them: the next slice showed these.
+    evaluations
+        How often the map was evaluated for what was finished.
     """
 
     slices: tuple[Seen, ...] = ()
     since: tuple[int, ...] = ()
+    evaluations: int = 0
 
 
 def complete(
@@ -108,7 +111,7 @@ def complete(
     known = len(explorer.network.curves)
     explorer.go_on()
     since += tuple(curve.order for curve in explorer.network.curves[known:])
-    while plan.done < len(plan.places):
+    while plan.done < len(plan.places) and not explorer.is_spent:  # no two are closer than finest
         ready = plan.done + len(explorer.coming)
         for p in plan.places[ready : plan.done + explorer.scheduler.spare]:
             explorer.look(p)
@@ -123,6 +126,7 @@ def complete(
             then += crowded
         seen.append(explorer.has_seen(found._replace(then=tuple(then))))
         since = ()
+    explorer.untaken = len(plan.places) - plan.done
     explorer.finish()
     return seen
 

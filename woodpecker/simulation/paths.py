@@ -18,6 +18,7 @@ from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
 EVENT_LIMIT = 1000  # phases of one return; the longest seen on the paper's data has some 20
+PHASES = 32  # of one return that take about as long as all else: one of more counts as several
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
@@ -204,7 +205,6 @@ class Follower:
 
         The image is nan if it does not return.
         """
-        self.evaluations += 1
         z, counts = self._z, self._counts
         z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
@@ -213,6 +213,7 @@ class Follower:
             self._phases, self._steps, calls.NO_TIMES, calls.NO_EVENTS, calls.NO_NOTES, self._work,
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()
+        self.evaluations += 1 + phases // PHASES
         times, starts = np.empty(phases), self._phases[:phases, 6]
         times[:-1] = starts[1:] - starts[:-1]
         times[-1] = z[6] - starts[-1]
@@ -231,7 +232,7 @@ class Follower:
         times
             Durations of the phases at a neighbouring start; by default those of the path.
         """
-        self.evaluations += 1
+        self.evaluations += 1 + len(path.steps) // PHASES
         times = (path.times if times is None else times).copy()
         if self._notes.shape[1] < margins.MOST * len(times):
             self._notes = np.zeros((margins.NOTES, margins.MOST * len(times)))
