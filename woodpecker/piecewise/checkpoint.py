@@ -150,7 +150,8 @@ def restore(
                 )
             waiting.popleft()
     since = tuple(curve.order for curve in network.curves[known:])
-    return Past(tuple(slices), since, evaluations)
+    begun = bool(entries) and SLICE not in entries[-1]
+    return Past(tuple(slices), since, evaluations, begun)
 
 
 def check_entry(entry: Entry) -> None:

@@ -33,7 +33,7 @@ class _Counted:
         return self._map.at(x, p)
 
 
-def counted(map_: PiecewiseMap) -> Counting:
+def as_counting(map_: PiecewiseMap) -> Counting:
     """The map itself if it counts its evaluations, or one that does."""
     return map_ if isinstance(map_, Counting) else _Counted(map_)
 

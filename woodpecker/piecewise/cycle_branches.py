@@ -15,7 +15,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import conditions, directions
 from woodpecker.piecewise.corrector import Corrector
-from woodpecker.piecewise.counting import Allowance, counted
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.crossings import Restart, border_at, is_inside, replaced, restart
 from woodpecker.piecewise.curves import (
     Beginning,
@@ -65,7 +65,7 @@ class Cycles:
     def __init__(
         self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
     ) -> None:
-        self.map, self.settings = counted(map_), settings
+        self.map, self.settings = as_counting(map_), settings
         self.corrector = Corrector(self.map, Closed(), settings)
         self.stepper = Stepper(self.corrector, [FLIP], stop)
 

@@ -23,7 +23,6 @@ from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, solve
 from woodpecker.piecewise.partition import Partition
 from woodpecker.piecewise.settings import Settings
 
-
 OF_ITERATE = 10  # times the pieces of P_1 that are allowed: pieces of an iterate
 PAIRS = 10**8  # of pieces that are compared at once: as many bytes
 

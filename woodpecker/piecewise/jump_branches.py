@@ -17,7 +17,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.corrector import Corrector
-from woodpecker.piecewise.counting import Allowance, counted
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.crossings import border_at, differentiable, is_inside, restart
 from woodpecker.piecewise.curves import (
     Beginning,
@@ -80,7 +80,7 @@ class Jumps:
     def __init__(
         self, map_: PiecewiseMap, order: int, settings: Settings, stop: StopRule | None = None
     ) -> None:
-        self.map, self.order, self.settings, self.stop = counted(map_), order, settings, stop
+        self.map, self.order, self.settings, self.stop = as_counting(map_), order, settings, stop
 
     def through(self, head: Orbit, closing: Margin) -> Followed:
         """The branch of jumps through a border orbit, both ways to the next special points."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from woodpecker.piecewise.borders import Border, beyond
-from woodpecker.piecewise.counting import Allowance, counted
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.margins import depth, reach
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.reaches import Knot, Reach, reach_of, uneven
@@ -120,7 +120,7 @@ def partition(
     allowed
         How often the map may be evaluated; by default as often as for a slice of P_1.
     """
-    counting = counted(map_)
+    counting = as_counting(map_)
     allowed = allowed or Allowance(counting, settings.of_slice((1,)))
     side = side if side is not None else beside_window(settings)
     walk = _Walk(counting, p, settings, side, allowed)

@@ -12,7 +12,7 @@ import numpy as np
 from pwmap.diagrams.shown import counted
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.bracketing import bracketed
-from woodpecker.piecewise.counting import Allowance, counted
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.crossings import is_inside
 from woodpecker.piecewise.itineraries import Itineraries
 from woodpecker.piecewise.jumps import Jump, jump_of, limit_of
@@ -108,7 +108,7 @@ def slices_at(
     1 0 1
     2 1 1
     """
-    map_ = counted(map_)
+    map_ = as_counting(map_)
     allowed = Allowance(map_, settings.of_slice(orders))
     side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
     pieces = partition(map_, p, settings.window, settings, side, allowed)

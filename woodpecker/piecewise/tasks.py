@@ -8,7 +8,7 @@ from typing import Any
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Done
-from woodpecker.piecewise.counting import counted
+from woodpecker.piecewise.counting import as_counting
 from woodpecker.piecewise.crossings import cycle_at_border
 from woodpecker.piecewise.curves import Beginning, Followed
 from woodpecker.piecewise.cycle_branches import Cycles
@@ -37,7 +37,7 @@ class Worker:
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
         """Carry out a task, a method of :class:`Tasks`."""
-        map_ = counted(self.map)
+        map_ = as_counting(self.map)
         before = map_.evaluations
         value = task(Tasks(map_, self.settings, self.stop), *arguments)
         return Done(value, map_.evaluations - before)

@@ -18,7 +18,7 @@ from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
 EVENT_LIMIT = 1000  # phases of one return; the longest seen on the paper's data has some 20
-PHASES = 32  # of one return that take about as long as all else: one of more counts as several
+PHASES = 24  # of one return that take about as long as all else: one of more counts as several
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
