@@ -110,7 +110,8 @@ def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Se
     made = {"program": PROGRAM, **made_from(toy, parameter, settings, wanted)}
     reasons = dict(_domain_ends(toy, parameter, wanted))
     points = tuple(_of_domain(point, reasons, settings) for point in found.points)
-    made |= {name: found.about[name] for name in (LEFT,) if name in found.about}
+    if LEFT in found.about:
+        made[LEFT] = found.about[LEFT]
     return replace(found, points=points, given=given(toy, parameter), about=made)
 
 

@@ -114,7 +114,7 @@ class _Circle:
         """
         narrow = self.numerics.narrow
         trial = self._borders(low)[0] - 0.5 * narrow
-        while high.angle - low.angle > ALMOST * narrow:
+        while high.angle - low.angle > ALMOST * narrow:  # halved, after the first trial
             inside = low.angle < trial < high.angle
             middle = self._spoke(trial if inside else 0.5 * (low.angle + high.angle))
             trial = math.inf

@@ -222,7 +222,7 @@ def nearest_value(image: Image, x: float, to: float, p: float) -> float:
     """The value of a piece at a place, or the last that it has on the way there."""
     found = image.piece.at(to, p)
     inside, outside = x, to
-    while found.reason:
+    while found.reason:  # halved to the last bit
         middle = 0.5 * (inside + outside)
         if middle in (inside, outside):
             return image.piece.at(inside, p).value

@@ -68,7 +68,7 @@ def cycle_at_border(
     pieces = [map_.at(float(each), p).piece for each in x]
     on, closer = margin.index, list[float]()
     away = settings.beside
-    while away >= settings.nearest:
+    while away >= settings.nearest:  # ten times closer each time
         closer.append(away)
         away *= settings.numerics.nearer
     for angle in _angles(settings.numerics):
@@ -135,7 +135,7 @@ def restart(
     at_border = Orbit(orbit.x, orbit.p, replaced(orbit.images, index, outer)).multiplier
     found: Sample | None = None
     away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
-    while away >= settings.nearest * settings.x_scale:
+    while away >= settings.nearest * settings.x_scale:  # a hundred times closer each time
         there = _restarted(orbit, closing, border, index, away, settings)
         if there is not None and _period(there.orbit, settings) < _period(orbit, settings):
             there = None  # a flip that ends the branch lies closer

@@ -48,6 +48,7 @@ from woodpecker.piecewise.stops import FLIP
 
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
+SETTLING = 200  # steps of Newton's method beside a root, each of which halves what is left
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
@@ -222,7 +223,7 @@ class Cycles:
             return None
         fastest = self.settings.numerics.fastest
         p, slope = end.orbit.p, end.tangent[:-1] * x_scale / (end.tangent[-1] * p_scale)
-        while away <= self.settings.max_step and p != limit:
+        while away <= self.settings.max_step and p != limit:  # ten times farther each time
             p = min(max(end.orbit.p + sign * away * p_scale, low), high)
             x = end.orbit.x + (p - end.orbit.p) * slope
             start = Orbit(x, p, tuple(self.map.at(float(each), p) for each in x))
@@ -314,12 +315,13 @@ def _settled(orbit: Orbit, margin: Margin, settings: Settings) -> Orbit:
     """
     held = replace(margin, value=orbit.images[margin.index].margin(margin.code))
     left = np.abs(residuals(orbit, (Closed(),))).max()
-    while True:
+    for _ in range(SETTLING):
         closer = moved(orbit, newton_step(orbit, (Closed(), held), settings))
         now = np.abs(residuals(closer, (Closed(),))).max() if closer.defined else math.inf
         if not now < left:
             return orbit
         orbit, left = closer, now
+    return orbit
 
 
 def _at_nearest(arc: Arc, settings: Settings) -> Arc:

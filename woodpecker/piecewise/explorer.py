@@ -355,7 +355,7 @@ class Explorer:
         cannot be told from the branch that led there.
         """
         kept, points, todo, before = list[Curve](), list[Curve](), deque([first]), self.spent
-        while todo and not self.is_spent:
+        while todo and not self.is_spent:  # each leg is followed, and that is counted
             leg = todo.popleft()
             self._wait(leg.pending, todo)
             found = self._done(leg.pending)

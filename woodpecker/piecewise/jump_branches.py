@@ -173,7 +173,7 @@ class Jumps:
         """
         base = start if sign > 0.0 else turned(start)
         away = self.settings.beside
-        while away >= self.settings.min_step:
+        while away >= self.settings.min_step:  # a hundred times closer each time
             found = self._at(base, away)
             if found is not None:
                 return found if self._is_good(found) else None
@@ -256,7 +256,7 @@ class Jumps:
         is known as well as the nearest orbit beyond that is lost.
         """
         end, away = arc.samples[-1], self.settings.same
-        while away <= self.settings.beside:
+        while away <= self.settings.beside:  # ten times farther each time
             found = self._at(end, away)
             reason = "" if found is None or found.jump is None else found.jump.lost
             if found is not None and reason:
@@ -334,7 +334,7 @@ class Jumps:
         """
         numerics = self.settings.numerics
         away, bases = numerics.restart * self.settings.beside, self._bases(end)
-        while away <= self.settings.max_step:
+        while away <= self.settings.max_step:  # ten times farther each time
             found = self._from_corner(end, away, narrow) if away <= numerics.blurred else None
             if found is not None:
                 return found

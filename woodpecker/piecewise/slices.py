@@ -37,6 +37,9 @@ from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Numerics, Settings
 
 
+MOST = 1000  # samples that are added between two: none or a few are usual
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Slice:
     """What one iterate shows at a parameter.
@@ -222,10 +225,10 @@ def _parts(cylinder: Cylinder, p: float, numerics: Numerics) -> Iterator[tuple[_
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
     points = [_Point(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
     for pair in pairwise(points):
-        todo = [pair]
-        while todo:  # one step of Newton's method, or half of the way: few lead to rounding
+        todo, left = [pair], MOST
+        while todo:
             a, b = todo.pop()
-            x = _lowest(a, b, numerics.edge)
+            x, left = _lowest(a, b, numerics.edge) if left > 0 else None, left - 1
             middle = None if x is None else _Point(x, a.image.piece.at(x, p))
             if middle is None or middle.image.reason:
                 yield a, b
