@@ -479,23 +479,78 @@ class Settings:
         return _unit(*self.span)
 
     def rounded_x(self, x: float) -> float:
-        """How far rounding of a map may move a point."""
+        """How far rounding of a map may move a point.
+
+        Parameters
+        ----------
+        x
+            The point.
+
+        Returns
+        -------
+        float
+            ``converged`` of its magnitude, or of the unit of x if that is larger.
+        """
         return self.converged * max(self.x_scale, abs(x))
 
     def rounded_p(self, p: float) -> float:
-        """The same of a parameter."""
+        """How far rounding of a map may move a parameter.
+
+        Parameters
+        ----------
+        p
+            The parameter.
+
+        Returns
+        -------
+        float
+            ``converged`` of its magnitude, or of its unit if that is larger.
+        """
         return self.converged * max(self.p_scale, abs(p))
 
     def of_branch(self, order: int) -> int:
-        """How many evaluations a branch of P_order may take."""
+        """How many evaluations a branch may take, from one special point to the next.
+
+        Parameters
+        ----------
+        order
+            Of the iterate to which it belongs.
+
+        Returns
+        -------
+        int
+            A part of ``max_evaluations``.
+        """
         return order**2 * self.max_evaluations // 8
 
     def of_slice(self, orders: Sequence[int]) -> int:
-        """How many evaluations a slice of some iterates may take."""
+        """How many evaluations a slice may take.
+
+        Parameters
+        ----------
+        orders
+            Of the iterates that it shows.
+
+        Returns
+        -------
+        int
+            A part of ``max_evaluations``.
+        """
         return max(orders) ** 2 * self.max_evaluations // 16
 
     def of_search(self, orders: Sequence[int]) -> int:
-        """How many evaluations a search for branches of some iterates may take."""
+        """How many evaluations a search may take.
+
+        Parameters
+        ----------
+        orders
+            Of the iterates whose branches are looked for.
+
+        Returns
+        -------
+        int
+            ``max_evaluations`` for each of them, times its square.
+        """
         return sum(order**2 for order in orders) * self.max_evaluations
 
 

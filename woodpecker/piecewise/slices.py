@@ -36,7 +36,6 @@ from woodpecker.piecewise.partition import (
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Numerics, Settings
 
-
 MOST = 1000  # samples that are added between two: none or a few are usual
 
 
