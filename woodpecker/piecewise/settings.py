@@ -321,8 +321,8 @@ class Settings:
         A branch ends (EP) after this many.
     max_evaluations
         Of P_1, of a whole search; where P_n is looked at, too, n^2 times as many more. A branch
-        takes at most an eighth of its own and a slice a sixteenth: four and ten times what the toy
-        has needed. What is left after that many is said. A return of very many phases counts as
+        takes at most half of its own each way and a slice a sixteenth: twice and ten times what the
+        toy has needed. What is left after that many is said. A return of very many phases counts as
         several.
     max_pieces
         Of P_1 in a slice, and ten times as many of an iterate: the toy has some hundred. The rest
@@ -521,7 +521,7 @@ class Settings:
         int
             A part of ``max_evaluations``.
         """
-        return order**2 * self.max_evaluations // 8
+        return order**2 * self.max_evaluations // 2
 
     def of_slice(self, orders: Sequence[int]) -> int:
         """How many evaluations a slice may take.

@@ -165,7 +165,7 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
     settings = Settings(span=(-1.0, 2.0), max_step=1e-3, step=1e-3)
     whole = connected(map_, *start, settings).branches[0]
     found = connected(map_, *start, Settings(span=(-1.0, 2.0), max_step=1e-3, step=1e-3,
-                                             max_evaluations=800))  # fmt: skip
+                                             max_evaluations=200))  # fmt: skip
     cut = found.branches[0]
     notes = {(point.note, point.status) for point in found.points}
     assert notes == {(Stop.SPENT.value, PointStatus.OPEN)}
