@@ -105,6 +105,9 @@ ALLOWED = {
     "network.TINY", "orbits.SPACING", "search.GOLDEN",
     # bounds of loops that end before, or that another method finishes: work, and no result
     "bracketing.NEWTON", "margins.CUBIC_STEPS", "monotone.DEEPEST", "reaches.ROOT_STEPS",
+    "cycle_branches.SETTLING", "reaches.MOST", "slices.MOST",
+    # of iterates: what is cut is reported, as of pieces more than ``Settings.max_pieces``
+    "itineraries.OF_ITERATE", "itineraries.PAIRS",
     # differences in place of derivatives that a map lacks, and their check: known before any run
     "derivatives.DOUBT", "derivatives.NOISE", "derivatives.STEP", "formulas.DIFFERENCE",
     # an interval of a linear model, in which any is as good

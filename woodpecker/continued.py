@@ -102,7 +102,7 @@ def continuation(
         branch ends (EP, "stopped as asked"), a place that is bracketed to rounding, and nothing
         that begins beyond is followed.
     progress
-        Called with every branch that is finished.
+        Called before the first branch, and with every one that is finished.
     run
         A file that keeps every finished branch, so that an interrupted run can go on.
     resume
@@ -183,7 +183,7 @@ def _diagram(
             explorer.finish()
         else:
             explorer.follow(start)
-    return finished(explorer.network.diagram(parameter, "phi_s"), toy, wanted, chosen)
+    return finished(explorer.diagram(parameter, "phi_s"), toy, wanted, chosen)
 
 
 def _start(map_: ToyPieces, orbit: PeriodicOrbit, settings: Settings) -> Orbit:

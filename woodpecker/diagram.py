@@ -58,7 +58,7 @@ def bifurcation_diagram(
     search
         How many slices.
     progress
-        Called with every branch that is finished.
+        Called with every branch that is finished, and before every slice.
     run
         A file that keeps every finished branch, so that an interrupted run can go on.
     resume

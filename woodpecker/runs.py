@@ -15,6 +15,7 @@ from woodpecker.base.checkpoint import Entry
 from woodpecker.base.checks import interval
 from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.piecewise.checkpoint import Record, read_record, restore
+from woodpecker.piecewise.explorer import LEFT
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.settings import Numerics, Settings, differing
 from woodpecker.toypieces import ToyPieces
@@ -109,6 +110,8 @@ def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Se
     made = {"program": PROGRAM, **made_from(toy, parameter, settings, wanted)}
     reasons = dict(_domain_ends(toy, parameter, wanted))
     points = tuple(_of_domain(point, reasons, settings) for point in found.points)
+    if LEFT in found.about:
+        made[LEFT] = found.about[LEFT]
     return replace(found, points=points, given=given(toy, parameter), about=made)
 
 

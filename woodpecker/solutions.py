@@ -126,7 +126,9 @@ def _led(start: Orbit, value: float) -> Orbit | None:
     """
     orbit, step = start, value - start.p
     least = SHORTEST * abs(step)
-    while orbit.defined and orbit.p != value:
+    for _ in range(STEPS):
+        if not orbit.defined or orbit.p == value:
+            break
         step = min(step, value - orbit.p, key=abs)
         p = value if step == value - orbit.p else orbit.p + step
         along = tangent(orbit, Closed(), DEFAULT) * scales(len(orbit), DEFAULT)
@@ -141,7 +143,7 @@ def _led(start: Orbit, value: float) -> Orbit | None:
         step *= 0.5
         if abs(step) < least:
             return None
-    return orbit if orbit.defined else None
+    return orbit if orbit.defined and orbit.p == value else None
 
 
 def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
@@ -166,6 +168,7 @@ def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
     return Orbit(np.array(points), p, tuple(images))
 
 
+STEPS = 200  # tried on the way to a solution at most: one is usual, and halvings to the shortest
 SHORTEST = 1e-6  # of the way to a solution: the shortest step towards it
 OFF = 0.25  # of a step: how far Newton's method may lead from where the step did
 NEAR = 1e-12  # rad: times the slope, how far from a sample its image is expected at most

@@ -63,6 +63,11 @@ class RealRoot:
     low, high
         Rationals that isolate it.
 
+    Raises
+    ------
+    ValueError
+        If the polynomial is not irreducible, of a lower degree, or has the same sign at both.
+
     Examples
     --------
     >>> from sympy import QQ
@@ -75,13 +80,44 @@ class RealRoot:
     __slots__ = ("_bits", "_coefficients", "_floor", "_hash", "_rises", "index", "polynomial")
 
     def __init__(self, polynomial: Dense, index: int, low: Number, high: Number) -> None:
+        if len(polynomial) < 3 or not _poly(polynomial).is_irreducible:
+            raise ValueError(
+                "expected an irreducible polynomial of degree two or more, got "
+                f"{_poly(polynomial).as_expr()}"
+            )
+        if sign(_value_at(polynomial, low)) * sign(_value_at(polynomial, high)) >= 0:
+            raise ValueError(
+                f"expected ends on both sides of one root of {_poly(polynomial).as_expr()}, got "
+                f"{low} and {high}"
+            )
+        self._set(polynomial, index, low, high)
+
+    @classmethod
+    def of_factor(cls, polynomial: Dense, index: int, low: Number, high: Number) -> RealRoot:
+        """The root of a polynomial that is known to be irreducible.
+
+        Parameters
+        ----------
+        polynomial, index, low, high
+            As for the class; they are not checked.
+
+        Returns
+        -------
+        RealRoot
+            The root.
+        """
+        root = cls.__new__(cls)
+        root._set(polynomial, index, low, high)
+        return root
+
+    def _set(self, polynomial: Dense, index: int, low: Number, high: Number) -> None:
         self.polynomial = polynomial
         self.index = index
         self._coefficients = integers(polynomial)
         self._hash = hash((self._coefficients, index))
         self._rises = _scaled(self._coefficients, *pair(high)) > 0
         self._bits = _BITS
-        while not self._isolate(low, high):
+        while not self._isolate(low, high):  # the ends are rational, and the root is not
             self._bits *= 2
 
     def __reduce__(self) -> tuple[Callable[..., RealRoot], tuple[object, ...]]:
@@ -156,6 +192,7 @@ class RealRoot:
         found = self._sure_sign(polynomial) if polynomial else 0
         if found is None:
             rest = self.reduced(tuple(map(QQ, polynomial)))
+            # It is no zero of what is left, which is of lower degree than its own polynomial.
             while (found := self._sure_sign(integers(rest)) if rest else 0) is None:
                 self.refine()
         return found
@@ -202,7 +239,7 @@ class RealRoot:
         if not self.reduced(top):
             return 0.0
         numbers = integers(top), integers(bottom)
-        while True:
+        while True:  # neither polynomial is zero there: the root becomes close enough
             (above, loose), (below, slack) = map(self._value, numbers)
             if abs(above) > loose << 60 and abs(below) > slack << 60:
                 break
@@ -294,7 +331,7 @@ class RealRoot:
 def _root(
     polynomial: Sequence[tuple[int, int]], index: int, low: tuple[int, int], high: tuple[int, int]
 ) -> RealRoot:
-    return RealRoot(tuple(QQ(*c) for c in polynomial), index, QQ(*low), QQ(*high))
+    return RealRoot.of_factor(tuple(QQ(*c) for c in polynomial), index, QQ(*low), QQ(*high))
 
 
 @cache
@@ -376,8 +413,17 @@ def _real_roots(dense: Dense) -> tuple[Real, ...]:
             found.append(-monic[1])
             continue
         for index, ((low, high), _) in enumerate(factor.intervals()):
-            found.append(RealRoot(monic, index, QQ.from_sympy(low), QQ.from_sympy(high)))
+            ends = QQ.from_sympy(low), QQ.from_sympy(high)
+            found.append(RealRoot.of_factor(monic, index, *ends))
     return tuple(sorted(found))
+
+
+def _value_at(dense: Dense, x: Number) -> Number:
+    """The value of a polynomial."""
+    value = QQ.zero
+    for coefficient in dense:
+        value = value * x + coefficient
+    return value
 
 
 def _poly(dense: Sequence[Number]) -> sympy.Poly:
@@ -410,7 +456,7 @@ def simplest_between(low: Real | None, high: Real | None) -> Number:
         return QQ(min(0, ceiling(high) - 1))
     if high is None:
         return QQ(max(0, whole_part(low) + 1))
-    while True:
+    while True:  # the numbers differ: their bounds move apart
         found = _simplest(bounds(low)[0], bounds(high)[1])
         if low < found < high:
             return found
@@ -437,7 +483,7 @@ def _simplest(low: Number, high: Number) -> Number:
     if side < 0:
         low, high = -high, -low
     terms = []
-    while (whole := floor(low)) + 1 >= high:
+    while (whole := floor(low)) + 1 >= high:  # a continued fraction of rationals ends
         # low and high have the same integer part, or high is the next integer: take reciprocals
         terms.append(whole)
         if low == whole:

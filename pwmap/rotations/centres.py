@@ -326,7 +326,7 @@ def _univariate(
     if sympy.gcd(*given).free_symbols:
         raise ValueError(f"both limits lie on the break along a curve in ({u}, {v}), no point")
     radical = [*given, _abscissae(given, v, u), _abscissae(given, u, v)]
-    for shear in count():
+    for shear in count():  # n points have at most n (n - 1) / 2 directions in which two are one
         ideal = [*radical, t - u - shear * v]
         basis = sympy.groebner(ideal, v, u, t, order="lex", domain=QQ)
         if basis.exprs == [1]:  # there are no common zeros

@@ -193,7 +193,9 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
 
     with progress() as bar:
         try:
-            return search(_shown(bar, parameter))
+            found = search(_shown(bar, parameter))
+            left = str(found.diagram.about.get("left", ""))
+            return found._replace(summary="\n".join(filter(None, (found.summary, left))))
         except KeyboardInterrupt:
             return _Searched(saved_diagram(run), stopped=True)
 

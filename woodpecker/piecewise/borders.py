@@ -146,7 +146,7 @@ def beyond(
     away = settings.beside * settings.x_scale if away is None else away
     least, thin = settings.nearest * settings.x_scale, settings.numerics.thin
     found, code = map_.at(x + side * away, p), -1
-    while True:
+    while True:  # until ``away`` has shrunk to the least
         there = found.piece.at(x, p) if not found.reason else found
         if found.reason or there.reason or strays(found, there, away, settings):
             there = _limit_of(found, x, p, side * away, settings)

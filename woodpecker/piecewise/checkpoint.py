@@ -31,6 +31,7 @@ from woodpecker.piecewise.search import Past
 from woodpecker.piecewise.settings import Settings
 
 CURVES, DONE, SWITCHED, SLICE = "curves", "done", "switched", "slice"  # kinds of entries
+COST = "evaluations"  # beside all but a slice, which has its own
 VERSION = 5  # of the lines below; raised when older code would misread them
 Rebuild = Callable[[Entry], Collision | None]
 
@@ -64,25 +65,30 @@ class Record:
         self._file = Checkpoint(path, run, version=VERSION, check=check_entry, resume=resume)
         self.entries, self.path = self._file.entries, self._file.path
 
-    def followed(self, curves: Sequence[Curve]) -> None:
+    def followed(self, curves: Sequence[Curve], evaluations: int = 0) -> None:
         """Keep the curves that a task has come to.
 
         Parameters
         ----------
         curves
             The curves.
+        evaluations
+            How often the map was evaluated for them.
         """
-        self._file.write({CURVES: [_of_curve(curve) for curve in curves]})
+        self._file.write({CURVES: [_of_curve(curve) for curve in curves], COST: evaluations})
 
-    def done(self, met: Collision | End) -> None:
+    def done(self, met: Collision | End, evaluations: int = 0) -> None:
         """Keep that all that starts at the next special point was followed.
 
         Parameters
         ----------
         met
             The special point.
+        evaluations
+            How often the map was evaluated to know what starts there.
         """
-        self._file.write({DONE if isinstance(met, Collision) else SWITCHED: met.p})
+        kind = DONE if isinstance(met, Collision) else SWITCHED
+        self._file.write({kind: met.p, COST: evaluations})
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed.
@@ -122,8 +128,9 @@ def restore(
     def rebuild(data: Entry) -> Collision:
         return _collision(data, map_, network.settings)
 
-    slices, known = list[Seen](), 0
+    slices, known, evaluations = list[Seen](), 0, 0
     for line, entry in enumerate(entries, 2):
+        evaluations += entry[SLICE][COST] if SLICE in entry else entry.get(COST, 0)
         if SLICE in entry:
             slices.append(_slice(entry[SLICE]))
             known = len(network.curves)
@@ -142,11 +149,14 @@ def restore(
                     f"{Path(path)}, line {line}: nothing is left to follow at {entry[kind]}"
                 )
             waiting.popleft()
-    return Past(tuple(slices), tuple(curve.order for curve in network.curves[known:]))
+    since = tuple(curve.order for curve in network.curves[known:])
+    begun = bool(entries) and SLICE not in entries[-1]
+    return Past(tuple(slices), since, evaluations, begun)
 
 
 def check_entry(entry: Entry) -> None:
     """Raise one of the errors of a lookup unless an entry is what :class:`Record` writes."""
+    checked_type(entry.get(COST, 0), int)
     for kind in (DONE, SWITCHED):
         if kind in entry:
             checked_number(entry[kind])

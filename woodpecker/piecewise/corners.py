@@ -114,7 +114,7 @@ class _Circle:
         """
         narrow = self.numerics.narrow
         trial = self._borders(low)[0] - 0.5 * narrow
-        while high.angle - low.angle > ALMOST * narrow:
+        while high.angle - low.angle > ALMOST * narrow:  # halved, after the first trial
             inside = low.angle < trial < high.angle
             middle = self._spoke(trial if inside else 0.5 * (low.angle + high.angle))
             trial = math.inf
@@ -127,8 +127,8 @@ class _Circle:
     def _spoke(self, angle: float) -> _Spoke:
         """The orbit from an angle, turned aside if it meets a border."""
         found = self._straight(angle)
-        least = self.settings.converged * self.settings.x_scale
-        if any(abs(depth(image)) <= least for image in found.orbit.images):
+        points = zip(found.orbit.x.tolist(), found.orbit.images, strict=True)
+        if any(abs(depth(image)) <= self.settings.rounded_x(x) for x, image in points):
             aside = self._straight(angle + self.numerics.aside * self.numerics.narrow)
             return replace(aside, angle=angle)
         return found

@@ -175,11 +175,11 @@ class Corrector:
         Where a piece ends in a square root, or right beyond a sharp fold, Newton's steps become
         short also if there is no orbit: what is left of the equations tells.
         """
-        settings = self.settings
-        away, aside = settings.converged * settings.x_scale, settings.converged * settings.p_scale
+        settings, aside = self.settings, self.settings.rounded_p(orbit.p)
         for image, x, to in zip(orbit.images, orbit.x.tolist(), self._targets(orbit), strict=True):
-            off = image.value - to
-            rounding = away * max(1.0, abs(image.slope)) + aside * abs(image.d_parameter)
+            off, away = image.value - to, settings.rounded_x(x)
+            rounding = max(settings.rounded_x(to), away * abs(image.slope))
+            rounding += aside * abs(image.d_parameter)
             if abs(off) > rounding:
                 return False
             if abs(off) <= settings.same * settings.x_scale:
@@ -222,7 +222,7 @@ def nearest_value(image: Image, x: float, to: float, p: float) -> float:
     """The value of a piece at a place, or the last that it has on the way there."""
     found = image.piece.at(to, p)
     inside, outside = x, to
-    while found.reason:
+    while found.reason:  # halved to the last bit
         middle = 0.5 * (inside + outside)
         if middle in (inside, outside):
             return image.piece.at(inside, p).value

@@ -68,7 +68,7 @@ def cycle_at_border(
     pieces = [map_.at(float(each), p).piece for each in x]
     on, closer = margin.index, list[float]()
     away = settings.beside
-    while away >= settings.nearest:
+    while away >= settings.nearest:  # ten times closer each time
         closer.append(away)
         away *= settings.numerics.nearer
     for angle in _angles(settings.numerics):
@@ -135,7 +135,7 @@ def restart(
     at_border = Orbit(orbit.x, orbit.p, replaced(orbit.images, index, outer)).multiplier
     found: Sample | None = None
     away, same = settings.beside * settings.x_scale, settings.same * settings.x_scale
-    while away >= settings.nearest * settings.x_scale:
+    while away >= settings.nearest * settings.x_scale:  # a hundred times closer each time
         there = _restarted(orbit, closing, border, index, away, settings)
         if there is not None and _period(there.orbit, settings) < _period(orbit, settings):
             there = None  # a flip that ends the branch lies closer
@@ -233,8 +233,9 @@ def differentiable(orbit: Orbit, margin: Margin, settings: Settings) -> Orbit:
     i, image = margin.index, orbit.images[margin.index]
     if math.isfinite(image.slope):
         return orbit
-    away = image.onward(margin.code) * settings.converged * settings.x_scale
-    there = image.piece.at(float(orbit.x[i]) - away, orbit.p)
+    x = float(orbit.x[i])
+    away = image.onward(margin.code) * settings.rounded_x(x)
+    there = image.piece.at(x - away, orbit.p)
     image = image._replace(slope=there.slope, d_parameter=there.d_parameter)
     return Orbit(orbit.x, orbit.p, replaced(orbit.images, i, image))
 

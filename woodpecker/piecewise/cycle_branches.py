@@ -15,6 +15,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.branch_points import conditions, directions
 from woodpecker.piecewise.corrector import Corrector
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.crossings import Restart, border_at, is_inside, replaced, restart
 from woodpecker.piecewise.curves import (
     Beginning,
@@ -47,6 +48,7 @@ from woodpecker.piecewise.stops import FLIP
 
 NOTHING_BEYOND = "no branch beyond a border"
 PASSED_OVER = "borders accumulate"
+SETTLING = 200  # steps of Newton's method beside a root, each of which halves what is left
 ON_LOWER = "a cycle of a multiple period ends on one of smaller period"
 
 
@@ -64,8 +66,8 @@ class Cycles:
     def __init__(
         self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
     ) -> None:
-        self.map, self.settings = map_, settings
-        self.corrector = Corrector(map_, Closed(), settings)
+        self.map, self.settings = as_counting(map_), settings
+        self.corrector = Corrector(self.map, Closed(), settings)
         self.stepper = Stepper(self.corrector, [FLIP], stop)
 
     def through(self, orbit: Orbit) -> Followed:
@@ -84,8 +86,9 @@ class Cycles:
         step: float = math.inf,
     ) -> Leg:  # fmt: skip
         samples, marks = list(first), list[Mark]()
-        while True:
-            arc = self.stepper.follow(samples[-1], ignored, origin, step)
+        allowed = Allowance(self.map, self.settings.of_branch(len(origin.orbit)))
+        while True:  # until the stepper has spent what is allowed, if nothing else ends it
+            arc = self.stepper.follow(samples[-1], ignored, origin, step, allowed)
             ignored, step = None, max(arc.step, self.settings.again)
             arc = self._sharpened(_at_nearest(arc, self.settings))
             samples += arc.samples[1:]
@@ -220,7 +223,7 @@ class Cycles:
             return None
         fastest = self.settings.numerics.fastest
         p, slope = end.orbit.p, end.tangent[:-1] * x_scale / (end.tangent[-1] * p_scale)
-        while away <= self.settings.max_step and p != limit:
+        while away <= self.settings.max_step and p != limit:  # ten times farther each time
             p = min(max(end.orbit.p + sign * away * p_scale, low), high)
             x = end.orbit.x + (p - end.orbit.p) * slope
             start = Orbit(x, p, tuple(self.map.at(float(each), p) for each in x))
@@ -312,12 +315,13 @@ def _settled(orbit: Orbit, margin: Margin, settings: Settings) -> Orbit:
     """
     held = replace(margin, value=orbit.images[margin.index].margin(margin.code))
     left = np.abs(residuals(orbit, (Closed(),))).max()
-    while True:
+    for _ in range(SETTLING):
         closer = moved(orbit, newton_step(orbit, (Closed(), held), settings))
         now = np.abs(residuals(closer, (Closed(),))).max() if closer.defined else math.inf
         if not now < left:
             return orbit
         orbit, left = closer, now
+    return orbit
 
 
 def _at_nearest(arc: Arc, settings: Settings) -> Arc:

@@ -36,6 +36,9 @@ class Found:
     evaluations
         How often the map was evaluated in this run, by slices and in following branches; if it
         does not count its pieces, how often it was asked for one.
+    left
+        What was left because the map was evaluated as often as allowed, as a sentence; empty as a
+        rule. The diagram says it, too, in ``about["left"]``.
 
     Examples
     --------
@@ -53,11 +56,14 @@ class Found:
     diagram: Diagram
     slices: tuple[Seen, ...]
     evaluations: int
+    left: str = ""
 
     def __repr__(self) -> str:
         """The diagram, and what it took to find it."""
+        left = f",\n  {self.left}" if self.left else ""
         return (
-            f"Found({self.diagram!r},\n  {len(self.slices)} slices, {self.evaluations} evaluations)"
+            f"Found({self.diagram!r},\n  {len(self.slices)} slices, "
+            f"{self.evaluations} evaluations{left})"
         )
 
 
@@ -136,7 +142,7 @@ def connected(
     parameter_name, x_name
         What the diagram calls them.
     progress
-        Called with every branch.
+        Called before the first branch, and with every one that is finished.
 
     Returns
     -------
@@ -166,7 +172,7 @@ def connected(
     worker = Serial(Worker(map_, settings))
     explorer = Explorer(map_, worker, settings, wanted, progress or _nothing)
     explorer.follow(start)
-    return explorer.network.diagram(parameter_name, x_name)
+    return explorer.diagram(parameter_name, x_name)
 
 
 def once(cycle: Orbit, settings: Settings) -> Orbit:
@@ -222,7 +228,7 @@ def whole_diagram(
     parameter_name, x_name
         What the diagram calls them.
     progress
-        Called with every branch.
+        Called with every branch, and before every slice.
     workers, executor
         See :func:`woodpecker.base.executors.scheduler`. The result does not depend on them.
     record
@@ -260,10 +266,11 @@ def whole_diagram(
         past = restored(explorer, record, map_)
         seen = complete(explorer, settings, search or Search(), past)
     return Found(
-        diagram=explorer.network.diagram(parameter_name, x_name),
+        diagram=explorer.diagram(parameter_name, x_name),
         slices=tuple(seen),
         evaluations=explorer.evaluations
         + sum(each.evaluations for each in seen[len(past.slices) :]),
+        left=explorer.left,
     )
 
 
@@ -271,7 +278,9 @@ def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> P
     """Put an explorer back to where a record says it was."""
     if record is None:
         return Past()
-    return restore(explorer.network, record.entries, map_, record.path)
+    past = restore(explorer.network, record.entries, map_, record.path)
+    explorer.spent = past.evaluations
+    return past
 
 
 def finite_window(settings: Settings) -> None:

@@ -13,7 +13,7 @@ from woodpecker.piecewise.orbits import Closed, Condition, Coordinate, Margin, O
 from woodpecker.piecewise.samples import Arc, Stop
 from woodpecker.piecewise.settings import Settings
 
-GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY})
+GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY, Stop.SPENT})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,7 +110,7 @@ def end_of(met: Collision, orbit: Orbit) -> End:
 
 def located_to(orbit: Orbit, conditions: tuple[Condition, Condition], settings: Settings) -> float:
     """How well the parameter of an orbit is known that obeys two conditions."""
-    return max(blurred(orbit, conditions, settings), settings.converged * settings.p_scale)
+    return max(blurred(orbit, conditions, settings), settings.rounded_p(orbit.p))
 
 
 def folded(end: End, orbit: Orbit, closing: Condition, settings: Settings) -> End:

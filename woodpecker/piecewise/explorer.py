@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple, Protocol
 
-from pwmap.diagrams.diagram import BranchKind
+from pwmap.diagrams.diagram import BranchKind, Diagram
+from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Pending, Scheduler
 from woodpecker.piecewise.curves import Beginning, Curve, Followed, keys_of
 from woodpecker.piecewise.ends import Collision, End
@@ -59,6 +61,7 @@ class Stage(NamedTuple):
 
 
 Progress = Callable[[Stage], None]
+LEFT = "left"  # what a diagram says it was too costly for, by this name
 
 
 class Seen(NamedTuple):
@@ -103,11 +106,11 @@ class Seen(NamedTuple):
 class Recorder(Protocol):
     """Keeps what is finished."""
 
-    def followed(self, curves: Sequence[Curve]) -> None:
-        """Keep the curves that a task has come to."""
+    def followed(self, curves: Sequence[Curve], evaluations: int) -> None:
+        """Keep the curves that a task has come to, and how often it evaluated the map."""
 
-    def done(self, met: Collision | End) -> None:
-        """Keep that all that starts at the next special point was followed."""
+    def done(self, met: Collision | End, evaluations: int) -> None:
+        """Keep that all that starts at the next special point was followed, and what it cost."""
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed."""
@@ -202,7 +205,7 @@ class Explorer:
     orders
         Iterates whose branches are kept.
     progress
-        Called with every branch.
+        Called with every branch, and before every slice.
     recorder
         Keeps what is finished, if anybody does.
     """
@@ -214,6 +217,8 @@ class Explorer:
         self.scheduler, self.orders, self.progress = scheduler, tuple(orders), progress
         self.recorder = recorder
         self.network, self.slices, self.evaluations = Network(settings), 0, 0
+        self.spent, self.untaken = 0, 0  # evaluations, also of earlier runs; slices that were left
+        self._allowed = settings.of_search(self.orders)
         self.coming = deque[Pending]()
         self._known = {
             (kind, order): Known(self.network, kind, order, map_)
@@ -223,6 +228,28 @@ class Explorer:
         self._starts: dict[int, _Start] = {}
         self._switches = False  # whether those are followed by now
 
+    @property
+    def is_spent(self) -> bool:
+        """Whether the map was evaluated as often as allowed."""
+        return self.spent >= self._allowed
+
+    @property
+    def left(self) -> str:
+        """What was left because the map was evaluated as often as allowed, as a sentence."""
+        if not self.is_spent:
+            return ""
+        points = len(self.network.waiting) + len(self.network.switches)
+        return (
+            f"given up after {self._allowed} evaluations, as many as allowed "
+            f"(Settings.max_evaluations): {counted(points, 'special point')} not followed further, "
+            f"{counted(self.untaken, 'slice')} not taken"
+        )
+
+    def diagram(self, parameter_name: str, x_name: str) -> Diagram:
+        """Everything found so far; it says what was left."""
+        found = self.network.diagram(parameter_name, x_name)
+        return replace(found, about={**found.about, LEFT: self.left}) if self.left else found
+
     def follow(self, orbit: Orbit) -> None:
         """Follow the branch through a cycle, and all that hangs on its ends."""
         self.branch(orbit)
@@ -230,23 +257,26 @@ class Explorer:
 
     def branch(self, orbit: Orbit) -> None:
         """Follow the branch through a cycle, and those that continue it beyond its ends."""
+        self._tell(orbit.p, len(orbit))
         self._keep(self._leg(Tasks.cycle, orbit))
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
         waiting = self.network.waiting
-        while waiting:
-            self._follow_all(waiting[0])
-            self._is_done(waiting.popleft())
+        while waiting and not self.is_spent:
+            cost = self._follow_all(waiting[0])
+            if not self.is_spent:
+                self._is_done(waiting.popleft(), cost)
 
     def finish(self) -> None:
         """Follow what starts at collisions, and at flips and branch points after these."""
         self.go_on()
         switches, self._switches = self.network.switches, True
-        while switches:
-            if not self.network.is_switched(switches[0]):
-                self._follow_all(switches[0])
-            self._is_done(switches.popleft())
+        while switches and not self.is_spent:
+            known = self.network.is_switched(switches[0])
+            cost = 0 if known else self._follow_all(switches[0])
+            if not self.is_spent:
+                self._is_done(switches.popleft(), cost)
             self.go_on()
         self._switches = False
 
@@ -255,6 +285,7 @@ class Explorer:
 
         They give way to what is needed now.
         """
+        self._tell(p, max(self.orders))
         self.coming.append(self.scheduler.later(Tasks.slice, p, self.orders))
 
     def see(self, before: Sequence[int] = ()) -> Seen:
@@ -266,6 +297,10 @@ class Explorer:
         new, left = list(before), list[tuple[int, float]]()
         known = len(self.network.curves)
         for place in (place for each in done.value for place in _shown(each)):
+            if self.is_spent:
+                if not self._is_explained(place):
+                    left.append((place.order, float(place.orbit.x[0])))
+                continue
             if not self._follow(_Candidate(place)):
                 continue
             self.go_on()
@@ -280,24 +315,29 @@ class Explorer:
 
     def has_seen(self, found: Seen) -> Seen:
         """Keep what a slice came to."""
+        self.spent += found.evaluations
         if self.recorder is not None:
             self.recorder.seen(found)
         return found
 
     # --- In turn ----------------------------------------------------------------------------------
 
-    def _follow_all(self, met: Collision | End) -> None:
-        """Follow what starts at a special point."""
-        start = self._start(met)
+    def _follow_all(self, met: Collision | End) -> int:
+        """Follow what starts at a special point; how many evaluations it took to know that."""
+        start, before = self._start(met), self.spent
         self._wait(start.pending)
         self._done(start.pending)
+        cost = self.spent - before
         for candidate in self._candidates(start):
+            if self.is_spent:
+                break
             self._follow(candidate)
+        return cost
 
-    def _is_done(self, met: Collision | End) -> None:
+    def _is_done(self, met: Collision | End, cost: int) -> None:
         self._starts.pop(id(met), None)
         if self.recorder is not None:
-            self.recorder.done(met)
+            self.recorder.done(met, cost)
 
     def _follow(self, candidate: _Candidate) -> bool:
         """Follow what goes through a place, unless a branch explains it; whether that was done."""
@@ -314,8 +354,8 @@ class Explorer:
         One that is known is followed to its end before that is seen: right beyond a sharp fold it
         cannot be told from the branch that led there.
         """
-        kept, points, todo = list[Curve](), list[Curve](), deque([first])
-        while todo:
+        kept, points, todo, before = list[Curve](), list[Curve](), deque([first]), self.spent
+        while todo and not self.is_spent:  # each leg is followed, and that is counted
             leg = todo.popleft()
             self._wait(leg.pending, todo)
             found = self._done(leg.pending)
@@ -328,16 +368,21 @@ class Explorer:
             if self.network.is_a_point(curve):
                 points.append(curve)
             else:
-                end, count = curve.ends[1], len(self.network.branches)
-                self.progress(Stage(end.p, curve.order, self.slices, count))
+                self._tell(curve.ends[1].p, curve.order)
             todo += self._onward(leg, found)
+        for leg in todo:
+            leg.cancel()
         if self.recorder is not None:
-            self.recorder.followed(kept)
+            self.recorder.followed(kept, self.spent - before)
 
     def _done(self, pending: Pending) -> Any:
         done = pending.result()
         self.evaluations += done.evaluations
+        self.spent += done.evaluations
         return done.value
+
+    def _tell(self, p: float, order: int) -> None:
+        self.progress(Stage(p, order, self.slices, len(self.network.branches)))
 
     def _is_dropped(self, curve: Curve, points: Sequence[Curve] = ()) -> bool:
         """Whether a branch is known, or not wanted."""

@@ -17,10 +17,14 @@ import numpy as np
 
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.piecewise.borders import Border
+from woodpecker.piecewise.counting import Allowance
 from woodpecker.piecewise.monotone import branches_of
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, solve
 from woodpecker.piecewise.partition import Partition
 from woodpecker.piecewise.settings import Settings
+
+OF_ITERATE = 10  # times the pieces of P_1 that are allowed: pieces of an iterate
+PAIRS = 10**8  # of pieces that are compared at once: as many bytes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,12 +56,20 @@ class Itineraries:
     partition
         The pieces of P_1 in a window; orbits that leave the window are not followed.
     settings
-        Tolerances.
+        Tolerances, and how many pieces of an iterate there may be.
+    allowed
+        How often the map may be evaluated.
+
+    Attributes
+    ----------
+    left
+        Whether there are more pieces or orbits than that, so that some were not looked at.
     """
 
-    def __init__(self, partition: Partition, settings: Settings) -> None:
+    def __init__(self, partition: Partition, settings: Settings, allowed: Allowance) -> None:
         self.partition, self.p, self.settings = partition, partition.p, settings
-        self.window = partition.window
+        self.window, self._allowed, self.left = partition.window, allowed, False
+        self._most = OF_ITERATE * settings.max_pieces
         self.branches = branches_of(partition, settings)
         self._cylinders = [self._first()]
 
@@ -65,9 +77,15 @@ class Itineraries:
         """Cycles of P_order, those of lower periods among them, one for each of their points."""
         if not len(self.branches):  # no orbit stays in the window
             return []
-        guesses = [*self._sure(order), *self._perhaps(order)]
-        found = (self._solved(branches, x) for branches, x in guesses)
-        return [orbit for orbit in found if orbit is not None]
+        found = list[Orbit]()
+        for branches, x in [*self._sure(order), *self._perhaps(order)]:
+            if self._allowed.spent:
+                self.left = True
+                break
+            orbit = self._solved(branches, x)
+            if orbit is not None:
+                found.append(orbit)
+        return found
 
     def heads(
         self, borders: Sequence[Border], order: int, wanted: Callable[[Border, int, float], bool]
@@ -84,8 +102,14 @@ class Itineraries:
             targets = np.array([border.x])
             points: list[tuple[tuple[float, ...], tuple[int, ...]]] = [((), ())]
             for before in range(order):
+                if len(targets) > self._most:
+                    self.left = True
+                    break
                 for xs, branches in points:
                     if wanted(border, before + 1, (*xs, border.x)[0]):
+                        if self._allowed.spent:
+                            self.left = True
+                            return
                         yield self._head(xs, branches, border), border
                 if before < order - 1:
                     targets, points = self._preimages(targets, points)
@@ -181,12 +205,12 @@ class Itineraries:
 
     def _of(self, order: int) -> _Cylinders:
         while len(self._cylinders) < order:
-            self._cylinders.append(self._pulled_back(self._cylinders[-1]))
+            self._cylinders.append(self._fewer(self._pulled_back(self._cylinders[-1])))
         return self._cylinders[order - 1]
 
     def _pulled_back(self, later: _Cylinders) -> _Cylinders:
         """One return more in front: each branch followed by whatever its image meets."""
-        b = self.branches
+        b, later = self.branches, self._fewer(later)
         k, hit = np.nonzero((later.low <= b.high[:, None]) & (later.high >= b.low[:, None]))
         bottom, top = np.maximum(later.low[hit], b.low[k]), np.minimum(later.high[hit], b.high[k])
         at_bottom = self._at(later, hit, bottom)
@@ -199,6 +223,16 @@ class Itineraries:
             np.where(turned, at_top, at_bottom), np.where(turned, at_bottom, at_top),
             np.column_stack([k, later.branches[hit]]),
         )  # fmt: skip
+
+    def _fewer(self, found: _Cylinders) -> _Cylinders:
+        """The widest pieces of an iterate, if there are too many."""
+        most = min(self._most, PAIRS // max(1, len(self.branches)))
+        if len(found.low) <= most:
+            return found
+        self.left = True
+        kept = np.zeros(len(found.low), dtype=bool)
+        kept[np.argsort(found.low - found.high, kind="stable")[:most]] = True
+        return found.take(kept)
 
     def _at(self, later: _Cylinders, hit: Ints, x: Floats) -> Floats:
         """Where the later returns take points x of cylinders ``hit``: by the samples of pieces."""

@@ -17,6 +17,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.corners import leaving
 from woodpecker.piecewise.corrector import Corrector
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.crossings import border_at, differentiable, is_inside, restart
 from woodpecker.piecewise.curves import (
     Beginning,
@@ -79,7 +80,7 @@ class Jumps:
     def __init__(
         self, map_: PiecewiseMap, order: int, settings: Settings, stop: StopRule | None = None
     ) -> None:
-        self.map, self.order, self.settings, self.stop = map_, order, settings, stop
+        self.map, self.order, self.settings, self.stop = as_counting(map_), order, settings, stop
 
     def through(self, head: Orbit, closing: Margin) -> Followed:
         """The branch of jumps through a border orbit, both ways to the next special points."""
@@ -121,10 +122,11 @@ class Jumps:
         step: float = math.inf,
     ) -> Leg:  # fmt: skip
         samples, marks = list(first), list[Mark]()
-        while True:
+        allowed = Allowance(self.map, self.settings.of_branch(self.order))
+        while True:  # until the stepper has spent what is allowed, if nothing else ends it
             last = samples[-1]
             assert last.jump is not None
-            arc = self._stepper(last.jump.closing).follow(last, ignored, origin, step)
+            arc = self._stepper(last.jump.closing).follow(last, ignored, origin, step, allowed)
             ignored, step = None, math.inf
             samples += arc.samples[1:]
             if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
@@ -171,7 +173,7 @@ class Jumps:
         """
         base = start if sign > 0.0 else turned(start)
         away = self.settings.beside
-        while away >= self.settings.min_step:
+        while away >= self.settings.min_step:  # a hundred times closer each time
             found = self._at(base, away)
             if found is not None:
                 return found if self._is_good(found) else None
@@ -207,7 +209,6 @@ class Jumps:
         least = (
             max(self.settings.nearest, self.settings.numerics.thin * away) * self.settings.x_scale
         )
-        on_border = self.settings.converged * self.settings.x_scale
         k, far = there.jump.closing.index, False
         for inner in (True, False):
             limit = there.jump.cycle(inner)
@@ -215,6 +216,7 @@ class Jumps:
             for i in range(k, len(back)):
                 own = there.jump.code(inner) if i == k else -1
                 inside = depth(limit.images[i], own)
+                on_border = self.settings.rounded_x(float(limit.x[i]))
                 if inside < -on_border:
                     return -1
                 far |= inside <= on_border or depth(back.images[i], own) < -least
@@ -254,7 +256,7 @@ class Jumps:
         is known as well as the nearest orbit beyond that is lost.
         """
         end, away = arc.samples[-1], self.settings.same
-        while away <= self.settings.beside:
+        while away <= self.settings.beside:  # ten times farther each time
             found = self._at(end, away)
             reason = "" if found is None or found.jump is None else found.jump.lost
             if found is not None and reason:
@@ -332,7 +334,7 @@ class Jumps:
         """
         numerics = self.settings.numerics
         away, bases = numerics.restart * self.settings.beside, self._bases(end)
-        while away <= self.settings.max_step:
+        while away <= self.settings.max_step:  # ten times farther each time
             found = self._from_corner(end, away, narrow) if away <= numerics.blurred else None
             if found is not None:
                 return found

@@ -168,7 +168,7 @@ class Jump:
         image = self.outer.images[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             away = abs(image.margin(own.code) / image.gradient(own.code)[0])
-        if not away > settings.converged * settings.x_scale:
+        if not away > settings.rounded_x(float(self.head.x[k])):
             return own
         return OnBorder(k, self.closing.code, self.head.images[k].piece)
 

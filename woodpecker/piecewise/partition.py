@@ -7,11 +7,13 @@ is passed, and its length is reported.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import heapq
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from woodpecker.piecewise.borders import Border, beyond
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.margins import depth, reach
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.reaches import Knot, Reach, reach_of, uneven
@@ -98,9 +100,12 @@ def beside_diagonal(settings: Settings) -> Side:
 
 def partition(
     map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings,
-    side: Side | None = None,
+    side: Side | None = None, allowed: Allowance | None = None,
 ) -> Partition:  # fmt: skip
     """The pieces of a map in a window.
+
+    Where there are more of them, or where it takes more evaluations, than the settings allow, the
+    longest gaps are crossed, and the others remain.
 
     Parameters
     ----------
@@ -112,11 +117,16 @@ def partition(
         Scales, and the cut-offs: ``finest``, and ``coarse`` where pieces lead elsewhere.
     side
         What is looked for; by default values in the window of the settings.
+    allowed
+        How often the map may be evaluated; by default as often as for a slice of P_1.
     """
-    walk = _Walk(map_, p, settings, side if side is not None else beside_window(settings))
-    todo = [_Gap(*window, 0)]
-    while todo:
-        todo += reversed(walk.cross(todo.pop()))
+    counting = as_counting(map_)
+    allowed = allowed or Allowance(counting, settings.of_slice((1,)))
+    side = side if side is not None else beside_window(settings)
+    walk = _Walk(counting, p, settings, side, allowed)
+    todo = _Longest(_Gap(*window, 0))
+    while todo:  # each gap leaves shorter ones, and none that is shorter than the cut-off
+        todo.add(walk.cross(todo.pop()))
     cylinders = sorted(walk.cylinders, key=lambda cylinder: cylinder.low)
     return Partition(p, window, tuple(cylinders), _merged(sorted(walk.gaps)))
 
@@ -129,6 +139,25 @@ def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
             low, high = merged[-1][0], max(high, merged.pop()[1])
         merged.append((low, high))
     return tuple(merged)
+
+
+class _Longest:
+    """Gaps to be crossed, the longest first: if not all can be, the shortest are left."""
+
+    def __init__(self, first: _Gap) -> None:
+        self._gaps = [(-first.length, first)]
+
+    def __len__(self) -> int:
+        return len(self._gaps)
+
+    def add(self, gaps: Iterable[_Gap]) -> None:
+        """More of them."""
+        for gap in gaps:
+            heapq.heappush(self._gaps, (-gap.length, gap))
+
+    def pop(self) -> _Gap:
+        """The next."""
+        return heapq.heappop(self._gaps)[1]
 
 
 class _Gap(NamedTuple):
@@ -169,8 +198,11 @@ NOWHERE = 2  # the side where the map has no value
 class _Walk:
     """Cylinders and gaps as they are found."""
 
-    def __init__(self, map_: PiecewiseMap, p: float, settings: Settings, side: Side) -> None:
+    def __init__(
+        self, map_: PiecewiseMap, p: float, settings: Settings, side: Side, allowed: Allowance
+    ) -> None:
         self.map, self.p, self.settings, self._side_of = map_, p, settings, side
+        self._allowed = allowed
         self.cylinders: list[Cylinder] = []
         self.gaps: list[tuple[float, float]] = []
         self._even = settings.even * settings.x_scale
@@ -178,10 +210,12 @@ class _Walk:
 
     def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""
+        if self._is_full:
+            return self._left(gap)
         if gap.changes:
             return self._halved(gap)
         at, high, side, after, _ = gap
-        while True:
+        while True:  # each piece begins where the one before it ends, and they are counted
             found, code = self._beyond(at) if after else (self.map.at(at, self.p), -1)
             if not self._holds(found):
                 return self._passed(_Gap(at, high, side))
@@ -194,6 +228,18 @@ class _Walk:
             if way.code < 0 or way.end - at < self._cut_off(rest):
                 return self._passed(rest)
             at, after = way.end, True
+            if self._is_full:
+                return self._left(rest)
+
+    @property
+    def _is_full(self) -> bool:
+        """Whether there are as many pieces as allowed, or the map was evaluated as often."""
+        return len(self.cylinders) >= self.settings.max_pieces or self._allowed.spent
+
+    def _left(self, gap: _Gap) -> list[_Gap]:
+        """Leave a gap as it is."""
+        self.gaps.append((gap.low, gap.high))
+        return []
 
     def _missing(self, here: Knot, there: Knot) -> float:
         """Where samples of a piece do not tell what lies between them, if it matters."""
@@ -231,9 +277,8 @@ class _Walk:
         gap = self._skimmed(gap)
         step, long = self._cut_off(gap), self.settings.numerics.long
         if gap.length <= step:
-            self.gaps.append((gap.low, gap.high))
-            return []
-        while True:
+            return self._left(gap)
+        while True:  # the step doubles until it is half of the gap
             last = gap.low + 2.0 * step >= gap.high
             middle = 0.5 * (gap.low + gap.high) if last else gap.low + step
             found = self.map.at(middle, self.p)
@@ -277,7 +322,7 @@ class _Walk:
     def _skimmed(self, gap: _Gap) -> _Gap:
         """What is left of a gap without its first part, where all is short and leads elsewhere."""
         step = self._cut_off(gap)
-        while gap.side and gap.low + 2.0 * step < gap.high:
+        while gap.side and gap.low + 2.0 * step < gap.high and not self._is_full:
             middle = gap.low + step
             found = self.map.at(middle, self.p)
             if not self._holds(found) or self._length(found) > step:

@@ -11,6 +11,7 @@ from woodpecker.piecewise.margins import IN_X, depth, first_part, is_within, low
 from woodpecker.piecewise.pieces import Image
 from woodpecker.piecewise.settings import Numerics, Settings
 
+MOST = 10_000  # samples of a piece: some tens are usual
 OTHER_WAY = "the piece goes another way"
 INSIDE, NO_VALUE = -1, -2  # instead of a margin that vanishes
 
@@ -73,7 +74,7 @@ def reach_of(
     samples, code = [Knot(x, image)], INSIDE
     longest = settings.max_step * settings.x_scale
     least, over = settings.nearest * settings.x_scale, settings.numerics.ahead
-    while samples[-1].x != limit and code == INSIDE:
+    while samples[-1].x != limit and code == INSIDE and len(samples) < MOST:
         ahead, code = reach(samples[-1].image, side)
         if ahead <= 0.0:
             break
@@ -93,7 +94,7 @@ def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Miss
     """
     found, least = list[Knot](), settings.nearest * settings.x_scale
     todo = [_next(here, to, p, settings)]  # the farthest first
-    while todo:
+    while todo:  # each pass keeps a sample or puts one before it, of so many
         there = todo[-1]
         if there is None:
             break
@@ -101,7 +102,7 @@ def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Miss
         dip = lowest_dip(here.image, there.image, way, IN_X, IN_X, settings.numerics, trusted=True)
         if dip is None or not least < dip * abs(way) < abs(way) - least:
             dip = missing(here, there)
-        if least < dip * abs(way) < abs(way) - least:
+        if len(todo) + len(found) < MOST and least < dip * abs(way) < abs(way) - least:
             at = here.x + dip * way
             between = _next(here, at, p, settings)
             if between is None or between.x != at or between.code != INSIDE:
@@ -119,7 +120,7 @@ def _next(here: Knot, to: float, p: float, settings: Settings) -> Knot | None:
 
     Where it ends may not be clear at once; a shorter step is taken then.
     """
-    while True:
+    while True:  # the step becomes shorter, down to ``nearest``
         there = Knot(to, here.image.piece.at(to, p))
         if is_within(there.image):
             return there

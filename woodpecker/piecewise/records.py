@@ -45,7 +45,7 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
         return end.precision
     if end.status is PointStatus.OPEN:
         return math.inf
-    least = settings.converged * settings.p_scale
+    least = settings.rounded_p(end.p)
     if end.collision is not None:
         conditions = (Closed(), end.collision.margin)
         return max(least, blurred(end.collision.orbit, conditions, settings))

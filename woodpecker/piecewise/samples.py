@@ -36,6 +36,7 @@ class Stop(Enum):
     OTHER_PIECE = "the map takes another piece"
     SHORT = "steps become too short"
     MANY = "as many samples as allowed"
+    SPENT = "as many evaluations as allowed"
     ASKED = "stopped as asked"
 
 

@@ -74,10 +74,16 @@ class Past(NamedTuple):
         Those that were finished.
     since
         Orders of branches that were found after the last of them: the next slice showed these.
+    evaluations
+        How often the map was evaluated for what was finished.
+    begun
+        Whether anything was finished after the last of the slices: then the next one was begun.
     """
 
     slices: tuple[Seen, ...] = ()
     since: tuple[int, ...] = ()
+    evaluations: int = 0
+    begun: bool = False
 
 
 def complete(
@@ -108,7 +114,8 @@ def complete(
     known = len(explorer.network.curves)
     explorer.go_on()
     since += tuple(curve.order for curve in explorer.network.curves[known:])
-    while plan.done < len(plan.places):
+    begun = past.begun  # when as much was allowed
+    while plan.done < len(plan.places) and (begun or not explorer.is_spent):
         ready = plan.done + len(explorer.coming)
         for p in plan.places[ready : plan.done + explorer.scheduler.spare]:
             explorer.look(p)
@@ -122,7 +129,8 @@ def complete(
             plan.add(crowded)
             then += crowded
         seen.append(explorer.has_seen(found._replace(then=tuple(then))))
-        since = ()
+        since, begun = (), False
+    explorer.untaken = len(plan.places) - plan.done
     explorer.finish()
     return seen
 

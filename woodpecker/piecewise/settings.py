@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import Field, dataclass, fields
 from typing import Any
 
@@ -293,7 +294,8 @@ class Settings:
     """How far, how finely and how exactly to follow branches.
 
     Lengths are parts of the scales: of the length of ``span`` in the parameter, and of ``window``
-    in x (of 1 if it is infinite). So they need no tuning for maps in other units.
+    in x (of 1 if it is infinite), or of 1/256 of the largest number in it if that is more, for
+    doubles are no finer. So they need no tuning for maps in other units.
 
     Parameters
     ----------
@@ -317,6 +319,14 @@ class Settings:
         drawn is as good, and half as many samples tell what lies between them.
     max_samples
         A branch ends (EP) after this many.
+    max_evaluations
+        Of P_1, of a whole search; where P_n is looked at, too, n^2 times as many more. A branch
+        takes at most half of its own each way and a slice a sixteenth: twice and ten times what the
+        toy has needed. What is left after that many is said. A return of very many phases counts as
+        several.
+    max_pieces
+        Of P_1 in a slice, and ten times as many of an iterate: the toy has some hundred. The rest
+        is reported as not resolved.
     newton
         Largest number of Newton steps of a corrector; four are usual, more show a bad start.
     converged
@@ -398,6 +408,8 @@ class Settings:
     max_turn: float = 0.1
     hairpin: float = 1e-6
     max_samples: int = 20_000
+    max_evaluations: int = 1_000_000
+    max_pieces: int = 10_000
     newton: int = 12
     converged: float = 2.0**-48
     stalled: float = 1e-10
@@ -433,6 +445,10 @@ class Settings:
             raise ValueError(
                 f"step must lie in [{self.min_step}, {self.max_step}], got {self.step}"
             )
+        if not self.converged <= self.nearest:
+            raise ValueError(
+                f"nearest must be at least converged = {self.converged:.3g}, got {self.nearest}"
+            )
         if not isinstance(self.numerics, Numerics):
             raise TypeError(f"numerics must be woodpecker.Numerics, got {self.numerics!r}")
 
@@ -455,12 +471,95 @@ class Settings:
     def x_scale(self) -> float:
         """The unit of x."""
         low, high = self.window
-        return high - low if math.isfinite(high - low) else 1.0
+        return _unit(low, high) if math.isfinite(high - low) else 1.0
 
     @property
     def p_scale(self) -> float:
         """The unit of the parameter."""
-        return self.span[1] - self.span[0]
+        return _unit(*self.span)
+
+    def rounded_x(self, x: float) -> float:
+        """How far rounding of a map may move a point.
+
+        Parameters
+        ----------
+        x
+            The point.
+
+        Returns
+        -------
+        float
+            ``converged`` of its magnitude, or of the unit of x if that is larger.
+        """
+        return self.converged * max(self.x_scale, abs(x))
+
+    def rounded_p(self, p: float) -> float:
+        """How far rounding of a map may move a parameter.
+
+        Parameters
+        ----------
+        p
+            The parameter.
+
+        Returns
+        -------
+        float
+            ``converged`` of its magnitude, or of its unit if that is larger.
+        """
+        return self.converged * max(self.p_scale, abs(p))
+
+    def of_branch(self, order: int) -> int:
+        """How many evaluations a branch may take, from one special point to the next.
+
+        Parameters
+        ----------
+        order
+            Of the iterate to which it belongs.
+
+        Returns
+        -------
+        int
+            A part of ``max_evaluations``.
+        """
+        return order**2 * self.max_evaluations // 2
+
+    def of_slice(self, orders: Sequence[int]) -> int:
+        """How many evaluations a slice may take.
+
+        Parameters
+        ----------
+        orders
+            Of the iterates that it shows.
+
+        Returns
+        -------
+        int
+            A part of ``max_evaluations``.
+        """
+        return max(orders) ** 2 * self.max_evaluations // 16
+
+    def of_search(self, orders: Sequence[int]) -> int:
+        """How many evaluations a search may take.
+
+        Parameters
+        ----------
+        orders
+            Of the iterates whose branches are looked for.
+
+        Returns
+        -------
+        int
+            ``max_evaluations`` for each of them, times its square.
+        """
+        return sum(order**2 for order in orders) * self.max_evaluations
+
+
+SMALLEST_UNIT = 2.0**-8  # of the largest magnitude: then ``nearest`` is some seventeen spacings
+
+
+def _unit(low: float, high: float) -> float:
+    """The length of an interval, unless rounding of the numbers in it is coarse beside that."""
+    return max(high - low, SMALLEST_UNIT * max(high, -low))
 
 
 def differing(settings: Settings | Numerics, default: Settings | Numerics) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import numpy as np
 from pwmap.diagrams.shown import counted
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.bracketing import bracketed
+from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.crossings import is_inside
 from woodpecker.piecewise.itineraries import Itineraries
 from woodpecker.piecewise.jumps import Jump, jump_of, limit_of
@@ -35,6 +36,8 @@ from woodpecker.piecewise.partition import (
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.settings import Numerics, Settings
 
+MOST = 1000  # samples that are added between two: none or a few are usual
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Slice:
@@ -49,7 +52,8 @@ class Slice:
     jumps
         Its jumps that cross the diagonal.
     unresolved
-        Total length of intervals in which there are more pieces of P_1 than were looked for.
+        Total length of intervals in which there are more pieces of P_1 than were looked for; all of
+        the window if there are more orbits of the iterate than were looked at.
 
     Examples
     --------
@@ -106,11 +110,13 @@ def slices_at(
     1 0 1
     2 1 1
     """
+    map_ = as_counting(map_)
+    allowed = Allowance(map_, settings.of_slice(orders))
     side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
-    pieces = partition(map_, p, settings.window, settings, side)
+    pieces = partition(map_, p, settings.window, settings, side, allowed)
     borders = [b for b in pieces.borders() if b.kind(settings) is BorderKind.JUMP]
-    found = []
-    orbits = Itineraries(pieces, settings) if max(orders) > 1 else None
+    found, whole = [], settings.window[1] - settings.window[0]
+    orbits = Itineraries(pieces, settings, allowed) if max(orders) > 1 else None
     for order in orders:
         if order == 1:
             cycles = list(_fixed_points(pieces, settings))
@@ -119,7 +125,8 @@ def slices_at(
             cycles = orbits.cycles(order)
         kept = tuple(_distinct(cycles, order, settings))
         jumps = tuple(_jumps(map_, borders, orbits, order, settings))
-        found.append(Slice(p, order, kept, jumps, pieces.unresolved))
+        all_seen = orbits is None or not orbits.left
+        found.append(Slice(p, order, kept, jumps, pieces.unresolved if all_seen else whole))
     return found
 
 
@@ -217,10 +224,10 @@ def _parts(cylinder: Cylinder, p: float, numerics: Numerics) -> Iterator[tuple[_
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
     points = [_Point(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
     for pair in pairwise(points):
-        todo = [pair]
+        todo, left = [pair], MOST
         while todo:
             a, b = todo.pop()
-            x = _lowest(a, b, numerics.edge)
+            x, left = _lowest(a, b, numerics.edge) if left > 0 else None, left - 1
             middle = None if x is None else _Point(x, a.image.piece.at(x, p))
             if middle is None or middle.image.reason:
                 yield a, b

@@ -13,6 +13,7 @@ from contextlib import nullcontext, suppress
 
 from woodpecker.piecewise.border_stops import at_border, is_first
 from woodpecker.piecewise.corrector import Corrector
+from woodpecker.piecewise.counting import Allowance
 from woodpecker.piecewise.hairpins import round_hairpin
 from woodpecker.piecewise.limit_stops import at_diagonal, at_tails, still_crosses
 from woodpecker.piecewise.samples import Arc, Sample, Stop, StopRule, angle, falls
@@ -55,7 +56,7 @@ class Stepper:
 
     def follow(
         self, start: Sample, ignored: Stop | None = None, origin: Sample | None = None,
-        first: float = math.inf,
+        first: float = math.inf, allowed: Allowance | None = None,
     ) -> Arc:  # fmt: skip
         """Follow a branch from a sample to its end.
 
@@ -69,6 +70,8 @@ class Stepper:
             A sample at which the branch has come round.
         first
             The first step, if it is shorter than the usual one.
+        allowed
+            How often the map may be evaluated, if not as often as samples need it.
         """
         corrector = self.corrector
         stop = leaves(corrector, start) or (Stop.ASKED if is_asked(self.stop, start) else None)
@@ -76,7 +79,9 @@ class Stepper:
             return Arc((start,), stop)
         samples, step, grows = [start], min(first, self.settings.step), True
         retry = self.settings.numerics.retry
-        while len(samples) < self.settings.max_samples:
+        while len(samples) < self.settings.max_samples:  # each pass adds one, or shortens the step
+            if allowed is not None and allowed.spent:
+                return Arc(tuple(samples), Stop.SPENT)
             if step < self.settings.min_step:
                 short = Arc(tuple(samples), Stop.SHORT)
                 return self._round_hairpin(samples, step) or short

@@ -89,7 +89,7 @@ def _begin(map_: PiecewiseMap, start: Sample, ignored: Stop, settings: Settings)
     step = settings.step
     short = replace(settings, max_samples=2)
     stepper = Stepper(Corrector(map_, Closed(), short), [FLIP])
-    while step >= settings.beside:
+    while step >= settings.beside:  # four times shorter each time
         arc = stepper.follow(start, ignored, first=step)
         if len(arc.samples) == 2 and arc.stop is Stop.MANY:
             return start, arc.samples[1]

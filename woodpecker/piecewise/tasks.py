@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.executors import Done
+from woodpecker.piecewise.counting import as_counting
 from woodpecker.piecewise.crossings import cycle_at_border
 from woodpecker.piecewise.curves import Beginning, Followed
 from woodpecker.piecewise.cycle_branches import Cycles
@@ -15,7 +16,7 @@ from woodpecker.piecewise.ends import Collision, End, end_of
 from woodpecker.piecewise.jump_branches import Jumps, at_corner, cycle_from
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.orbits import Closed, Margin, Orbit
-from woodpecker.piecewise.pieces import Image, PiecewiseMap
+from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.samples import Sample, Stop, StopRule
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import Slice, slices_at
@@ -36,31 +37,10 @@ class Worker:
 
     def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
         """Carry out a task, a method of :class:`Tasks`."""
-        counted = self.map if isinstance(self.map, Counting) else _Counted(self.map)
-        before = counted.evaluations
-        value = task(Tasks(counted, self.settings, self.stop), *arguments)
-        return Done(value, counted.evaluations - before)
-
-
-@runtime_checkable
-class Counting(PiecewiseMap, Protocol):
-    """A map that knows how often it and its pieces were evaluated in this thread."""
-
-    @property
-    def evaluations(self) -> int:
-        """The number so far."""
-
-
-class _Counted:
-    """A map that counts how often it is asked for a piece; what the piece does is its own."""
-
-    def __init__(self, map_: PiecewiseMap) -> None:
-        self._map, self.evaluations = map_, 0
-
-    def at(self, x: float, p: float) -> Image:
-        """The image of a point."""
-        self.evaluations += 1
-        return self._map.at(x, p)
+        map_ = as_counting(self.map)
+        before = map_.evaluations
+        value = task(Tasks(map_, self.settings, self.stop), *arguments)
+        return Done(value, map_.evaluations - before)
 
 
 class Tasks:

@@ -23,12 +23,14 @@ from woodpecker.plane.stepping import (
     MANY,
     Event,
     Stepper,
+    Steps,
     follow,
     given_up,
     turned_round,
 )
 from woodpecker.plane.switching import Seed, starts_at
 
+TRIES = 4  # steps for each sample that a curve may have; most are accepted
 LEGS = 150  # words that a curve takes each way: where it goes back and forth it is left
 LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
 Spans = tuple[Pair, Pair]
@@ -169,11 +171,12 @@ def _leg(
 ) -> tuple[list[_Sample], bool]:
     """Samples from a node to where the curve ends, through borders at which it goes on."""
     samples, step, most = [_Sample(start, locus)], math.inf, plane.first.max_samples
+    steps = Steps(TRIES * most)
     for _ in range(LEGS):
         if len(samples) > most:
             break
         stepper = Stepper(plane, locus, len(start.place))
-        arc = follow(stepper, samples[-1].node, step, origin)
+        arc = follow(stepper, samples[-1].node, steps, step, origin)
         happened = dict(arc.events)
         for k, node in enumerate(arc.nodes[1:], start=1):
             event = happened.get(k)

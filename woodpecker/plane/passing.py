@@ -178,7 +178,7 @@ def _like_a_tangent(
     aside = np.zeros(len(scale))
     aside[inside.index] = border.side
     step = settings.again
-    while step >= settings.nearest:
+    while step >= settings.nearest:  # ten times shorter each time, and so is ``away``
         ahead = Along(node.place.point, node.tangent, step, scale)
         away = settings.numerics.nearer * step
         while away >= settings.nearest:
@@ -240,7 +240,7 @@ def _right_inside(plane: Plane, place: Place, i: int, wedge: _Wedge) -> Place:
     aside[[i, -2, -1]] = wedge.way * plane.scales(1)
     start, away = replaced(plane, place, i, wedge.piece), SPACING
     there = start
-    while not there.defined and away < plane.first.nearest:
+    while not there.defined and away < plane.first.nearest:  # doubled
         away *= 2.0
         there = plane.moved(start, away * aside)
     return there

@@ -47,6 +47,8 @@ from woodpecker.plane.survey import Survey
 
 # To find the curve between a place that disagrees with others of its face and the nearest.
 TRIES = 3
+FINEST = 2.0**-40  # part of the spans: places that are closer are one, to rounding
+DRAWS = 100  # of random places, until as many as asked for are far from all borders
 PROBES = 9  # places of a curve that must lie on another one of which it is a part
 
 Progress = Callable[[Curve], None]
@@ -318,13 +320,18 @@ class _Mapping:
     # --- Looking for curves -------------------------------------------------------------------
 
     def complete(self, progress: Progress) -> None:
-        """Find curves until random places no longer disagree."""
+        """Find curves until random places no longer disagree.
+
+        Each pass finds a curve, of which there are so many at most, or is one of the few tries of a
+        place; so it ends.
+        """
+        drawn = False
         while True:
             pair = self._conflict()
             if pair is None:
-                if self.fresh:
+                if drawn:
                     return
-                self.fresh = [*self._draw()]
+                self.fresh, drawn = [*self._draw()], True
                 for place in self.fresh:
                     self.look(place)
                 continue
@@ -333,14 +340,16 @@ class _Mapping:
                 self.add(curve)
                 progress(curve)
             if found:
-                self.fresh = []
+                self.fresh, drawn = [], False
             else:
                 self.tries[pair[-1]] += 1
 
     def _draw(self) -> Iterator[Pair]:
-        """Random places, far from borders."""
+        """Random places, far from borders; fewer than asked for if there is hardly any."""
         left = self.survey.checks
-        while left:
+        for _ in range(DRAWS):
+            if not left:
+                return
             drawn = [(x, y) for x, y in self._random.random((left, 2)).tolist()]
             far = [place for place, clear in zip(drawn, self.clear(drawn), strict=True) if clear]
             left -= len(far)
@@ -389,11 +398,11 @@ class _Mapping:
     def _narrowed(self, way: Sequence[Pair]) -> tuple[Pair, Pair]:
         """Two close places on a way that still disagree, as its ends do."""
         first, k, last = self.census(way[0]), 0, len(way) - 1
-        while last - k > 1:
+        while last - k > 1:  # halved
             half = (k + last) // 2
             k, last = (half, last) if self.census(way[half]) == first else (k, half)
         a, b = way[k], way[last]
-        while math.dist(a, b) > self.survey.finest:
+        while math.dist(a, b) > max(self.survey.finest, FINEST):  # halved
             middle = 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
             if self.census(middle) == first:
                 a = middle

@@ -32,6 +32,7 @@ from woodpecker.plane.places import (
 
 SPAN, WINDOW = "end of the span", "end of the window"
 CLOSED, SHORT, MANY = "the curve closes", "steps become too short", "as many samples as allowed"
+TRIED = "as many steps tried as allowed"
 TOO_CLOSE = "closer to a border than rounding tells"
 
 ADVANCES = 400  # along a border, most of them in vain where slopes right at it are those of a root
@@ -431,9 +432,16 @@ class Arc:
     beyond: Node | None = None
 
 
+@dataclass(slots=True)
+class Steps:
+    """How many steps may still be tried along a curve."""
+
+    left: int
+
+
 def follow(
-    stepper: Stepper, start: Node, first: float = math.inf, origin: Node | None = None,
-    skipped: Test | None = None,
+    stepper: Stepper, start: Node, steps: Steps, first: float = math.inf,
+    origin: Node | None = None, skipped: Test | None = None,
 ) -> Arc:  # fmt: skip
     """Follow a curve from a node to the first border that a cycle meets, or to its end."""
     settings, nodes, events = stepper.settings, [start], list[tuple[int, Event]]()
@@ -442,7 +450,8 @@ def follow(
     leaving = _leaves(stepper, start)
     if leaving is not None:
         return Arc((start,), (), leaving, step)
-    while len(nodes) < settings.max_samples:
+    while len(nodes) < settings.max_samples and steps.left > 0:
+        steps.left -= 1
         if step < settings.min_step:
             event = given_up(nodes[-1], stepper.too_short(nodes[-1]))
             return Arc(tuple(nodes), tuple(events), event, step)
@@ -477,7 +486,8 @@ def follow(
         wanted, growth = settings.numerics.kept_turn, 2.0 if grows else 1.0
         growth = wanted / turned if growth * turned > wanted else growth
         step, grows = min(settings.max_step, step * growth), True
-    return Arc(tuple(nodes), tuple(events), given_up(nodes[-1], MANY), step)
+    why = MANY if steps.left > 0 else TRIED
+    return Arc(tuple(nodes), tuple(events), given_up(nodes[-1], why), step)
 
 
 def _turned_back(last: Node, found: Node) -> bool:

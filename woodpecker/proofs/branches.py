@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import count
 from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, arb_series
@@ -43,6 +42,7 @@ from woodpecker.undecided import Undecided
 
 Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]
+WIDENED = 16  # times that tubes are widened: once or twice is usual
 BISECTIONS = 14  # of a line, to see where the multiplier passes -1 on it
 WIDEST = Fraction(1, 1000)  # rad: no tube is made wider than that
 
@@ -143,7 +143,7 @@ def marched(
         Where it could not be followed; the sentence says at which value, and why.
     """
     walk = _Walk(toy, parameter, span, march, [arb(x) for x in points])
-    while walk.at < span.high:
+    while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
         walk.go_on()
         progress(float((walk.at - span.low) / span.length))
     flips = tuple(k for k, piece in enumerate(walk.pieces) if piece.turn is not None)
@@ -343,7 +343,7 @@ class _Walk:
         found = self._near(line, march.terms, plateaus)
         curves = [_trimmed(curve, line.half) for curve in found]
         radii = [march.radius] * len(curves)
-        for tries in count():
+        for tries in range(WIDENED):
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
                 piece = proved(
@@ -358,7 +358,7 @@ class _Walk:
             if self._new(line) or joined(end_of(self.pieces[-1], 1), end_of(piece, -1)):
                 return piece
             radii = [max(r, 2 * need) for r, need in zip(radii, self._needs(piece), strict=True)]
-        raise AssertionError
+        raise Undecided("two parts side by side may not join")
 
     def _new(self, line: Line) -> bool:
         """Whether nothing is proved where a line begins."""
@@ -385,7 +385,7 @@ class _Walk:
         if found is None:
             return None
         width = line.half / 2
-        while width > 4 * (found.high - found.low):
+        while width > 4 * (found.high - found.low):  # it becomes four times smaller
             a, b = max(found.low - width, -line.half), min(found.high + width, line.half)
             try:
                 self._tried(Planned(part_of(line, a, b), True))
@@ -497,7 +497,7 @@ def _short(x: Any, digits: int) -> Fraction:
     if not exact:
         return exact
     places = digits - len(str(int(abs(exact)))) if abs(exact) >= 1 else digits
-    while abs(exact) * 10**places < 10 ** (digits - 1):
+    while abs(exact) * 10**places < 10 ** (digits - 1):  # the exact number is not zero
         places += 1
     unit = Fraction(10) ** places
     return round(exact * unit) / unit
@@ -508,7 +508,7 @@ def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
     found, reach = [], Fraction(1)
     for c in curve:
         places = 0
-        while reach > Fraction(10) ** (places - CURVE):
+        while reach > Fraction(10) ** (places - CURVE):  # as many as it has digits
             places += 1
         found.append(Fraction(round(c * 10**places), 10**places))
         reach *= half

@@ -88,7 +88,7 @@ def interval(ball: Any, slack: Fraction = SLACK) -> list[str]:
     more = (high - low) * slack + Fraction(1, 10**30)
     low, high = low - more, high + more
     unit = Fraction(1)
-    while unit > (high - low) / 50:
+    while unit > (high - low) / 50:  # which is positive
         unit /= 10
     return [text(low // unit * unit), text(-(-high // unit) * unit)]
 

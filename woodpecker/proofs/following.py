@@ -63,6 +63,7 @@ from woodpecker.simulation.words import word
 from woodpecker.undecided import Undecided
 
 MOST_EVENTS = 400
+MOST_PARTS = 4096  # of a phase in which the bird is shown not to turn: some tens are usual
 
 
 def follow(model: Model, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
@@ -92,7 +93,7 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any], plateaus: bool = Fa
     )
     motion.held, motion.before = frozenset({1}), motion.states
     todo, found = _settled(model, motion, {1}), []
-    while todo:
+    while todo:  # one decision at most is open, so there are two ways, of so many events
         current = todo.pop()
         for after in _next(model, current, plateaus):
             if after.log[-1].guard == SECTION:
@@ -274,7 +275,9 @@ def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
 def _no_turn(guard: Guard, end: Any) -> bool:
     """Whether the bird does not turn upward in (0, end]: nowhere u = 0 and u' >= 0."""
     parts, tiny = [(ZERO, end)], end / 2**20
-    while parts:
+    for _ in range(MOST_PARTS):
+        if not parts:
+            return True
         a, b = parts.pop()
         t = a.union(b)
         value, slope = guard.over(t), guard.over(t, 1)
@@ -286,7 +289,7 @@ def _no_turn(guard: Guard, end: Any) -> bool:
             return False
         middle = ((a + b) / 2).mid()
         parts += [(a, middle), (middle, b)]
-    return True
+    return False
 
 
 def _moved(model: Model, motion: Motion, fired: int, fires: Crossing) -> Motion:

@@ -20,6 +20,7 @@ from woodpecker.proofs.taylor import Taylor, constant, inverse
 from woodpecker.undecided import Undecided
 
 Derivatives = Callable[[int], Any]
+MOST_PARTS = 4096  # of a phase in which a guard is shown to be positive: some tens are usual
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
 
@@ -93,7 +94,9 @@ class Guard:
         if low is None:
             return False
         parts = [(low, end, 0)]
-        while parts:
+        for _ in range(MOST_PARTS):
+            if not parts:
+                return True
             a, b, depth = parts.pop()
             if not b > a or self._positive(a, b):
                 continue
@@ -101,7 +104,7 @@ class Guard:
             if depth >= HALVINGS or sign(self.at(middle)) == -1:
                 return False
             parts += [(middle, b, depth + 1), (a, middle, depth + 1)]
-        return True
+        return False
 
     def _positive(self, a: Any, b: Any) -> bool:
         """Whether it is positive on [a, b]: by its range, or by its end where it is monotone."""

@@ -82,7 +82,7 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float) -> ProvedPoint:
         If it is none at a jump where two gaps close at once, or something could not be shown.
     """
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
-    while True:
+    while True:  # the box shrinks to the last one in a few steps
         ways, fork = _both(toy, parameter, at_p, at_x, radius)
         own = min((0, 1), key=lambda k: abs(float(ways[k].image.mid) - float(at_x)))
         moved_x, moved_p = _krawczyk(ways[own].image, fork.comparator, at_x, radius)

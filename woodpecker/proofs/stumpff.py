@@ -98,6 +98,7 @@ def _shape_series(x: Any, last: int) -> list[Any]:
     for n in range(max(last - 1, 0), last + 1):
         total, term, k = ZERO, arb(1) / factorial(n), n
         small = abs(term).upper() * arb(2) ** (-ctx.prec - 8)
+        # Terms fall faster than any geometric series, also if x is wide: they end.
         while not (abs(term).upper() <= small and size < (k + 1) * (k + 2) / 2):
             total = total + term
             term = term * x / ((k + 1) * (k + 2))

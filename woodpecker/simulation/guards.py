@@ -22,6 +22,7 @@ from woodpecker.base.compiled import part
 TWO_PI = 2.0 * math.pi
 EPSILON = 2.220446049250313e-16  # spacing of doubles at 1
 CLOCK = 0.01  # a swing that doubles resolve worse than this is too far away to be told: 1e11 s
+PASSES = 8  # over swings of a drift that is hardly more than rounding, then each goes farther
 TERMS = 9  # the first one left out is below 1e-20
 SERIES_3 = tuple(1.0 / math.factorial(2 * n + 3) for n in reversed(range(TERMS)))
 SERIES_4 = tuple(1.0 / math.factorial(2 * n + 4) for n in reversed(range(TERMS)))
@@ -160,12 +161,13 @@ def _first_root_trigonometric(
     if lowest >= 0.0:
         if drift >= 0.0:
             return math.inf
-        swings = 0.0
-        while lowest >= 0.0:  # each pass goes as far as the drift needs; rounding asks for a few
+        swings, least = 0.0, 2.0**-PASSES
+        while lowest >= 0.0:  # each pass goes as far as the drift needs; rounding asks for a few,
+            least *= 2.0  # and if it asks for more the swings that are passed at once are doubled
             needed = -lowest / (drift * period)
             if not EPSILON * needed < CLOCK:
                 return math.inf
-            swings += max(1.0, math.floor(needed))
+            swings += max(1.0, math.floor(least), math.floor(needed))
             low = theta / omega + swings * period
             if low - fall > horizon or EPSILON * low > CLOCK * period:
                 return math.inf

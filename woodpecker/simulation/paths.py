@@ -18,6 +18,7 @@ from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
 EVENT_LIMIT = 1000  # phases of one return; the longest seen on the paper's data has some 20
+PHASES = 12  # of one return that count as an evaluation: one of twice as many counts as two
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
@@ -204,7 +205,6 @@ class Follower:
 
         The image is nan if it does not return.
         """
-        self.evaluations += 1
         z, counts = self._z, self._counts
         z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
@@ -213,6 +213,7 @@ class Follower:
             self._phases, self._steps, calls.NO_TIMES, calls.NO_EVENTS, calls.NO_NOTES, self._work,
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()
+        self.evaluations += max(1, phases // PHASES)
         times, starts = np.empty(phases), self._phases[:phases, 6]
         if phases:  # none if it is not decided how the first one begins
             times[:-1] = starts[1:] - starts[:-1]
@@ -232,7 +233,7 @@ class Follower:
         times
             Durations of the phases at a neighbouring start; by default those of the path.
         """
-        self.evaluations += 1
+        self.evaluations += max(1, len(path.steps) // PHASES)
         times = (path.times if times is None else times).copy()
         if self._notes.shape[1] < margins.MOST * len(times):
             self._notes = np.zeros((margins.NOTES, margins.MOST * len(times)))
@@ -258,10 +259,11 @@ def _shortened(path: Path) -> Path:
     """
     steps = path.steps
     kept = np.ones(len(steps), dtype=bool)
+    same = (steps[1:] == steps[:-1]).all(axis=1)
     for last in (np.flatnonzero(steps[:, CLOSED]) - 1).tolist():
         if following.bounce_repeats(steps, last):
             k = last
-            while np.array_equal(steps[k - 1], steps[k]):
+            while k > 0 and same[k - 1]:
                 kept[k] = False
                 k -= 1
     return Path(path.word, steps[kept], path.times[kept]) if not kept.all() else path

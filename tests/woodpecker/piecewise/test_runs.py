@@ -171,7 +171,7 @@ def test_curves_read_back_to_the_last_bit(whole: Found, entries: list[Entry]) ->
     network = Network(SETTINGS)
     past = restore(network, entries, paper(), "run.jsonl")
     assert to_the_last_bit(network.diagram("p", "x")) == to_the_last_bit(whole.diagram)
-    assert past == Past(whole.slices)
+    assert past == Past(whole.slices, evaluations=whole.evaluations)
     assert not network.waiting
 
 

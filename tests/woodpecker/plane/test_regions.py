@@ -164,3 +164,14 @@ def test_a_way_leads_round_a_line_that_ends_inside() -> None:
     cut = MultiLineString([[(0.5, 0.0), (0.5, 1.0)]])
     assert way_between(SQUARE, cut, a, b, 0.01) == []
     assert way_between(SQUARE, MultiLineString(), a, b, 0.01) == [a, b]
+
+
+def test_a_survey_ends_where_no_place_is_far_from_all_borders() -> None:
+    """Every place of the rectangle is closer than 0.6 of it to the border at r = 0."""
+    family = family_from_sympy(sympy.Piecewise((R - 2, X <= 0), (R - A * X, True)), X, (R, A))
+    settings, span = Settings(window=(-4.0, 4.0)), ((-1.0, 1.0), (1.1, 2.0))
+    found = regions_of(
+        family, span=span, settings=settings, survey=Survey(checks=4, beside=0.6, thin=0.01)
+    )
+    assert found.checks < 4
+    assert sum(region.share for region in found.regions) == pytest.approx(1.0)
