@@ -14,10 +14,11 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
+from woodpecker.base.checkpoint import line_of
 from woodpecker.base.executors import Serial
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.checkpoint import Record, check_entry
+from woodpecker.piecewise.checkpoint import Record, check_entry, read_record
 from woodpecker.piecewise.diagrams import cycle_near
 from woodpecker.piecewise.explorer import Explorer, Stage
 from woodpecker.piecewise.search import Search
@@ -425,7 +426,7 @@ def entry_of(motion: PeriodicOrbit, path: Path) -> dict[str, Any]:
     explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (1,), recorder=record)
     explorer.follow(cycle_near(map_, motion.points, 0.5, settings))
     record.close()
-    entry: dict[str, Any] = json.loads(path.read_text(encoding="utf-8").splitlines()[1])
+    _, (entry, *_) = read_record(path)
     return entry
 
 
@@ -451,7 +452,7 @@ def test_lines_that_are_refused(
         inner = inner[step]
     inner[place[-1]] = value
     header = path.read_text(encoding="utf-8").splitlines()[0]
-    path.write_text(f"{header}\n{json.dumps(entry)}\n", encoding="utf-8")
+    path.write_bytes(f"{header}\n".encode() + line_of(entry, json.loads(header)["digest"]))
     before = path.read_bytes()
     with pytest.raises(ValueError, match=r"run\.jsonl, line 2: expected an entry of a run, got "):
         saved_diagram(path)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler
-from woodpecker.piecewise.checkpoint import Record, restore
+from woodpecker.piecewise.checkpoint import Record, past_of
 from woodpecker.piecewise.explorer import Explorer, Progress, Seen
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
@@ -267,10 +267,16 @@ def whole_diagram(
 
 
 def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> Past:
-    """Put an explorer back to where a record says it was."""
+    """Put an explorer back to where a record says it was after the last slice.
+
+    Raises
+    ------
+    ValueError
+        If that is a run of another map.
+    """
     if record is None:
         return Past()
-    return restore(explorer.network, record.entries, map_, record.path)
+    return past_of(explorer.network, record.entries, record.path, map_)
 
 
 def finite_window(settings: Settings) -> None:

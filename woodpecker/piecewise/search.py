@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.piecewise.explorer import Explorer, Seen
+from woodpecker.piecewise.explorer import Explorer, Seen, Step
 from woodpecker.piecewise.settings import Settings
 
 
@@ -73,11 +73,11 @@ class Past(NamedTuple):
     slices
         Those that were finished.
     since
-        Orders of branches that were found after the last of them: the next slice showed these.
+        What was followed after the last of them, up to where the run was interrupted.
     """
 
     slices: tuple[Seen, ...] = ()
-    since: tuple[int, ...] = ()
+    since: tuple[Step, ...] = ()
 
 
 def complete(
@@ -94,26 +94,25 @@ def complete(
     search
         How long to look.
     past
-        What an interrupted run had come to.
+        What an interrupted run had come to; the network of the explorer is where it was after the
+        last of its slices.
 
     Returns
     -------
     All slices.
     """
     past = past or Past()
-    plan, seen, since = _Plan(search, settings.span), list(past.slices), past.since
+    plan, seen = _Plan(search, settings.span), list(past.slices)
     for each in seen:
         plan.took()
         plan.add(each.then)
-    known = len(explorer.network.curves)
-    explorer.go_on()
-    since += tuple(curve.order for curve in explorer.network.curves[known:])
+    explorer.take_over(past.since)
     while plan.done < len(plan.places):
         ready = plan.done + len(explorer.coming)
         for p in plan.places[ready : plan.done + explorer.scheduler.spare]:
             explorer.look(p)
         explorer.slices = plan.done + 1
-        found = explorer.see(since)
+        found = explorer.see()
         place = plan.took()
         then = plan.beside(place) if found.new else []
         plan.add(then)
@@ -122,7 +121,6 @@ def complete(
             plan.add(crowded)
             then += crowded
         seen.append(explorer.has_seen(found._replace(then=tuple(then))))
-        since = ()
     explorer.finish()
     return seen
 
