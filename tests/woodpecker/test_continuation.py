@@ -403,17 +403,10 @@ def test_only_the_same_run_goes_on(
     varied = replace(DEFAULT, numerics=Numerics(thin=2e-3))
     with pytest.raises(ValueError, match=r"there thin of numerics of settings is 0.001, now"):
         continuation(Toy(), motion, span=SPAN, settings=varied, run=path, resume=True)
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    other = tmp_path / "other.jsonl"
-    # a collision that is moved by 1e-4 rad is none of this map
-    entry = json.loads(lines[1])
-    met = next(end["collision"] for end in entry["curves"][0]["ends"] if end["collision"])
-    met["x"][met["index"]] += 1e-4
-    other.write_text("".join([lines[0], json.dumps(entry) + "\n"]), encoding="utf-8")
-    with pytest.raises(ValueError, match=r"line 2: expected a collision of this map, got one at x"):
-        saved_diagram(other)
     # more collisions are done than were met
-    other.write_text(lines[0] + lines[-1], encoding="utf-8")
+    other, header = tmp_path / "other.jsonl", path.read_bytes().splitlines(keepends=True)[0]
+    done = line_of(read_record(path)[1][-1], json.loads(header)["digest"])
+    other.write_bytes(header + done)
     with pytest.raises(ValueError, match=r"line 2: nothing is left to follow at 0\."):
         saved_diagram(other)
 

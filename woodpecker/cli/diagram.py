@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from pwmap.diagrams.files import PictureFormat
+from woodpecker.base.lost import WorkerLostError
+from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import (
     GUESS,
     INTERRUPTED,
@@ -127,7 +129,7 @@ def diagram(
         _write(toy, found, shows, target)
     if found.stopped:
         kept = f"{len(found.diagram.branches)} branches are kept"
-        complain(f"Interrupted: {kept}; go on with --resume")
+        complain(f"{found.stopped}: {kept}, as tables; go on with --resume")
         raise typer.Exit(INTERRUPTED)
 
 
@@ -144,11 +146,11 @@ class _Shows(NamedTuple):
 
 
 class _Searched(NamedTuple):
-    """A diagram, what there is to say of the search, and whether Ctrl-C ended it."""
+    """A diagram, what there is to say of the search, and why it was broken off, if it was."""
 
     diagram: Diagram
     summary: str = ""
-    stopped: bool = False
+    stopped: str = ""
 
 
 _Show = Callable[["Stage"], None]
@@ -194,8 +196,16 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
     with progress() as bar:
         try:
             return search(_shown(bar, parameter))
-        except KeyboardInterrupt:
-            return _Searched(saved_diagram(run), stopped=True)
+        except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
+            heard()
+            if not run.exists():
+                raise
+            return _Searched(saved_diagram(run), stopped=_why(stopped))
+
+
+def _why(stopped: BaseException) -> str:
+    """Why a search was broken off."""
+    return "Interrupted" if isinstance(stopped, KeyboardInterrupt) else f"Broken off: {stopped}"
 
 
 def _shown(bar: Bar, parameter: str) -> _Show:
@@ -214,11 +224,19 @@ def _shown(bar: Bar, parameter: str) -> _Show:
 
 
 def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
-    """Pictures, tables and graphs; the special points on the screen too."""
+    """Pictures, tables and graphs; the special points on the screen too.
+
+    Of a search that was broken off tables and graphs only, so that it ends at once.
+    """
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
     from woodpecker import observables as observed
 
-    shown = observed(toy, found.diagram.named(shows.places), *shows.columns)
+    shown = found.diagram.named(shows.places)
+    if found.stopped:
+        write_results(shown, target)
+        report(target, *FILES, RUN)
+        return
+    shown = observed(toy, shown, *shows.columns)
     write_results(shown, target)
     pictures = _draw(shown, target, shows)
     console.print(table_of_points(shown))
