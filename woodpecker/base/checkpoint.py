@@ -127,7 +127,7 @@ def version_of(path: str | os.PathLike[str]) -> object:
     with _existing(Path(path)).open("rb") as file:
         try:
             header = json.loads(file.readline())
-        except ValueError:
+        except (RecursionError, ValueError):
             return None
     return header.get("version") if isinstance(header, dict) else None
 
@@ -161,7 +161,7 @@ def read(
     for n, entry in enumerate(entries, 2):
         try:
             check(entry)
-        except (KeyError, IndexError, TypeError, ValueError):
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
             raise ValueError(
                 f"{path}, line {n}: expected an entry of a run, got {_short(entry)}"
             ) from None
@@ -206,7 +206,7 @@ def _existing(path: Path) -> Path:
 def _read(line: bytes, n: int, path: Path) -> Entry:
     try:
         entry = json.loads(line)
-    except ValueError as error:  # no JSON, or no text
+    except (RecursionError, ValueError) as error:  # no JSON, or no text
         raise ValueError(f"{path}, line {n}: not the journal of a run: {error}") from None
     if not isinstance(entry, dict):
         raise ValueError(f"{path}, line {n}: expected an entry of a run, got {_short(entry)}")
