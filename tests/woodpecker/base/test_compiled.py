@@ -186,7 +186,7 @@ def test_a_cache_that_is_damaged_or_full_is_no_obstacle(tmp_path: Path) -> None:
 
     def call(*arguments: str) -> tuple[str, str]:
         done = subprocess.run(
-            [sys.executable, str(script), *arguments], capture_output=True, text=True, timeout=120.0,
+            [sys.executable, str(script), *arguments], capture_output=True, text=True, timeout=120,
             env=os.environ | {"PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(folder)},
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
