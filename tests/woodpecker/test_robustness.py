@@ -133,7 +133,7 @@ def test_what_is_no_stable_motion_is_refused() -> None:
 def test_a_spike_at_a_grazing_is_no_end() -> None:
     """Right before a grazing the multiplier, -0.87 on both sides, has no bound.
 
-    The ordinary flip lies twice as far; 0.88 % along the straight line to the spike.
+    The ordinary flip lies twice as far.
     """
     toy = Toy(m_s=0.006, h_s=0.021, mu_1=0.35, mu_2=0.29, mu_3=0.28)
     found = robustness(toy, shoot(toy, GUESS))

@@ -49,7 +49,7 @@ def _sealed() -> Any:
             try:
                 return super().load(key)
             except Exception as error:  # whatever pickle makes of wrong bytes
-                _say(self._cache_path, f"is damaged ({error or type(error).__name__})")
+                _say(self._cache_path, f"is damaged ({_in_a_line(error)})")
                 return None
 
         def save(self, key: Any, data: Any) -> None:
@@ -75,6 +75,10 @@ def _sealed() -> Any:
             return super()._load_data(name)
 
     return Sealed
+
+
+def _in_a_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _seal(content: bytes) -> bytes:
