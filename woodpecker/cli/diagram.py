@@ -130,7 +130,7 @@ def diagram(
     if found.stopped:
         kept = f"{len(found.diagram.branches)} branches are kept"
         complain(f"{found.stopped}: {kept}, as tables; go on with --resume")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(found.status)
 
 
 class _Shows(NamedTuple):
@@ -146,11 +146,15 @@ class _Shows(NamedTuple):
 
 
 class _Searched(NamedTuple):
-    """A diagram, what there is to say of the search, and why it was broken off, if it was."""
+    """A diagram, what there is to say of the search, and why it was broken off, if it was.
+
+    ``status`` is that with which the command ends.
+    """
 
     diagram: Diagram
     summary: str = ""
     stopped: str = ""
+    status: int = 0
 
 
 _Show = Callable[["Stage"], None]
@@ -200,12 +204,10 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
             heard()
             if not run.exists():
                 raise
-            return _Searched(saved_diagram(run), stopped=_why(stopped))
-
-
-def _why(stopped: BaseException) -> str:
-    """Why a search was broken off."""
-    return "Interrupted" if isinstance(stopped, KeyboardInterrupt) else f"Broken off: {stopped}"
+            why, status = "Interrupted", INTERRUPTED
+            if not isinstance(stopped, KeyboardInterrupt):
+                why, status = f"Broken off: {stopped or 'no memory is left'}", 1
+            return _Searched(saved_diagram(run), stopped=why, status=status)
 
 
 def _shown(bar: Bar, parameter: str) -> _Show:

@@ -21,8 +21,9 @@ from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
 import woodpecker
-from woodpecker import Curve, Toy, load_diagram, return_map, saved_diagram
+from woodpecker import Curve, Stage, Toy, load_diagram, return_map, saved_diagram
 from woodpecker.base import linking
+from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli import curves as curves_command
 from woodpecker.cli.app import app
 
@@ -241,3 +242,33 @@ def test_where_nothing_is_finished_nothing_is_left(
         assert result.exit_code == 130
         assert "Interrupted before anything was finished" in result.output
         assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        (WorkerLostError("a process ended"), 1, "Broken off: a process ended: 1 branch"),
+        (MemoryError(), 1, "Broken off: no memory is left: 1 branch"),
+        (KeyboardInterrupt(), 130, "Interrupted: 1 branch"),
+    ],
+)
+def test_a_search_that_loses_a_process_keeps_what_is_finished(
+    error: BaseException, status: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = woodpecker.find_all
+
+    def broken(*arguments: Any, **options: Any) -> Any:
+        def show(stage: Stage) -> None:
+            if stage.branches > 1:
+                raise error
+
+        return search(*arguments, **options | {"progress": show, "workers": 1})
+
+    monkeypatch.setattr(woodpecker, "find_all", broken)
+    near = ("--orders", "1", "--span", "0.33", "0.4", "--window", "-1.2", "-0.7")
+    result = CliRunner().invoke(app, ["diagram", *near, "--out", str(tmp_path)])
+    assert result.exit_code == status
+    assert said in " ".join(result.output.split())
+    assert len(load_diagram(tmp_path / "diagram.json").branches) == 1
