@@ -206,7 +206,7 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
                 raise
             why, status = "Interrupted", INTERRUPTED
             if not isinstance(stopped, KeyboardInterrupt):
-                why, status = f"Broken off: {stopped or 'no memory is left'}", 1
+                why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
             return _Searched(saved_diagram(run), stopped=why, status=status)
 
 

@@ -82,7 +82,7 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
             complain(f"Error: {in_words(error)}")
             raise typer.Exit(2) from None
         except (CommandError, WorkerLostError, MemoryError) as failure:
-            complain(f"Failed: {failure or 'the memory of this machine does not suffice'}")
+            complain("Failed: " + (str(failure) or "no memory is left"))
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             heard()
