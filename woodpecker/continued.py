@@ -178,11 +178,8 @@ def _diagram(
         explorer = Explorer(
             map_, Serial(Worker(map_, chosen, stop)), chosen, followed, progress or nothing, record,
         )  # fmt: skip
-        if record is not None and record.entries:
-            restored(explorer, record, map_)
-            explorer.finish()
-        else:
-            explorer.follow(start)
+        explorer.take_over(restored(explorer, record, map_).since)
+        explorer.follow(start)
     return finished(explorer.diagram(parameter, "phi_s"), toy, wanted, chosen)
 
 

@@ -18,7 +18,6 @@ from woodpecker.piecewise.checkpoint import Record, read_record, restore
 from woodpecker.piecewise.explorer import LEFT
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.settings import Numerics, Settings, differing
-from woodpecker.toypieces import ToyPieces
 from woodpecker.window import WINDOW
 
 DEFAULT = Settings(window=WINDOW)
@@ -100,7 +99,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
             f"{run}, line 1: expected a run of the toy, got one of {sorted(run_of)}"
         ) from None
     network = Network(settings)
-    restore(network, entries, ToyPieces(toy, parameter), run)
+    restore(network, entries, run)
     return finished(network.diagram(parameter, "phi_s"), toy, wanted, settings)
 
 

@@ -54,7 +54,7 @@ _HINT = (
 )
 _DOT_WORDS = {"nan": "nan", "inf": "inf", "-inf": "minus_inf"}  # -inf is no word of DOT
 _DOT_ESCAPES = str.maketrans({'"': r"\"", "\\": r"\\", "\n": r"\n", "\r": r"\r"})
-_DOT_TOKEN = re.compile(r'\s+|"(?:[^"\\]|\\["\\nr])*"|--|[][{}=,;]|-?[A-Za-z0-9_.]+')
+_DOT_TOKEN = re.compile(r'\s+|"(?:[^"\\]++|\\["\\nr])*+"|--|[][{}=,;]|-?[A-Za-z0-9_.]+')
 _DOT_UNESCAPES = {'"': '"', "\\": "\\", "n": "\n", "r": "\r"}
 # networkx < 3.4 calls the edges of node-link data "link" and lacks the keyword "edges"
 _EDGES = "edges" if "edges" in inspect.signature(nx.node_link_data).parameters else "link"

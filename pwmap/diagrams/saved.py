@@ -2,22 +2,32 @@
 
 A file whose name ends with ``.gz`` is compressed. Other programs find the content under the name
 of what it is, say ``json.load(file)["diagram"]["branches"]``.
+
+A file may come from anywhere: what is read is bounded in size and in what its formulas cost, and
+whatever is wrong with it is said in one sentence.
 """
 
 from __future__ import annotations
 
 import gzip
+import io
 import json
 import zlib
 from pathlib import Path
 from typing import Any
 
+from sympy.polys.polyerrors import BasePolynomialError
+
 from pwmap.algebra.terms import shortened
+from pwmap.diagrams import formulas
 from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.files import write_whole
 
 FORMAT, VERSION = "format", "version"
 ZIPPED = ".gz"
+LARGEST = 2**24  # bytes that a compressed file of any size may hold,
+DENSEST = 24  # or this many times its own size: what is written here is 3 to 15 times denser
+COSTLIEST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: some 15 s
 
 
 def write_record(path: Path, record: Any, name: str, version: int) -> None:
@@ -37,16 +47,19 @@ def read_record(path: Path, kind: type, name: str, version: int) -> Any:
     """
     data = path.read_bytes()
     try:
-        content = json.loads(gzip.decompress(data) if path.suffix == ZIPPED else data)
+        content = json.loads(_unzipped(data) if path.suffix == ZIPPED else data)
         if not isinstance(content, dict) or content.get(FORMAT) != f"pwmap {name}":
             raise ValueError(f"it does not begin with the format 'pwmap {name}'")
         written = content[VERSION]
+        if type(written) is not int or written < 1:
+            raise ValueError(f"its version must be a whole number from 1 on, got {written!r}")
         if written <= version:
+            _check_cost(content)
             return from_plain(content[name], kind)
     except RecursionError:
         reason = "it is nested too deep"
-    except (ArithmeticError, AttributeError, EOFError, LookupError, OSError, TypeError, ValueError,
-            zlib.error) as error:  # fmt: skip
+    except (ArithmeticError, AttributeError, BasePolynomialError, EOFError, LookupError, OSError,
+            RuntimeError, TypeError, ValueError, zlib.error) as error:  # fmt: skip
         reason = shortened(" ".join(str(error).split()), 200)
     else:
         raise ValueError(
@@ -54,3 +67,28 @@ def read_record(path: Path, kind: type, name: str, version: int) -> Any:
             f"to version {version}: a newer one is needed"
         )
     raise ValueError(f"{path} is no saved {name}: {reason}")
+
+
+def _unzipped(data: bytes) -> bytes:
+    """What a compressed file holds; ValueError if that is more than any file written here does."""
+    most = max(LARGEST, DENSEST * len(data))
+    with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
+        found = file.read(most + 1)
+    if len(found) > most:
+        raise ValueError(f"{len(data)} bytes of it hold more than {most}")
+    return found
+
+
+def _check_cost(content: Any) -> None:
+    """Complain of formulas that take too long to be read, before any of them is."""
+    costs, todo = 0.0, [content]
+    while todo:
+        match todo.pop():
+            case {"$formula": formula}:
+                costs += formulas.cost(formula)
+            case dict() as data:
+                todo += data.values()
+            case list() as rows:
+                todo += rows
+    if costs > COSTLIEST:
+        raise ValueError("its formulas have numbers so long that they are not read")

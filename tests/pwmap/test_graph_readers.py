@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import networkx as nx
@@ -176,3 +178,32 @@ def test_a_key_of_graphml_without_a_name_or_a_type_is_refused(missing: str, tmp_
     path.write_text(re.sub(rf' {missing}="[^"]*"', "", text, count=1), encoding="utf-8")
     with pytest.raises(ValueError, match="has no name or no type"):
         read_graph(path)
+
+
+PEAK = """
+from pwmap import read_graph
+def peak():
+    with open("/proc/self/status") as file:
+        return next(int(line.split()[1]) for line in file if line.startswith("VmHWM"))
+before = peak()
+try:
+    read_graph({path!r})
+except ValueError as error:
+    print(peak() - before, error)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="asks /proc how much memory was taken")
+@pytest.mark.parametrize("text", ["a", r"\n"])
+def test_a_quote_that_is_not_closed_takes_no_memory(text: str, tmp_path: Path) -> None:
+    """A pattern that remembers where it could begin anew takes a hundred times the text."""
+    path = tmp_path / "g.dot"
+    path.write_text('graph {\n"' + text * (4_000_000 // len(text)), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK.format(path=str(path))], capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    taken, sentence = done.stdout.split(" ", 1)
+    assert "does not hold a graph written by write_graph: unexpected" in sentence
+    assert int(taken) < 40_000  # kB: bytes, text, and what Python keeps free

@@ -6,7 +6,9 @@ import dataclasses
 import gzip
 import json
 import math
+import re
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -314,3 +316,76 @@ def test_compression_pays(tmp_path: Path) -> None:
     packed = diagram.save(tmp_path / "d.json.gz").stat().st_size
     assert plain < 22 * 3 * n
     assert packed < 0.5 * plain
+
+
+# --- Files that ask for too much ------------------------------------------------------------------
+
+
+def with_formula(formula: object, path: Path) -> Path:
+    content = json.loads(with_open_point().save(path).read_text(encoding="utf-8"))
+    content["diagram"]["points"][0]["exact"] = {"x": {"$formula": formula}}
+    path.write_text(json.dumps(content), encoding="utf-8")
+    return path
+
+
+def test_a_small_file_that_holds_a_large_one_is_refused(tmp_path: Path) -> None:
+    """Two megabytes could hold two gigabytes; what is saved here is at most 15 times denser."""
+    path = tmp_path / "d.json.gz"
+    path.write_bytes(gzip.compress(b"[" + b"0," * 10_000_000 + b"0]"))
+    with pytest.raises(ValueError, match=r"is no saved diagram: \d+ bytes of it hold more than 16"):
+        load_diagram(path)
+
+
+@pytest.mark.parametrize("version", [-1, 0, True, 1.0, "1", None, [1]])
+def test_versions_that_are_none_are_refused(version: object, tmp_path: Path) -> None:
+    path = changed(with_open_point().save(tmp_path / "d.json"), lambda c: c.update(version=version))
+    sentence = f"its version must be a whole number from 1 on, got {version!r}"
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        load_diagram(path)
+
+
+@pytest.mark.parametrize(
+    ("formula", "sentence"),
+    [
+        (["Interval", "0", "1", 0, 1], r"whether the ends of an interval are open, got \[0, 1\]"),
+        (["Interval", "0", "1", True], r"whether the ends of an interval are open, got \[True\]"),
+        (["CRootOf", ["1", "0", "-2"], ["Add", ["Symbol", "t"], "1"], 0], "a root by its symbol"),
+        (["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], True], "a root by its symbol and number"),
+        (["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 2], "is no saved diagram"),
+        (["CRootOf", ["1/2", "0", "x"], ["Symbol", "t"], 0], "is no saved diagram"),
+        (["CRootOf", [], ["Symbol", "t"], 0], "is no saved diagram"),
+        (["CRootOf", "12", ["Symbol", "t"], 0], "is no saved diagram"),
+        (["CRootOf"], "is no saved diagram"),
+        (["Pow", "2"], "is no saved diagram"),
+        (["Union", "2"], "is no saved diagram"),
+    ],
+)
+def test_formulas_that_are_none_are_refused(formula: object, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        load_diagram(with_formula(formula, tmp_path / "d.json"))
+
+
+def test_roots_that_would_take_long_are_refused_before_they_do(tmp_path: Path) -> None:
+    """A product of two polynomials with numbers of 4 000 digits: some 10 s to tell its roots apart.
+
+    Many roots that take a second each are as bad.
+    """
+    t = sympy.Symbol("t")
+    for digits, count in ((4000, 1), (400, 100)):
+        product = (10**digits * t**3 - t - 1) * (10**digits * t**2 - 3)
+        coefficients = [hex(int(each)) for each in sympy.Poly(product, t).all_coeffs()]
+        root = ["CRootOf", coefficients, ["Symbol", "t"], 0]
+        path = with_formula(["Add", *[root] * count], tmp_path / "d.json")
+        begin = time.process_time()
+        with pytest.raises(ValueError, match="its formulas have numbers so long that they are not"):
+            load_diagram(path)
+        assert time.process_time() - begin < 2.0  # seconds of this process
+
+
+def test_sets_of_many_intervals_are_read_as_they_are(tmp_path: Path) -> None:
+    """Sorted and joined again they would take half a minute."""
+    parts = [["Interval", str(2 * k), str(2 * k + 1), True, False] for k in range(1500)]
+    begin = time.process_time()
+    point = load_diagram(with_formula(["Union", *parts], tmp_path / "d.json")).points[0]
+    assert time.process_time() - begin < 5.0
+    assert len(point.exact["x"].args) == 1500

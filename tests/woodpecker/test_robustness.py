@@ -4,8 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from needs import NEEDS_NUMBA
 
-from woodpecker import Effect, Robustness, Toy, robustness, shoot
+from woodpecker import Effect, Robustness, Toy, Trouble, robustness, shoot
 from woodpecker.toypieces import ToyPieces
 from woodpecker.trouble.changes import space_of
 from woodpecker.trouble.lines import ToyLine
@@ -122,3 +123,47 @@ def test_what_is_no_stable_motion_is_refused() -> None:
     lost = shoot(toy, -0.1)
     with pytest.raises(ValueError, match="needs a periodic motion"):
         robustness(toy, lost)
+
+
+# --- Spikes ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_spike_at_a_grazing_is_no_end() -> None:
+    """Right before a grazing the multiplier, -0.87 on both sides, has no bound.
+
+    The ordinary flip lies twice as far.
+    """
+    toy = Toy(m_s=0.006, h_s=0.021, mu_1=0.35, mu_2=0.29, mu_3=0.28)
+    found = robustness(toy, shoot(toy, GUESS))
+    nearest = found.nearest
+    assert nearest is not None
+    assert (nearest.effect, nearest.kind) == (Effect.DESTABILISED, "PD")
+    assert nearest.confirmed, nearest.evidence
+    assert nearest.size == pytest.approx(0.006176, abs=1e-6)  # as many digits as are written here
+    flip = shoot(nearest.toy, nearest.phi_s)
+    assert flip.multiplier == pytest.approx(-1.0, abs=1e-6)
+    confirmed = [row.confirmed for row in found.troubles]
+    assert confirmed == sorted(confirmed, reverse=True)
+    (spike,) = [row for row in found.harmless if row.effect is Effect.SPIKED]
+    assert "grazes the pole" in spike.cause
+    assert 0.0029 < spike.size < nearest.size
+    assert spike.confirmed, spike.evidence
+
+
+def row(size: float, *, confirmed: bool) -> Trouble:
+    return Trouble(
+        effect=Effect.DESTROYED, kind="BC", cause="", size=size, changes={}, toy=Toy(), phi_s=0.0,
+        word="", stable=True, angle=0.0, confirmed=confirmed, evidence="",
+    )  # fmt: skip
+
+
+def test_what_is_nearest_is_confirmed() -> None:
+    orbit = shoot(Toy(), GUESS)
+    for rows, size in (((row(0.2, confirmed=True), row(0.1, confirmed=False)), 0.2), ((), None)):
+        found = Robustness(orbit=orbit, troubles=rows, harmless=(), limits=())
+        assert (found.nearest.size if found.nearest else None) == size
+    only = Robustness(orbit=orbit, troubles=(row(0.1, confirmed=False),), harmless=(), limits=())
+    assert only.nearest is None
+    assert repr(only).startswith("Robustness(nothing confirmed; 1 trouble")

@@ -1,15 +1,19 @@
 """A checkpoint: a text file that grows by one line of JSON with everything that is finished.
 
 Each line is handed to the system before a search goes on, so that a run that is interrupted, or
-killed, loses nothing but what was being done. The first line says what is searched, and how.
+killed, loses nothing but what was being done. The first line says what is searched, and how. Each
+ends with a digest of itself and of all lines before it, so that one that was changed, dropped or
+doubled is noticed; half a line at the end is what an interruption leaves, and is dropped.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
+import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -23,6 +27,8 @@ except ImportError:  # Windows: nothing keeps two runs from writing one file
 
 Entry = dict[str, Any]
 RUN, START = "run", "start"  # what is searched; the points from which it sets out
+DIGEST = 8  # bytes of a digest: one line in 2^64 that was changed passes for a good one
+TAIL = re.compile(rb', "digest": "([0-9a-f]{16})"\}$')
 SAME = 1e-9  # of points to start from: other machines round in other ways
 WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and hold its file
 
@@ -64,25 +70,30 @@ class Checkpoint:
         self._file: TextIO = self.path.open("a", encoding="utf-8", newline="\n")
         try:
             _lock(self._file, self.path)
-            if resume:
+            old, self._digest = self.path.read_bytes(), ""
+            first = {RUN: run, "version": version}
+            if resume and not line_of(first, "").startswith(old):  # it has begun
                 header, self.entries = read(self.path, version=version, check=check)
                 _compare(header, run, self.path)
-                self._file.truncate(_whole(self.path))  # a last line that was being written
+                whole = old[: _whole(old)]
+                self._digest = _digest_of(whole.splitlines()[-1])
+                self._file.truncate(len(whole))  # a last line that was being written
             else:
-                old = self.path.read_bytes()
-                if old:
+                if old and not resume:
                     write_whole(self.path.with_name(self.path.name + ".old"), old)
-                    self._file.truncate(0)
-                self.write({RUN: run, "version": version})
+                self._file.truncate(0)
+                self.write(first)
         except BaseException:
             self.close()
             raise
 
     def write(self, entry: Entry) -> None:
         """Append one entry and hand it to the system."""
-        self._file.write(json.dumps(entry) + "\n")
+        line = line_of(entry, self._digest)
+        self._file.write(line.decode())
         self._file.flush()
         os.fsync(self._file.fileno())
+        self._digest = _digest_of(line[:-1])
 
     def close(self) -> None:
         """Close the file, and let others write it."""
@@ -116,7 +127,7 @@ def version_of(path: str | os.PathLike[str]) -> object:
     with _existing(Path(path)).open("rb") as file:
         try:
             header = json.loads(file.readline())
-        except ValueError:
+        except (RecursionError, ValueError):
             return None
     return header.get("version") if isinstance(header, dict) else None
 
@@ -133,9 +144,9 @@ def read(
         the last that is complete.
     """
     path = _existing(Path(path))
-    with path.open("rb") as file:
-        lines = file.read(_whole(path)).splitlines()
-    header, *entries = [_read(line, n, path) for n, line in enumerate(lines, 1)] or [{}]
+    data = path.read_bytes()
+    lines = data[: _whole(data)].split(b"\n")[:-1]
+    header = _read(lines[0], 1, path) if lines else {}
     if not isinstance(header.get(RUN), dict):
         raise ValueError(f"{path} is not the journal of a run: its first line does not say which")
     found = header.get("version")
@@ -145,14 +156,45 @@ def read(
             f"{path} holds a run in a format {written}, expected format {version}: start the run "
             "anew"
         )
+    _check_digests(lines, path)
+    entries = [_read(line, n, path) for n, line in enumerate(lines[1:], 2)]
     for n, entry in enumerate(entries, 2):
         try:
             check(entry)
-        except (KeyError, IndexError, TypeError, ValueError):
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
             raise ValueError(
                 f"{path}, line {n}: expected an entry of a run, got {_short(entry)}"
             ) from None
     return header[RUN], entries
+
+
+def line_of(entry: Entry, before: str) -> bytes:
+    """An entry as a line that follows one with a digest; the first line follows none."""
+    text = json.dumps(entry).encode()
+    return text[:-1] + f', "digest": "{_digest(text, before)}"}}\n'.encode()
+
+
+def _digest(text: bytes, before: str) -> str:
+    return hashlib.blake2b(before.encode() + text, digest_size=DIGEST).hexdigest()
+
+
+def _digest_of(line: bytes) -> str:
+    """The digest that a line states; none if it states none."""
+    found = TAIL.search(line)
+    return "" if found is None else found[1].decode()
+
+
+def _check_digests(lines: Sequence[bytes], path: Path) -> None:
+    """Complain of the first line that does not follow from those before it."""
+    before = ""
+    for n, line in enumerate(lines, 1):
+        stated = _digest_of(line)
+        if not stated or _digest(TAIL.sub(b"}", line), before) != stated:
+            raise ValueError(
+                f"{path}, line {n}: this is not what was written: the line was changed, or lines "
+                "before it are missing or doubled; keep what comes before it to go on from there"
+            )
+        before = stated
 
 
 def _existing(path: Path) -> Path:
@@ -164,10 +206,11 @@ def _existing(path: Path) -> Path:
 def _read(line: bytes, n: int, path: Path) -> Entry:
     try:
         entry = json.loads(line)
-    except ValueError as error:  # no JSON, or no text
+    except (RecursionError, ValueError) as error:  # no JSON, or no text
         raise ValueError(f"{path}, line {n}: not the journal of a run: {error}") from None
     if not isinstance(entry, dict):
         raise ValueError(f"{path}, line {n}: expected an entry of a run, got {_short(entry)}")
+    entry.pop("digest", None)
     return entry
 
 
@@ -189,9 +232,9 @@ def checked_number(value: object) -> float:
     return float(value)
 
 
-def _whole(path: Path) -> int:
-    """Length in bytes of all lines that are complete."""
-    return path.read_bytes().rfind(b"\n") + 1
+def _whole(data: bytes) -> int:
+    """Length of all lines that are complete."""
+    return data.rfind(b"\n") + 1
 
 
 def _compare(old: Entry, new: Entry, path: Path) -> None:

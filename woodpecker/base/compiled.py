@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from woodpecker.base.cache import guard
 from woodpecker.base.linking import pipelines
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -58,6 +59,7 @@ def jit(function: F) -> F:
         compiled = numba.njit(**_WHOLE)(function)
         _say_that_nothing_is_cached()
     _stamp(compiled)
+    guard(compiled)
     return compiled
 
 

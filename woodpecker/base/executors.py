@@ -31,8 +31,9 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, NamedTuple, Protocol
 
 from woodpecker.base.checks import whole
+from woodpecker.base.lost import WorkerLostError
 
-WATCH = 1.0  # s: how often a worker looks whether its owner is still there
+WATCH = 0.5  # s: how often a worker looks whether its owner is still there, if nothing tells it
 PATIENCE = 2.0  # s: what takes less is done before processes that are started anew could help
 READY = 64  # tasks for each worker that would have nothing to do while one takes long
 KEPT = 4  # descriptions of tasks that a process remembers: one for each search it works for
@@ -311,7 +312,7 @@ def scheduler(
     ------
     ValueError
         If there is to be nobody, or the work cannot be sent to other processes.
-    RuntimeError
+    WorkerLostError
         If a process ends before its task does.
     """
     count = worker_count(workers)
@@ -402,11 +403,11 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     """Processes of this one's own, all started at once; None where none can be made.
 
     Ctrl-C is left to this process. They end with the block, at once if it ends by an error, and
-    do not outlive this process. Those that are still starting then are not waited for.
+    do not outlive this process, however it ends. Those that are still starting are not waited for.
 
     Raises
     ------
-    RuntimeError
+    WorkerLostError
         If one ends before its task does.
     """
     if multiprocessing.current_process().daemon:  # such a process may have no children
@@ -428,7 +429,7 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
         except BaseException as error:  # what they are at is not wanted any more
             hand.send_bytes(b"end")
             if isinstance(error, BrokenProcessPool):
-                raise RuntimeError(_BROKEN) from error
+                raise WorkerLostError(_BROKEN) from error
             raise
         finally:
             there = method == "fork" or all(future.done() for future in started)
@@ -462,10 +463,16 @@ def _started(pool: ProcessPoolExecutor, count: int) -> list[Future[int]]:
 def _begin(leash: Connection) -> None:
     """A worker leaves Ctrl-C to its owner, and ends when its owner says so or is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # what a copy has of its owner's is not for it
     threading.Thread(target=_watch, args=(leash,), daemon=True).start()
 
 
 def _watch(leash: Connection) -> None:
+    """End this process when its owner says so or has gone.
+
+    The system closes what the owner has open when it ends, however it does; that wakes this thread.
+    A copy of the owner that lives longer may hold it open: so who the parent is is looked up, too.
+    """
     owner = multiprocessing.parent_process()
     assert owner is not None
     while not wait([leash, owner.sentinel], WATCH) and os.getppid() == owner.pid:

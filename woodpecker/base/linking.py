@@ -12,6 +12,10 @@ expected, and then numba does its usual, slower, work.
 from __future__ import annotations
 
 import gc
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -37,6 +41,13 @@ NEEDLESS = {
 A function that needs one of them is not compiled: numba says so.
 """
 
+
+ends_at_once = False
+"""Whether SIGINT and SIGTERM end this process while the kernel is compiled.
+
+The compiler runs for many seconds in which Python does not, and would not hear of them. A command
+sets this: it has nothing to keep then. In a notebook it would be the end of all that is there.
+"""
 
 SELDOM = 100_000  # objects made between two collections while the kernel is compiled
 
@@ -118,11 +129,25 @@ def _pipelines() -> tuple[Any, Any]:
             usual = gc.get_threshold()
             gc.set_threshold(max(usual[0], SELDOM) if usual[0] > 0 else 0, *usual[1:])
             try:
-                return super().compile_extra(function)
+                with _ended_by_signals():
+                    return super().compile_extra(function)
             finally:
                 gc.set_threshold(*usual)
 
     return WholeCompiler, PartCompiler
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Leave signals to the system for a while, if this process is one that may end so."""
+    here = ends_at_once and threading.current_thread() is threading.main_thread()
+    signals = (signal.SIGINT, signal.SIGTERM) if here else ()
+    usual = {each: signal.signal(each, signal.SIG_DFL) for each in signals}
+    try:
+        yield
+    finally:
+        for each, handler in usual.items():
+            signal.signal(each, handler)
 
 
 def _collect(library: Any, part: Any, found: dict[Any, None]) -> None:

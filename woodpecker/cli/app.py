@@ -10,6 +10,7 @@ import typer
 
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
+from woodpecker.cli.interrupts import listen
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
 from woodpecker.cli.options import say, with_toy
@@ -63,4 +64,5 @@ def _before(
 def run() -> None:
     """Entry point of the command."""
     logging.basicConfig(format="%(message)s")
+    listen()
     app()

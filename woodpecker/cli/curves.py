@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import typer
+
 from pwmap.diagrams.files import PictureFormat, in_format
 from woodpecker.cli.diagram import PAPER, places_of
+from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import (
     GUESS,
+    INTERRUPTED,
     CommandError,
     Format,
     Out,
     asked_for,
+    complain,
     console,
     motion,
     option,
@@ -68,11 +72,16 @@ def curves(
     with results_in(out) as target:
         diagram = continuation(toy, motion(toy, phi_s), first, span)
         named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
-        found = _followed(toy, named, _chosen(named, from_), (first, second), spans)
-        files = in_format(FILES, picture)
-        _write(toy, found, target, files)
+        wanted, files = _chosen(named, from_), in_format(FILES, picture)
+        found, stopped = _followed(toy, named, wanted, (first, second), spans)
+        write_curves(found, target)
+        if not stopped:
+            _draw(toy, found, target / files[0])
     console.print(_table(found))
-    report(target, *files)
+    report(target, *(FILES[1:] if stopped else files))
+    if stopped:
+        complain(f"Interrupted: {len(found)} of {len(wanted)} curves are kept, as tables")
+        raise typer.Exit(INTERRUPTED)
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
@@ -109,11 +118,13 @@ def _chosen(diagram: Diagram, text: str) -> list[str]:
 def _followed(
     toy: Toy, diagram: Diagram, names: list[str], over: tuple[str, str],
     spans: tuple[tuple[float, float], tuple[float, float]],
-) -> dict[str, Curve]:  # fmt: skip
+) -> tuple[dict[str, Curve], bool]:  # fmt: skip
+    """Curves by the names of their points, and whether Ctrl-C ended the search."""
     from woodpecker import continuation
 
     found: dict[str, Curve] = {}
     refused: list[str] = []
+    stopped = False
     with progress() as bar:
         task = bar.add_task(", ".join(over), total=len(names))
         for name in names:
@@ -121,26 +132,39 @@ def _followed(
                 found[name] = continuation(toy, diagram.point(name), over, spans)
             except ValueError as error:
                 refused.append(f"{name}: {error}")
+            except KeyboardInterrupt:
+                heard()
+                if not found:
+                    raise
+                stopped = True
+                break
             bar.advance(task)
     if not found:
         raise CommandError("no curve could be followed: " + "; ".join(refused))
     for sentence in refused:
         say(f"left out: {sentence}")
-    return found
+    return found, stopped
 
 
-def _write(toy: Toy, found: dict[str, Curve], target: Path, files: Sequence[str]) -> None:
-    from pwmap import write_graph
-    from pwmap.diagrams.files import write_figure, write_table
-    from pwmap.diagrams.record import PROGRAM, attributes
-    from woodpecker import graph_of_curves
+def _draw(toy: Toy, found: dict[str, Curve], file: Path) -> None:
+    from pwmap.diagrams.files import write_figure
     from woodpecker.plot.plane import plot_curves
 
     first, second = next(iter(found.values())).names
     here = getattr(toy, first), getattr(toy, second)
-    write_figure(target / files[0], plot_curves(found, here=here).figure)
+    write_figure(file, plot_curves(found, here=here).figure)
+
+
+def write_curves(found: dict[str, Curve], target: Path) -> None:
+    """Tables of curves and their points, and the graph of both: all files but the picture."""
+    from pwmap import write_graph
+    from pwmap.diagrams.files import write_table
+    from pwmap.diagrams.record import PROGRAM, attributes
+    from woodpecker import graph_of_curves
+
+    first, second = next(iter(found.values())).names
     write_table(
-        target / files[1],
+        target / FILES[1],
         ("curve", "kind", "note", first, second, "phi_s", "multiplier", "beyond", "word"),
         (
             (
@@ -152,7 +176,7 @@ def _write(toy: Toy, found: dict[str, Curve], target: Path, files: Sequence[str]
         ),
     )  # fmt: skip
     write_table(
-        target / files[2],
+        target / FILES[2],
         ("curve", "id", "kind", first, second, "phi_s", "cause", "status", "precision"),
         (
             (name, p.id, p.kind, *p.values, p.x[0], p.cause, p.status, max(p.precision))
@@ -162,7 +186,7 @@ def _write(toy: Toy, found: dict[str, Curve], target: Path, files: Sequence[str]
     )
     graph = graph_of_curves(list(found.values()))
     graph.graph.update(attributes({"program": PROGRAM, **asked_for()}))
-    for name in files[3:]:
+    for name in FILES[3:]:
         write_graph(graph, target / name)
 
 

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from pwmap.diagrams.files import PictureFormat
+from woodpecker.base.lost import WorkerLostError
+from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import (
     GUESS,
-    INTERRUPTED,
     Format,
     Out,
     Window,
@@ -127,8 +128,8 @@ def diagram(
         _write(toy, found, shows, target)
     if found.stopped:
         kept = f"{len(found.diagram.branches)} branches are kept"
-        complain(f"Interrupted: {kept}; go on with --resume")
-        raise typer.Exit(INTERRUPTED)
+        complain(f"{found.stopped}: {kept}, as tables; go on with --resume")
+        raise typer.Exit(found.status)
 
 
 class _Shows(NamedTuple):
@@ -144,11 +145,15 @@ class _Shows(NamedTuple):
 
 
 class _Searched(NamedTuple):
-    """A diagram, what there is to say of the search, and whether Ctrl-C ended it."""
+    """A diagram, what there is to say of the search, and why it was broken off, if it was.
+
+    ``status`` is that with which the command ends.
+    """
 
     diagram: Diagram
     summary: str = ""
-    stopped: bool = False
+    stopped: str = ""
+    status: int = 0
 
 
 _Show = Callable[["Stage"], None]
@@ -196,8 +201,16 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
             found = search(_shown(bar, parameter))
             left = str(found.diagram.about.get("left", ""))
             return found._replace(summary="\n".join(filter(None, (found.summary, left))))
-        except KeyboardInterrupt:
-            return _Searched(saved_diagram(run), stopped=True)
+        except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
+            heard()
+            if not run.exists():
+                raise
+            return _Searched(saved_diagram(run), stopped=_why(stopped))
+
+
+def _why(stopped: BaseException) -> str:
+    """Why a search was broken off."""
+    return "Interrupted" if isinstance(stopped, KeyboardInterrupt) else f"Broken off: {stopped}"
 
 
 def _shown(bar: Bar, parameter: str) -> _Show:
@@ -216,11 +229,19 @@ def _shown(bar: Bar, parameter: str) -> _Show:
 
 
 def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
-    """Pictures, tables and graphs; the special points on the screen too."""
+    """Pictures, tables and graphs; the special points on the screen too.
+
+    Of a search that was broken off tables and graphs only, so that it ends at once.
+    """
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
     from woodpecker import observables as observed
 
-    shown = observed(toy, found.diagram.named(shows.places), *shows.columns)
+    shown = found.diagram.named(shows.places)
+    if found.stopped:
+        write_results(shown, target)
+        report(target, *FILES, RUN)
+        return
+    shown = observed(toy, shown, *shows.columns)
     write_results(shown, target)
     pictures = _draw(shown, target, shows)
     console.print(table_of_points(shown))

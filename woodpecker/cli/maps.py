@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from pwmap.diagrams.files import PictureFormat, in_format
+from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import (
     INTERRUPTED,
-    CommandError,
     Format,
     Out,
     Window,
@@ -93,6 +93,7 @@ def _computed(toy: Toy, order: int, starts: Floats) -> _Computed:
 
     parts: list[ReturnMap] = []
     curve, stopped = None, False
+    return_map(toy, starts[:1], order)  # compiled in this thread, which hears of signals
     with progress() as bar:
         task = bar.add_task(f"P_{order}", total=len(starts))
         try:
@@ -103,9 +104,10 @@ def _computed(toy: Toy, order: int, starts: Floats) -> _Computed:
             for curve in curves(toy, joined(parts), order):
                 bar.update(task, description=f"steep places, {curve.evaluations} more starts")
         except KeyboardInterrupt:
+            heard()
             stopped = True
     if not parts:
-        raise CommandError("interrupted before the first returns were there")
+        raise KeyboardInterrupt
     returns = joined(parts)
     if curve is None:
         curve = next(curves(toy, returns, order))

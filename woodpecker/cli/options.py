@@ -16,6 +16,8 @@ from rich.markup import escape
 
 from pwmap.cli_screen import bar_on, in_words, screen, tell_written
 from pwmap.diagrams.files import PictureFormat
+from woodpecker.base.lost import WorkerLostError
+from woodpecker.cli.interrupts import heard
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -28,7 +30,7 @@ errors = screen(stderr=True)
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
 OUT = "out"  # the option that says where, not what
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 
 
 # the command that runs, and what it was asked for: its files say so
@@ -79,9 +81,13 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {in_words(error)}")
             raise typer.Exit(2) from None
-        except CommandError as failure:
-            complain(f"Failed: {failure}")
+        except (CommandError, WorkerLostError, MemoryError) as failure:
+            complain("Failed: " + (str(failure) or "no memory is left"))
             raise typer.Exit(1) from None
+        except KeyboardInterrupt:
+            heard()
+            complain("Interrupted before anything was finished")
+            raise typer.Exit(INTERRUPTED) from None
 
     wrapped.__signature__ = inspect.Signature([*own, *of_toy])  # type: ignore[attr-defined]
     wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *of_toy]}

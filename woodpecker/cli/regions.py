@@ -6,13 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import typer
+
 from pwmap.diagrams.files import PictureFormat, in_format
-from woodpecker.cli.curves import Parameters, Second, second_of, two_of
+from woodpecker.cli.curves import FILES as CURVES
+from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.diagram import orders_of
+from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import (
+    INTERRUPTED,
     Format,
     Out,
     Window,
+    complain,
     console,
     option,
     progress,
@@ -59,14 +65,21 @@ def regions(
     with results_in(out) as target:
         with progress() as bar:
             task = bar.add_task(f"{first}, {second}", total=None)
+            curves: list[Curve] = []
 
             def show(curve: Curve) -> None:
+                curves.append(curve)
                 bar.update(task, description=f"{curve.kind} over {first}, {second}")
 
-            found = parameter_regions(
-                toy, (first, second), spans, orders=wanted, window=window,
-                survey=Survey(checks=checks), progress=show,
-            )  # fmt: skip
+            try:
+                found = parameter_regions(
+                    toy, (first, second), spans, orders=wanted, window=window,
+                    survey=Survey(checks=checks), progress=show,
+                )  # fmt: skip
+            except KeyboardInterrupt:
+                heard()
+                _keep(curves, target)
+                raise typer.Exit(INTERRUPTED) from None
         files = in_format(FILES, picture)
         _write(found, target, files)
     console.print(_table(found))
@@ -76,6 +89,15 @@ def regions(
         else f"all of {found.checks} random places agree"
     )
     report(target, *files)
+
+
+def _keep(curves: list[Curve], target: Path) -> None:
+    """What a search that was interrupted has found: curves, of which some may be double."""
+    if not curves:
+        raise KeyboardInterrupt
+    write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, target)
+    report(target, *CURVES[1:])
+    complain(f"Interrupted: {len(curves)} curves are kept, as tables; no regions between them")
 
 
 def _write(found: Regions, target: Path, files: Sequence[str]) -> None:

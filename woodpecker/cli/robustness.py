@@ -71,12 +71,14 @@ def _write(found: Robustness, target: Path) -> None:
 def _troubles(found: Robustness) -> Table:
     from rich.table import Table
 
-    table = Table("what", "size", "largest changes", "confirmed", title="All parameters at once")
+    table = Table(
+        "what", "size", "largest changes", "confirmed", "evidence", title="All parameters at once"
+    )
     for row in (*found.troubles, *found.harmless):
         seen = "yes" if row.confirmed else "open"
         already = "" if row.stable else "; unstable before"
         what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
-        table.add_row(what, f"{100.0 * row.size:.4g} %", _largest(row), seen)
+        table.add_row(what, f"{100.0 * row.size:.4g} %", _largest(row), seen, row.evidence)
     return table
 
 

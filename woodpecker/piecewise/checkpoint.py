@@ -1,7 +1,9 @@
 """What the checkpoint of a run holds: curves, and which special points and slices are finished.
 
-A network is followed by what it has added, in order; adding it again puts it back where it was. The
-pieces of a cycle that meets a jump are no data: the map is asked for them, right inside the border.
+A network is followed by what it has added, in order; adding it again puts it back where it was. A
+run that goes on takes over the slices that were finished as a whole. What was followed since is
+taken over step by step, where the search comes to it again: it makes every decision with the same
+branches known as the run that was interrupted.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ import base64
 import json
 import os
 from collections import deque
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,7 @@ from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.crossings import cycle_at_border
 from woodpecker.piecewise.curves import Curve, Mark, Word
 from woodpecker.piecewise.ends import Collision, End
-from woodpecker.piecewise.explorer import Seen
+from woodpecker.piecewise.explorer import Finished, Kept, Seen, Step
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Margin
 from woodpecker.piecewise.pieces import PiecewiseMap
@@ -32,8 +34,8 @@ from woodpecker.piecewise.settings import Settings
 
 CURVES, DONE, SWITCHED, SLICE = "curves", "done", "switched", "slice"  # kinds of entries
 COST = "evaluations"  # beside all but a slice, which has its own
-VERSION = 5  # of the lines below; raised when older code would misread them
-Rebuild = Callable[[Entry], Collision | None]
+STARTS = "starts"  # of a special point that is done
+VERSION = 6  # of the lines below; raised when older code would misread them
 
 
 class Record:
@@ -77,18 +79,20 @@ class Record:
         """
         self._file.write({CURVES: [_of_curve(curve) for curve in curves], COST: evaluations})
 
-    def done(self, met: Collision | End, evaluations: int = 0) -> None:
+    def done(self, met: Collision | End, starts: int, evaluations: int = 0) -> None:
         """Keep that all that starts at the next special point was followed.
 
         Parameters
         ----------
         met
             The special point.
+        starts
+            How many branches start there.
         evaluations
-            How often the map was evaluated to know what starts there.
+            How often the map was evaluated to know that.
         """
         kind = DONE if isinstance(met, Collision) else SWITCHED
-        self._file.write({kind: met.p, COST: evaluations})
+        self._file.write({kind: met.p, STARTS: starts, COST: evaluations})
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed.
@@ -111,61 +115,79 @@ def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Entry]]:
 
 
 def restore(
-    network: Network, entries: Sequence[Entry], map_: PiecewiseMap, path: str | os.PathLike[str]
-) -> Past:
-    """Put a network back to where a checkpoint says it was.
+    network: Network, entries: Sequence[Entry], path: str | os.PathLike[str],
+    map_: PiecewiseMap | None = None,
+) -> tuple[tuple[Seen, ...], int]:  # fmt: skip
+    """Put a network to where a checkpoint says it was; with a map if it is a run of that map.
 
     Returns
     -------
-    The slices that were finished, and what was found since.
+    The slices that were finished, and how often the map was evaluated for all of this.
 
     Raises
     ------
     ValueError
-        If an entry does not follow from those before it, or a collision is none of the map.
+        If an entry does not follow from those before it, or branches start at a collision that is
+        none of the map.
     """
-
-    def rebuild(data: Entry) -> Collision:
-        return _collision(data, map_, network.settings)
-
-    slices, known, evaluations = list[Seen](), 0, 0
+    slices, evaluations = list[Seen](), 0
     for line, entry in enumerate(entries, 2):
-        evaluations += entry[SLICE][COST] if SLICE in entry else entry.get(COST, 0)
+        evaluations += entry[SLICE][COST] if SLICE in entry else entry[COST]
         if SLICE in entry:
             slices.append(_slice(entry[SLICE]))
-            known = len(network.curves)
         elif CURVES in entry:
-            try:
-                curves = [_curve(data, rebuild) for data in entry[CURVES]]
-            except _OtherMapError as error:
-                raise ValueError(f"{Path(path)}, line {line}: {error}") from None
-            for curve in curves:
+            for curve in _curves(entry):
                 network.add(curve)
         else:
             kind = DONE if DONE in entry else SWITCHED
             waiting: deque[Any] = network.waiting if kind == DONE else network.switches
-            if not waiting:
+            if not waiting or waiting[0].p != entry[kind]:
                 raise ValueError(
                     f"{Path(path)}, line {line}: nothing is left to follow at {entry[kind]}"
                 )
-            waiting.popleft()
-    since = tuple(curve.order for curve in network.curves[known:])
-    begun = bool(entries) and SLICE not in entries[-1]
-    return Past(tuple(slices), since, evaluations, begun)
+            met = waiting.popleft()
+            starts = kind == DONE and entry[STARTS] > 0
+            if starts and map_ is not None and not _is_of_map(met, map_, network.settings):
+                raise ValueError(
+                    f"{Path(path)}, line {line}: expected a collision of this map, got one at "
+                    f"x = {met.x[met.margin.index]}, p = {met.p}, where its piece does not end"
+                )
+    return tuple(slices), evaluations
+
+
+def past_of(
+    network: Network, entries: Sequence[Entry], path: str | os.PathLike[str], map_: PiecewiseMap
+) -> Past:
+    """What an interrupted run had come to; its network is put to where it was at the last slice."""
+    until = max((n for n, entry in enumerate(entries, 1) if SLICE in entry), default=0)
+    slices, evaluations = restore(network, entries[:until], path, map_)
+    return Past(slices, tuple(map(_step, entries[until:])), evaluations)
+
+
+def _step(entry: Entry) -> Step:
+    if CURVES in entry:
+        return Kept(_curves(entry), entry[COST])
+    return Finished(entry[DONE if DONE in entry else SWITCHED], entry[COST])
+
+
+def _is_of_map(met: Collision, map_: PiecewiseMap, settings: Settings) -> bool:
+    """Whether a piece of a map ends where a cycle of it is said to meet a jump."""
+    cycle = cycle_at_border(map_, met.x, met.p, met.margin, met.side, met.key, settings)
+    return cycle is not None
 
 
 def check_entry(entry: Entry) -> None:
     """Raise one of the errors of a lookup unless an entry is what :class:`Record` writes."""
-    checked_type(entry.get(COST, 0), int)
     for kind in (DONE, SWITCHED):
         if kind in entry:
             checked_number(entry[kind])
+            checked_type(entry[STARTS], int)
+            checked_type(entry[COST], int)
             return
     if SLICE in entry:
         _slice(entry[SLICE])
         return
-    for data in entry[CURVES]:
-        _curve(data, _parts_of_collision)
+    _curves(entry)
 
 
 def _slice(data: Entry) -> Seen:
@@ -195,7 +217,11 @@ def _of_curve(curve: Curve) -> Entry:
     }
 
 
-def _curve(data: Entry, rebuild: Rebuild) -> Curve:
+def _curves(entry: Entry) -> tuple[Curve, ...]:
+    return tuple(map(_curve, entry[CURVES]))
+
+
+def _curve(data: Entry) -> Curve:
     checked_type(data["order"], int)
     parameter, multiplier = _floats(data["parameter"]), _floats(data["multiplier"])
     points = tuple(_floats(row) for row in data["points"])
@@ -207,7 +233,7 @@ def _curve(data: Entry, rebuild: Rebuild) -> Curve:
         kind=BranchKind(data["kind"]), order=data["order"], parameter=parameter, points=points,
         multiplier=multiplier, words=words,
         marks=tuple(_mark(*row) for row in data["marks"]),
-        ends=(_end(first, rebuild), _end(last, rebuild)),
+        ends=(_end(first), _end(last)),
     )  # fmt: skip
 
 
@@ -234,13 +260,13 @@ def _of_end(end: End) -> Entry:
     }
 
 
-def _end(data: Entry, rebuild: Rebuild) -> End:
+def _end(data: Entry) -> End:
     note, cause = _typed([data["note"], data["cause"]], str, str)
     met = data["collision"]
     return End(
         kind=PointKind(data["kind"]), p=checked_number(data["p"]), x=_floats(data["x"]), note=note,
         cause=cause, precision=checked_number(data["precision"]),
-        status=PointStatus(data["status"]), collision=None if met is None else rebuild(met),
+        status=PointStatus(data["status"]), collision=None if met is None else _collision(met),
     )  # fmt: skip
 
 
@@ -290,43 +316,29 @@ def _key(data: Any) -> Any:
 # --- Collisions -----------------------------------------------------------------------------------
 
 
-class _OtherMapError(Exception):
-    """A collision that the map does not have."""
-
-
 def _of_collision(met: Collision) -> Entry:
-    """The orbit, which of its points lies on a border, and of which piece on which side."""
+    """The cycle, which of its points lies on a border, and of which piece on which side."""
     return {
-        "x": met.orbit.x.tolist(),
-        "p": met.orbit.p,
+        "x": met.x.tolist(),
+        "p": met.p,
         "index": met.margin.index,
         "code": met.margin.code,
         "side": met.side,
         "key": _of_key(met.key),
         "kinds": [[kind.value, note] for kind, note in met.kinds],
         "cause": met.cause,
+        "precision": met.precision,
     }
 
 
-def _parts_of_collision(data: Entry) -> None:
-    x = _floats(data["x"])
-    checked_number(data["p"])
+def _collision(data: Entry) -> Collision:
     index, code, side, cause = (data[name] for name in ("index", "code", "side", "cause"))
     _typed([index, code, side, cause], int, int, int, str)
-    _key(data["key"])
-    kinds = [(PointKind(kind), *_typed([note], str)) for kind, note in data["kinds"]]
-    if not (0 <= index < len(x) == len(kinds) and side in (-1, 1)):
+    met = Collision(
+        p=checked_number(data["p"]), x=_floats(data["x"]), margin=Margin(index, code), side=side,
+        key=_key(data["key"]), cause=cause, precision=checked_number(data["precision"]),
+        kinds=tuple((PointKind(kind), *_typed([note], str)) for kind, note in data["kinds"]),
+    )  # fmt: skip
+    if not (0 <= index < len(met.x) == len(met.kinds) and side in (-1, 1)):
         raise ValueError("a collision has a kind for each of its points, one of them on a border")
-
-
-def _collision(data: Entry, map_: PiecewiseMap, settings: Settings) -> Collision:
-    """A collision with the pieces that the map takes at its points, and inside of the border."""
-    x, p, margin = _floats(data["x"]), float(data["p"]), Margin(data["index"], data["code"])
-    orbit = cycle_at_border(map_, x, p, margin, data["side"], _key(data["key"]), settings)
-    if orbit is None:
-        raise _OtherMapError(
-            f"expected a collision of this map, got one at x = {x[margin.index]}, p = {p}, where "
-            "its piece does not end"
-        )
-    kinds = tuple((PointKind(kind), note) for kind, note in data["kinds"])
-    return Collision(orbit=orbit, margin=margin, kinds=kinds, cause=data["cause"])
+    return met

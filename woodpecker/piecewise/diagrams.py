@@ -14,7 +14,7 @@ from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler
 from woodpecker.base.shown import shown
-from woodpecker.piecewise.checkpoint import Record, restore
+from woodpecker.piecewise.checkpoint import Record, past_of
 from woodpecker.piecewise.explorer import Explorer, Progress, Seen
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
@@ -275,10 +275,16 @@ def whole_diagram(
 
 
 def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> Past:
-    """Put an explorer back to where a record says it was."""
+    """Put an explorer back to where a record says it was after the last slice.
+
+    Raises
+    ------
+    ValueError
+        If that is a run of another map.
+    """
     if record is None:
         return Past()
-    past = restore(explorer.network, record.entries, map_, record.path)
+    past = past_of(explorer.network, record.entries, record.path, map_)
     explorer.spent = past.evaluations
     return past
 

@@ -18,45 +18,43 @@ GIVEN_UP = frozenset({Stop.SHORT, Stop.OTHER_PIECE, Stop.MANY, Stop.SPENT})
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Collision:
-    """A cycle that meets a jump.
+    """A cycle that meets a jump: all that must be known to follow what starts there.
+
+    Its pieces are no part of it: the map is asked for them, right inside the border, so that what
+    starts there does not depend on how the collision was met, or on whether a run was interrupted
+    since.
 
     Attributes
     ----------
-    orbit
-        The cycle, of minimal period, under the piece inside.
+    p, x
+        The parameter, and the points (n,) of the cycle, of minimal period.
     margin
         Which of its points lies on the border, and which margin of its piece vanishes there.
+    side
+        On which side of the border the piece inside lies, +1 or -1.
+    key
+        The key of the piece inside.
     kinds
         For each point of the orbit the code of the special point, and whether branches fold or
         persist: the jump of P_n at one point can lie on the other side than that at the next.
     cause
         A sentence on what happens there.
+    precision
+        How well the parameter is located.
     """
 
-    orbit: Orbit
+    p: float
+    x: Floats
     margin: Margin
+    side: int
+    key: Hashable
     kinds: tuple[tuple[PointKind, str], ...]
     cause: str
-
-    @property
-    def p(self) -> float:
-        """The parameter."""
-        return self.orbit.p
-
-    @property
-    def side(self) -> int:
-        """On which side of the border the piece inside lies."""
-        gradient = self.orbit.images[self.margin.index].gradient(self.margin.code)
-        return 1 if gradient[0] > 0.0 else -1
-
-    @property
-    def key(self) -> Hashable:
-        """The key of the piece inside."""
-        return self.orbit.keys[self.margin.index]
+    precision: float
 
     def kind_at(self, x: float) -> tuple[PointKind, str]:
         """Code and note at the point nearest to a place."""
-        return self.kinds[int(np.argmin(np.abs(self.orbit.x - x)))]
+        return self.kinds[int(np.argmin(np.abs(self.x - x)))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -105,7 +103,10 @@ def end_at(
 def end_of(met: Collision, orbit: Orbit) -> End:
     """A collision with a jump, as an orbit meets it."""
     kind, note = met.kind_at(float(orbit.x[0]))
-    return End(kind=kind, p=orbit.p, x=orbit.x, note=note, cause=met.cause, collision=met)
+    return End(
+        kind=kind, p=orbit.p, x=orbit.x, note=note, cause=met.cause, precision=met.precision,
+        collision=met,
+    )  # fmt: skip
 
 
 def located_to(orbit: Orbit, conditions: tuple[Condition, Condition], settings: Settings) -> float:

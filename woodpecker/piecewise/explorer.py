@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, NamedTuple, Protocol
 
@@ -103,14 +103,45 @@ class Seen(NamedTuple):
     then: tuple[float, ...] = ()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Kept:
+    """The curves that a task has come to, and how often it evaluated the map."""
+
+    curves: tuple[Curve, ...]
+    evaluations: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """All that starts at a special point was followed.
+
+    Attributes
+    ----------
+    p
+        Its parameter.
+    evaluations
+        How often the map was evaluated to know what starts there.
+    """
+
+    p: float
+    evaluations: int
+
+
+Step = Kept | Finished
+"""What a run keeps between two slices."""
+
+
 class Recorder(Protocol):
     """Keeps what is finished."""
 
     def followed(self, curves: Sequence[Curve], evaluations: int) -> None:
         """Keep the curves that a task has come to, and how often it evaluated the map."""
 
-    def done(self, met: Collision | End, evaluations: int) -> None:
-        """Keep that all that starts at the next special point was followed, and what it cost."""
+    def done(self, met: Collision | End, starts: int, evaluations: int) -> None:
+        """Keep that all that starts at the next special point was followed, and how much does.
+
+        And how often the map was evaluated to know that.
+        """
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed."""
@@ -227,6 +258,20 @@ class Explorer:
         }
         self._starts: dict[int, _Start] = {}
         self._switches = False  # whether those are followed by now
+        self._past = deque[Step]()
+
+    def take_over(self, past: Iterable[Step]) -> None:
+        """What an interrupted run has followed already is taken over when its turn comes.
+
+        The search makes the same decisions in the same order as that run, with the same branches
+        known at each, and so comes to the same.
+
+        Parameters
+        ----------
+        past
+            What the run has kept since the last slice that was finished.
+        """
+        self._past.extend(past)
 
     @property
     def is_spent(self) -> bool:
@@ -258,25 +303,21 @@ class Explorer:
     def branch(self, orbit: Orbit) -> None:
         """Follow the branch through a cycle, and those that continue it beyond its ends."""
         self._tell(orbit.p, len(orbit))
-        self._keep(self._leg(Tasks.cycle, orbit))
+        if not self._is_taken_over():
+            self._keep(self._leg(Tasks.cycle, orbit))
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
         waiting = self.network.waiting
         while waiting and not self.is_spent:
-            cost = self._follow_all(waiting[0])
-            if not self.is_spent:
-                self._is_done(waiting.popleft(), cost)
+            self._finish_one(waiting)
 
     def finish(self) -> None:
         """Follow what starts at collisions, and at flips and branch points after these."""
         self.go_on()
         switches, self._switches = self.network.switches, True
         while switches and not self.is_spent:
-            known = self.network.is_switched(switches[0])
-            cost = 0 if known else self._follow_all(switches[0])
-            if not self.is_spent:
-                self._is_done(switches.popleft(), cost)
+            self._finish_one(switches)
             self.go_on()
         self._switches = False
 
@@ -288,13 +329,10 @@ class Explorer:
         self._tell(p, max(self.orders))
         self.coming.append(self.scheduler.later(Tasks.slice, p, self.orders))
 
-    def see(self, before: Sequence[int] = ()) -> Seen:
-        """Follow what the slices at the next parameter show and no branch explains.
-
-        What was followed ``before`` the slice was taken again, orders of branches, counts as new.
-        """
+    def see(self) -> Seen:
+        """Follow what the slices at the next parameter show and no branch explains."""
         done = self.coming.popleft().result()
-        new, left = list(before), list[tuple[int, float]]()
+        new, left = list[int](), list[tuple[int, float]]()
         known = len(self.network.curves)
         for place in (place for each in done.value for place in _shown(each)):
             if self.is_spent:
@@ -322,27 +360,70 @@ class Explorer:
 
     # --- In turn ----------------------------------------------------------------------------------
 
-    def _follow_all(self, met: Collision | End) -> int:
-        """Follow what starts at a special point; how many evaluations it took to know that."""
+    def _follow_all(self, met: Collision | End) -> tuple[int, int]:
+        """Follow what starts at a special point; how many branches do.
+
+        Returns
+        -------
+        starts, evaluations
+            And how often the map was evaluated to know that.
+        """
         start, before = self._start(met), self.spent
         self._wait(start.pending)
         self._done(start.pending)
-        cost = self.spent - before
-        for candidate in self._candidates(start):
+        cost, candidates = self.spent - before, self._candidates(start)
+        for candidate in candidates:
             if self.is_spent:
                 break
             self._follow(candidate)
-        return cost
+        return len(candidates), cost
 
-    def _is_done(self, met: Collision | End, cost: int) -> None:
-        self._starts.pop(id(met), None)
-        if self.recorder is not None:
-            self.recorder.done(met, cost)
+    def _finish_one(self, queue: deque[Any]) -> None:
+        """Follow what starts at the first special point of a queue, and take it from there.
+
+        It stays there if that takes more evaluations than are allowed.
+        """
+        met: Collision | End = queue[0]
+        if not self._is_finished(met):
+            ends_here = isinstance(met, End) and self.network.is_switched(met)
+            starts, cost = (0, 0) if ends_here else self._follow_all(met)
+            if self.is_spent:
+                return
+            if self.recorder is not None:
+                self.recorder.done(met, starts, cost)
+        self._starts.pop(id(queue.popleft()), None)
+
+    def _is_finished(self, met: Collision | End) -> bool:
+        """Take over all that starts at a special point, if an interrupted run has finished it."""
+        if not any(isinstance(step, Finished) for step in self._past):
+            return False
+        while not isinstance(self._past[0], Finished):
+            self._is_taken_over()
+        finished = self._past.popleft()
+        assert isinstance(finished, Finished)
+        if finished.p != met.p:
+            raise ValueError(f"expected a run that goes on at {met.p}, got one with {finished}")
+        self.spent += finished.evaluations
+        return True
+
+    def _is_taken_over(self) -> bool:
+        """Take over what an interrupted run came to where a branch is to be followed, if it did."""
+        if not self._past:
+            return False
+        kept = self._past.popleft()
+        if isinstance(kept, Finished):
+            raise ValueError(f"expected a run with one branch more, got one with {kept}")
+        self.spent += kept.evaluations
+        for curve in kept.curves:
+            self.network.add(curve)
+        return True
 
     def _follow(self, candidate: _Candidate) -> bool:
         """Follow what goes through a place, unless a branch explains it; whether that was done."""
         if self._is_new(candidate):
-            self._keep(candidate.leg or self._leg(candidate.place.task, candidate.place.argument))
+            if not self._is_taken_over():
+                place = candidate.place
+                self._keep(candidate.leg or self._leg(place.task, place.argument))
             return True
         if candidate.leg is not None:
             candidate.leg.cancel()
@@ -386,7 +467,11 @@ class Explorer:
 
     def _is_dropped(self, curve: Curve, points: Sequence[Curve] = ()) -> bool:
         """Whether a branch is known, or not wanted."""
-        return curve.order not in self.orders or self.network.has(curve, points)
+        return (
+            curve.order not in self.orders
+            or self.network.leaves_at_once(curve)
+            or self.network.has(curve, points)
+        )
 
     def _is_new(self, candidate: _Candidate) -> bool:
         """Whether no branch explains a place."""

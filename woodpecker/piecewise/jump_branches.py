@@ -36,6 +36,7 @@ from woodpecker.piecewise.ends import (
     end_of,
     folded,
     given_up_or_left,
+    located_to,
 )
 from woodpecker.piecewise.limit_stops import continued
 from woodpecker.piecewise.margins import depth
@@ -88,23 +89,24 @@ class Jumps:
         kind = BranchKind.JUMP
         return both_ways(start, lambda sample: self._leg((sample,), start), kind, self.order)
 
-    def starts(self, met: Collision, shift: int) -> list[tuple[Sample, Sample]]:
+    def starts(self, cycle: Orbit, margin: Margin, shift: int) -> list[tuple[Sample, Sample]]:
         """Branches that start where a cycle meets a jump, seen from one of its points.
 
-        The orbit may have gone round some times before it meets the border.
+        The orbit may have gone round some times before it meets the border, where a margin
+        vanishes.
 
         Returns
         -------
         For each the sample at the collision, and the next one.
         """
-        n, found = len(met.orbit), []
-        orbit = met.orbit.rotated(shift)
-        to_border = (met.margin.index - shift) % n
+        n, found = len(cycle), []
+        orbit = cycle.rotated(shift)
+        to_border = (margin.index - shift) % n
         for length in range(to_border + 1, self.order + 1, n):
             rounds = -(-length // n)
             x, images = np.tile(orbit.x, rounds)[:length], (orbit.images * rounds)[:length]
             head = Orbit(x, orbit.p, images)
-            start = self._sample(head, Margin(length - 1, met.margin.code))
+            start = self._sample(head, Margin(length - 1, margin.code))
             sides = [(sign, self._beside(start, sign)) for sign in (1.0, -1.0)]
             begin = [(sign, there) for sign, there in sides if there is not None]
             if len(begin) == 1:  # one that goes on to both sides only passes
@@ -434,17 +436,20 @@ def collision(
     first = int(np.argmin(orbit.x[:n]))
     small = orbit.head(n).rotated(first)
     index = (margin.index - first) % n
+    margin, image = Margin(index, margin.code), small.images[index]
     met = Collision(
-        orbit=small, margin=Margin(index, margin.code), kinds=((PointKind.BC, ""),) * n,
-        cause=border.cause,
+        p=small.p, x=small.x, margin=margin, side=-image.onward(margin.code), key=small.keys[index],
+        kinds=((PointKind.BC, ""),) * n, cause=border.cause,
+        precision=located_to(small, (Closed(), margin), settings),
     )  # fmt: skip
-    inside = cycle_from(met, settings)
+    inside = cycle_from(small, margin, settings)
     if not inside:
         return met
     jumps, steep = Jumps(map_, n, settings), abs(small.multiplier) > 1.0
     kinds = []
     for shift in range(n):
-        starts = [begin for own in at_corner(met, settings) for begin in jumps.starts(own, shift)]
+        corner = at_corner(small, margin, settings)
+        starts = [begin for own in corner for begin in jumps.starts(small, own, shift)]
         sides = {
             bool(sample.tangent[-1] > 0.0) for sample in (inside[-1], *(s[1] for s in starts[:1]))
         }
@@ -454,39 +459,39 @@ def collision(
     return replace(met, kinds=tuple(kinds))
 
 
-def at_corner(met: Collision, settings: Settings) -> list[Collision]:
-    """A collision as each of the margins sees it that vanish there: where borders cross, several.
+def at_corner(orbit: Orbit, margin: Margin, settings: Settings) -> list[Margin]:
+    """All margins that vanish where an orbit meets a jump: where borders cross, several.
 
     Margins that vanish along one border are those of the same jump.
     """
-    i, image = met.margin.index, met.orbit.images[met.margin.index]
+    i, image = margin.index, orbit.images[margin.index]
     rows = image.gradients * [settings.x_scale, settings.p_scale]
     length = np.linalg.norm(rows, axis=1)
-    a, b = image.gradient(met.margin.code) * [settings.x_scale, settings.p_scale]
+    a, b = image.gradient(margin.code) * [settings.x_scale, settings.p_scale]
     apart = np.abs(rows @ [-b, a]) > settings.kink * length * math.hypot(a, b)
     vanish = np.abs(image.margins) <= settings.same * length
     others = image.causes[apart & vanish].tolist()
-    return [met, *(replace(met, margin=Margin(i, code)) for code in others)]
+    return [margin, *(Margin(i, code) for code in others)]
 
 
-def cycle_from(met: Collision, settings: Settings) -> tuple[Sample, ...]:
+def cycle_from(orbit: Orbit, margin: Margin, settings: Settings) -> tuple[Sample, ...]:
     """The first samples of the branch of cycles that starts at a border, into the piece inside.
 
     Where that piece begins with a square root its slope at the border is infinite, and the second
     sample lies right beside it.
     """
-    orbit = differentiable(met.orbit, met.margin, settings)
+    orbit = differentiable(orbit, margin, settings)
     direction = tangent(orbit, Closed(), settings)
     if not np.isfinite(direction).all():
         return ()
-    scale, i = scales(len(orbit), settings), met.margin.index
+    scale, i = scales(len(orbit), settings), margin.index
     image = orbit.images[i]
-    gradient = image.gradient(met.margin.code)
+    gradient = image.gradient(margin.code)
     forward = float(gradient @ (direction * scale)[[i, -1]]) > 0.0
     first = Sample(orbit, direction if forward else -direction, forward)
     if abs(image.slope) < settings.numerics.steep:
         return (first,)
-    code, side = met.margin.code, 1 if gradient[0] > 0.0 else -1
+    code, side = margin.code, -image.onward(margin.code)
     border = Border(float(orbit.x[i]), orbit.p, image, code, side, image, code)
     there = restart(orbit, Closed(), border, i, settings)
     return (first,) if there is None else (first, there.sample)

@@ -9,7 +9,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import (
+    Branch,
+    BranchKind,
+    Diagram,
+    PointKind,
+    PointStatus,
+    SpecialPoint,
+)
 from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.accumulations import limit_of
@@ -118,6 +125,11 @@ class Network:
             or any(self._draws(known, curve) for known in self._by_low_end.near(_low_end(curve)))
             or any(self._joins_the_same(known, curve) for known in points)
         )
+
+    @staticmethod
+    def leaves_at_once(curve: Curve) -> bool:
+        """Whether a branch leaves the span or the window where it begins: none of it is inside."""
+        return len(curve.parameter) == 1 and curve.ends[1].status is PointStatus.LOCATED
 
     def is_a_point(self, curve: Curve) -> bool:
         """Whether a branch is so short that its ends are one special point."""
@@ -283,6 +295,8 @@ class Network:
         off = min(np.abs(ends - there).max(), np.abs(ends - there[::-1]).max())
         if off > self._apart(curve):
             return False
+        if len(samples) == 1 or len(curve.parameter) == 1:  # given up where it begins
+            return agree(from_point(known.words[0].keys, shift), curve.words[0].keys)
         count = self.settings.numerics.compared
         places = {max(1, len(curve.parameter) * k // (count + 1)) for k in range(1, count + 1)}
         return any(self._passes(known, shift, samples, curve, k) for k in sorted(places))
@@ -319,10 +333,10 @@ class Network:
         """Whether a collision was met before, of the same cycle by the same piece."""
         same = self.settings.same
         return any(
-            abs(known.orbit.p - met.orbit.p) <= same * self.settings.p_scale
-            and len(known.orbit) == len(met.orbit)
+            abs(known.p - met.p) <= same * self.settings.p_scale
+            and len(known.x) == len(met.x)
             and known.margin.index == met.margin.index
-            and float(np.abs(known.orbit.x - met.orbit.x).max()) <= same * self.settings.x_scale
+            and float(np.abs(known.x - met.x).max()) <= same * self.settings.x_scale
             for known in self._collisions.near(met.p)
         )
 

@@ -7,7 +7,6 @@ import math
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus, Stretch
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
-from woodpecker.piecewise.orbits import Closed, blurred
 from woodpecker.piecewise.settings import Settings
 
 
@@ -38,17 +37,14 @@ OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
 def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
     """How well the parameter of an end of a curve, its sample k, is located.
 
-    At a flip by how far its multiplier is from -1, at all else by what rounding of the map makes of
-    its equations; where that is not known yet, of those of a collision.
+    At a flip by how far its multiplier is from -1; at all else it is known by now, what rounding of
+    the map makes of its equations.
     """
     if end.precision > 0.0:
         return end.precision
     if end.status is PointStatus.OPEN:
         return math.inf
     least = settings.rounded_p(end.p)
-    if end.collision is not None:
-        conditions = (Closed(), end.collision.margin)
-        return max(least, blurred(end.collision.orbit, conditions, settings))
     if end.kind is PointKind.PD and len(curve.parameter) > 1:
         return max(least, _missed(curve, k))
     if end.kind is PointKind.BP:

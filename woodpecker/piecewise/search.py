@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.checks import number, whole
-from woodpecker.piecewise.explorer import Explorer, Seen
+from woodpecker.piecewise.explorer import Explorer, Seen, Step
 from woodpecker.piecewise.settings import Settings
 
 
@@ -73,17 +73,14 @@ class Past(NamedTuple):
     slices
         Those that were finished.
     since
-        Orders of branches that were found after the last of them: the next slice showed these.
+        What was followed after the last of them, up to where the run was interrupted.
     evaluations
-        How often the map was evaluated for what was finished.
-    begun
-        Whether anything was finished after the last of the slices: then the next one was begun.
+        How often the map was evaluated up to the last of them.
     """
 
     slices: tuple[Seen, ...] = ()
-    since: tuple[int, ...] = ()
+    since: tuple[Step, ...] = ()
     evaluations: int = 0
-    begun: bool = False
 
 
 def complete(
@@ -100,27 +97,25 @@ def complete(
     search
         How long to look.
     past
-        What an interrupted run had come to.
+        What an interrupted run had come to; the network of the explorer is where it was after the
+        last of its slices.
 
     Returns
     -------
     All slices.
     """
     past = past or Past()
-    plan, seen, since = _Plan(search, settings.span), list(past.slices), past.since
+    plan, seen = _Plan(search, settings.span), list(past.slices)
     for each in seen:
         plan.took()
         plan.add(each.then)
-    known = len(explorer.network.curves)
-    explorer.go_on()
-    since += tuple(curve.order for curve in explorer.network.curves[known:])
-    begun = past.begun  # when as much was allowed
-    while plan.done < len(plan.places) and (begun or not explorer.is_spent):
+    explorer.take_over(past.since)
+    while plan.done < len(plan.places) and not explorer.is_spent:
         ready = plan.done + len(explorer.coming)
         for p in plan.places[ready : plan.done + explorer.scheduler.spare]:
             explorer.look(p)
         explorer.slices = plan.done + 1
-        found = explorer.see(since)
+        found = explorer.see()
         place = plan.took()
         then = plan.beside(place) if found.new else []
         plan.add(then)
@@ -129,7 +124,6 @@ def complete(
             plan.add(crowded)
             then += crowded
         seen.append(explorer.has_seen(found._replace(then=tuple(then))))
-        since, begun = (), False
     explorer.untaken = len(plan.places) - plan.done
     explorer.finish()
     return seen

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from pwmap.diagrams.diagram import BranchKind
@@ -64,22 +64,24 @@ class Tasks:
     def starts(self, met: Collision, orders: Sequence[int]) -> list[Beginning]:
         """Branches that start where a cycle meets a jump.
 
-        Its pieces are met afresh, so that nothing depends on how a branch came there, and a run
-        that was interrupted goes on to the last bit like one that was not.
+        None does if the map does not show the piece inside the border any more.
         """
-        found, at = [], met.orbit
-        fresh = cycle_at_border(self.map, at.x, at.p, met.margin, met.side, met.key, self.settings)
-        met = met if fresh is None else replace(met, orbit=fresh)
-        n, first = len(met.orbit), cycle_from(met, self.settings)
+        found = list[Beginning]()
+        cycle = cycle_at_border(
+            self.map, met.x, met.p, met.margin, met.side, met.key, self.settings
+        )
+        if cycle is None:
+            return found
+        n, first = len(cycle), cycle_from(cycle, met.margin, self.settings)
         if n in orders and first:
-            found.append(_of_cycles(first, end_of(met, met.orbit)))
+            found.append(_of_cycles(first, end_of(met, cycle)))
         for order in orders:
             for shift in range(n) if order >= n else ():
-                end = end_of(met, met.orbit.rotated(shift))
+                end = end_of(met, cycle.rotated(shift))
                 jumps = Jumps(self.map, order, self.settings)
-                for own in at_corner(met, self.settings):
-                    for samples in jumps.starts(own, shift):
-                        closing = Margin(len(samples[0].orbit) - 1, own.margin.code)
+                for own in at_corner(cycle, met.margin, self.settings):
+                    for samples in jumps.starts(cycle, own, shift):
+                        closing = Margin(len(samples[0].orbit) - 1, own.code)
                         begin = Beginning(
                             kind=BranchKind.JUMP, order=order, samples=samples, closing=closing,
                             end=end,

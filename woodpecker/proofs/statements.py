@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from fractions import Fraction
 from itertools import pairwise
-from multiprocessing import get_context
 from typing import NamedTuple
 
 import numpy as np
 from flint import arb
 
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
+from woodpecker.base.executors import processes
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import End, March, ProvedBranch, end_of, joined, marched
@@ -73,8 +72,8 @@ def prove_branch(
     tasks = [(toy, parameter, part, points) for part, points in zip(spans, starts, strict=True)]
     if workers == 1:
         return certificates.of_branch(_march(tasks[0], progress), DIGITS["branch"])
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        parts = list(pool.map(_march_away, tasks))
+    with processes(workers) as pool:
+        parts = list(map(_march_away, tasks) if pool is None else pool.map(_march_away, tasks))
     for before, after in pairwise(parts):
         if not joined(before.high, after.low):
             at = f"{parameter} = {float(after.low.p):.12g}"

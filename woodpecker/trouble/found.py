@@ -25,6 +25,7 @@ class Effect(Enum):
     DESTABILISED = "unstable beyond"
     KINKED = "another multiplier beyond"
     RELABELLED = "another word beyond"
+    SPIKED = "unstable in a spike"
     OPEN = "not known beyond"
 
 
@@ -124,9 +125,10 @@ class Robustness:
     orbit
         The motion.
     troubles
-        What destroys or destabilises it, nearest first.
+        What destroys or destabilises it: what is confirmed first, and of that the nearest.
     harmless
-        Borders on the way at which it only gets another word or multiplier, nearest first.
+        Borders on the way at which it only gets another word or multiplier, or is unstable in a
+        spike only, in the same order.
     limits
         Each parameter alone, down and up.
 
@@ -148,7 +150,9 @@ class Robustness:
     def __repr__(self) -> str:
         """What is nearest, how far, and how much more was found."""
         first = self.nearest
-        what = "nothing near" if first is None else f"{first.kind} at {100.0 * first.size:.4g} %"
+        what = (
+            "nothing confirmed" if first is None else f"{first.kind} at {100.0 * first.size:.4g} %"
+        )
         cause = "" if first is None else f", {first.cause}"
         sizes = (
             counted(len(self.troubles), "trouble"), f"{len(self.harmless)} harmless",
@@ -158,5 +162,6 @@ class Robustness:
 
     @property
     def nearest(self) -> Trouble | None:
-        """What is nearest of all that ends the motion; None if nothing is near."""
-        return self.troubles[0] if self.troubles else None
+        """What is nearest of all that is confirmed to end the motion; None if nothing is."""
+        first = self.troubles[0] if self.troubles else None
+        return first if first is not None and first.confirmed else None

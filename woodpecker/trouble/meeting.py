@@ -31,6 +31,7 @@ from woodpecker.trouble.found import Effect
 from woodpecker.trouble.lines import ToyLine
 
 MANY = 64  # changes on a line after which it is left: words change without end there
+SPIKE = 1e-4  # of a change: where a motion is unstable for less it is so in a spike only
 WORD = "word"  # the kind of a border that is no special point
 
 
@@ -81,7 +82,8 @@ def met_along(
     """Everything that a motion meets on a line, in order, until it is destroyed.
 
     Past a flip and whatever else only makes it unstable it is followed on, unless ``past`` is
-    false.
+    false. At a grazing the multiplier has no bound: right before it the motion flips, and beyond it
+    is what it was. It is unstable in a spike only, and the search goes on behind.
     """
     direction = direction / np.linalg.norm(direction)
     reach = min(most, space.reach(direction))
@@ -93,15 +95,44 @@ def met_along(
     if start is None:
         return []
     cycles, found = Cycles(line, settings), list[Met]()
-    followed = cycles.through(start)
+    followed, lost = cycles.through(start), -1  # since which of what was found it is unstable
     while True:
-        stable = not any(each.effect is Effect.DESTABILISED for each in found)
-        read = _read(followed.curve, line, direction, settings)
-        found += [replace(each, stable=stable) for each in read]
-        ends = not found or found[-1].effect is not Effect.DESTABILISED
-        if ends or not past or not followed.onward or len(found) > MANY:
+        curve = followed.curve
+        if lost >= 0 and _is_stable(curve) and curve.parameter[0] <= _within(found[lost]):
+            found[lost:] = [_spike(found, lost)]
+            lost = -1
+        read = _read(curve, line, direction, settings)
+        found += [replace(each, stable=lost < 0) for each in read]
+        unstable = bool(found) and found[-1].effect is Effect.DESTABILISED
+        if unstable and lost < 0:
+            lost = len(found) - 1
+        if lost >= 0 and not past and curve.parameter[-1] > _within(found[lost]):
+            return found[: lost + 1]
+        if not unstable or not followed.onward or len(found) > MANY:
             return found
         followed = cycles.ahead(followed.onward[0])
+
+
+def _within(lost: Met) -> float:
+    """Up to where a motion may be unstable in a spike only."""
+    return lost.size * (1.0 + SPIKE)
+
+
+def _is_stable(curve: Curve) -> bool:
+    """Whether the cycles of a branch are stable, but for those at its ends perhaps."""
+    return bool(np.median(np.abs(curve.multiplier)) < 1.0)
+
+
+def _spike(found: list[Met], lost: int) -> Met:
+    """What is met in a spike, as one: the border at which it stands, if there is one."""
+    near = found[lost].size * (1.0 - SPIKE)
+    borders = [
+        each for each in found
+        if each.size >= near
+        and (each.effect is Effect.KINKED or each.kind == PointKind.BC.value)
+    ]  # fmt: skip
+    place = borders[0] if borders else found[lost]
+    return replace(place, effect=Effect.SPIKED, stable=True)
 
 
 def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> Orbit | None:

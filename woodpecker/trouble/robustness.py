@@ -16,7 +16,7 @@ from woodpecker.piecewise.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.trouble.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.trouble.found import ENDS, Effect, Limit, Robustness, Trouble
-from woodpecker.trouble.meeting import Key, Met, met_along
+from woodpecker.trouble.meeting import SPIKE, Key, Met, met_along
 from woodpecker.trouble.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.window import WINDOW
 
@@ -28,8 +28,8 @@ MOST = 3  # conditions of each effect whose nearest place is looked for,
 MOST_HARMLESS = 1  # and of those that do no harm
 ALIKE = 1e-5  # relative: places this close are one; ten times within ``BESIDE``
 # Part of a change by which toys on both sides differ from it: far above what rounding makes of a
-# border, far below the distance to the next one.
-BESIDE = 1e-4
+# border, far below the distance to the next one, and beyond a spike.
+BESIDE = SPIKE
 # rad: a motion farther from where it was lost is another one; at a fold it moves by the root of
 # ``BESIDE``.
 NEAR = 0.02
@@ -60,8 +60,9 @@ def robustness(
     -------
     Robustness
         What destroys or destabilises the motion at the smallest change of all of these parameters
-        together, which borders only give it another word or multiplier, and how far each parameter
-        alone can be changed. Every row is the nearest place of its condition that straight lines
+        together, what is confirmed by toys on both sides first; which borders only give it another
+        word or multiplier, or make it unstable in a spike; and how far each parameter alone can be
+        changed. Every row is the nearest place of its condition that straight lines
         from the toy lead to; one that is nearer along a bent way only is not found.
 
     Raises
@@ -91,7 +92,7 @@ def robustness(
             axis = np.eye(len(wanted))[wanted.index(each.parameter)] * each.direction
             keep(met_along(space, axis, abs(each.percent) / PERCENT * (1.0 + LEVEL)), seen)
     found = _refined(space, seen)
-    rows = list(_rows(orbit, space, found))
+    rows = sorted(_rows(orbit, space, found), key=lambda row: (not row.confirmed, row.size))
     harmless = [row for row in rows if row.effect not in ENDS]
     return Robustness(
         orbit=orbit, troubles=tuple(row for row in rows if row.effect in ENDS),
@@ -220,6 +221,8 @@ def _agrees(effect: Effect, before: PeriodicOrbit, after: PeriodicOrbit, there: 
             return not there or before.stable is not after.stable
         case Effect.RELABELLED | Effect.KINKED:
             return there and before.word != after.word
+        case Effect.SPIKED:
+            return there and before.stable and after.stable
         case Effect.OPEN:
             return False
 

@@ -14,10 +14,12 @@ from pathlib import Path
 import pytest
 
 from woodpecker.base.checkpoint import (
+    TAIL,
     Checkpoint,
     Entry,
     checked_number,
     checked_type,
+    line_of,
     read,
     version_of,
 )
@@ -126,7 +128,14 @@ def test_a_start_is_the_same_up_to_rounding(tmp_path: Path) -> None:
 
 
 def lines_of(path: Path, *lines: object) -> Path:
-    path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    """A file with the digests that lines have; of what is no entry there is none."""
+    written = [b""]
+    for line in lines:
+        before = TAIL.search(written[-1][:-1])
+        digest = "" if before is None else before[1].decode()
+        plain = json.dumps(line).encode() + b"\n"
+        written.append(line_of(line, digest) if isinstance(line, dict) and line else plain)
+    path.write_bytes(b"".join(written))
     return path
 
 
@@ -154,7 +163,7 @@ def test_first_lines_that_are_refused(tmp_path: Path, header: object, sentence: 
     assert path.read_bytes() == before
 
 
-@pytest.mark.parametrize("entry", [{}, {"number": "1"}, {"number": True}, [], 1.0, "text", None])
+@pytest.mark.parametrize("entry", [{"other": 1}, {"number": "1"}, {"number": True}])
 def test_entries_that_are_refused(tmp_path: Path, entry: object) -> None:
     path = lines_of(tmp_path / "run.jsonl", HEADER, ONE, entry)
     before = path.read_bytes()
@@ -162,6 +171,58 @@ def test_entries_that_are_refused(tmp_path: Path, entry: object) -> None:
         with pytest.raises(ValueError, match=r"run\.jsonl, line 3: expected an entry of a run"):
             call()
     assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("entry", [{}, ONE, [], 1.0, "text", None])
+def test_lines_without_a_digest_are_refused(tmp_path: Path, entry: object) -> None:
+    path = lines_of(tmp_path / "run.jsonl", HEADER, ONE)
+    with path.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(entry) + "\n")
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 3: this is not what was written"):
+        entries(path)
+
+
+def test_every_bit_counts(tmp_path: Path) -> None:
+    """But for the end of the last line: without it that line is one that was being written."""
+    numbers: list[Entry] = [{"number": 0.5 * n} for n in range(3)]
+    path = lines_of(tmp_path / "run.jsonl", HEADER, *numbers)
+    whole = path.read_bytes()
+    for k in range(len(whole) - 1):
+        for bit in range(8):
+            path.write_bytes(whole[:k] + bytes([whole[k] ^ (1 << bit)]) + whole[k + 1 :])
+            with pytest.raises(ValueError, match=r"run\.jsonl"):
+                entries(path)
+    path.write_bytes(whole[:-1] + b"\x0b")
+    assert entries(path) == numbers[:-1]
+
+
+def test_every_line_counts(tmp_path: Path) -> None:
+    path = lines_of(tmp_path / "run.jsonl", HEADER, *({"number": 0.5 * n} for n in range(4)))
+    lines = path.read_bytes().splitlines(keepends=True)
+    for k in range(1, len(lines)):
+        doubled = [*lines[: k + 1], *lines[k:]]
+        swapped = [*lines[: k - 1], lines[k], lines[k - 1], *lines[k + 1 :]]
+        dropped = [*lines[:k], *lines[k + 1 :]] if k < len(lines) - 1 else doubled
+        for other in (doubled, swapped, dropped):
+            path.write_bytes(b"".join(other))
+            with pytest.raises(ValueError, match=r"this is not what was written|its first line"):
+                entries(path)
+
+
+def test_a_run_that_has_hardly_begun_goes_on(tmp_path: Path) -> None:
+    """Also from half of the first line; a file of something else is left as it is."""
+    path = tmp_path / "run.jsonl"
+    first = lines_of(path, {"run": ABOUT, "version": VERSION}).read_bytes()
+    for length in range(len(first) + 1):
+        path.write_bytes(first[:length])
+        file = opened(path, resume=True)
+        assert file.entries == []
+        file.close()
+        assert path.read_bytes() == first
+    path.write_bytes(b'{"other": 1')
+    with pytest.raises(ValueError, match="not the journal of a run"):
+        opened(path, resume=True)
+    assert path.read_bytes() == b'{"other": 1'
 
 
 def test_a_long_entry_is_shown_in_part(tmp_path: Path) -> None:

@@ -156,3 +156,56 @@ def test_a_change_in_one_file_renews_what_others_have_cached_of_it(tmp_path: Pat
         return run.stdout.strip()
 
     assert [called(factor) for factor in (2, 2, 3)] == ["2.0", "2.0", "3.0"]
+
+
+KERNEL = """
+import logging, sys
+logging.basicConfig(format="%(message)s")
+from woodpecker.base.compiled import jit
+
+@jit
+def doubled(x):
+    return 2.0 * x
+
+before = sys.argv[1:]
+if before:
+    import resource, signal
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64))  # as a full disk
+print(doubled(1.5), sum(doubled.stats.cache_hits.values()))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not compiled.COMPILED, reason="there is no cache without numba")
+@pytest.mark.skipif(sys.platform == "win32", reason="resource is for others")
+def test_a_cache_that_is_damaged_or_full_is_no_obstacle(tmp_path: Path) -> None:
+    """It is named, and written anew where it can be."""
+    script, folder = tmp_path / "kernel.py", tmp_path / "cache"
+    script.write_text(KERNEL, encoding="utf-8")
+
+    def call(*arguments: str) -> tuple[str, str]:
+        done = subprocess.run(
+            [sys.executable, str(script), *arguments], capture_output=True, text=True, timeout=120,
+            env=os.environ | {"PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(folder)},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip(), done.stderr
+
+    assert call() == ("3.0 0", "")
+    assert call() == ("3.0 1", "")
+    (code,), (index,) = folder.rglob("*.nbc"), folder.rglob("*.nbi")
+    content = bytearray(code.read_bytes())
+    content[len(content) // 2] ^= 4
+    for file, damaged in ((code, bytes(content)), (index, b"")):
+        file.write_bytes(damaged)
+        result, said = call()
+        assert result == "3.0 0"
+        assert f"the cache of the compiled kernel in {code.parent} is damaged" in said
+        assert said.count("\n") == 1
+        assert call() == ("3.0 1", "")
+    code.unlink()
+    index.unlink()
+    result, said = call("full")
+    assert result == "3.0 0"
+    assert f"{code.parent} cannot be written" in said

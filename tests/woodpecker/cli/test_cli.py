@@ -418,8 +418,8 @@ def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
     monkeypatch.setattr(woodpecker, "return_map", interrupted)
     status, text = run("map", "--points", "50", "--out", str(tmp_path))
-    assert status == 1
-    assert "Failed: interrupted before the first returns were there" in text
+    assert status == 130
+    assert "Interrupted before anything was finished" in text
     assert not list(tmp_path.iterdir())
 
 

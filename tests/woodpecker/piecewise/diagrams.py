@@ -131,7 +131,10 @@ def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
             for b in diagram.branches
         ),
         *(
-            (p.id, p.kind, p.parameter, p.x, p.branches, p.order, p.note, p.cause, p.status)
+            (
+                p.id, p.kind, p.parameter, p.x, p.branches, p.order, p.note, p.cause, p.status,
+                p.precision, p.interval,
+            )
             for p in diagram.points
         ),
     ]  # fmt: skip

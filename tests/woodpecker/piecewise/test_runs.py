@@ -37,12 +37,21 @@ from woodpecker import (
     saved_diagram,
     whole_diagram,
 )
-from woodpecker.base.checkpoint import Entry
-from woodpecker.piecewise.checkpoint import VERSION, Record, check_entry, read_record, restore
+from woodpecker.base.checkpoint import Entry, line_of
+from woodpecker.base.executors import Serial
+from woodpecker.piecewise.checkpoint import (
+    Record,
+    check_entry,
+    past_of,
+    read_record,
+    restore,
+)
+from woodpecker.piecewise.explorer import Explorer, Finished
 from woodpecker.piecewise.formulas import FormulaPiece
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.pieces import Image
-from woodpecker.piecewise.search import Past
+from woodpecker.piecewise.search import Past, complete
+from woodpecker.piecewise.tasks import Worker
 
 SEARCH = Search(slices=5, finest=0.05)
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
@@ -169,9 +178,9 @@ def entries(tmp_path_factory: pytest.TempPathFactory) -> list[Entry]:
 
 def test_curves_read_back_to_the_last_bit(whole: Found, entries: list[Entry]) -> None:
     network = Network(SETTINGS)
-    past = restore(network, entries, paper(), "run.jsonl")
+    past = restore(network, entries, "run.jsonl")
     assert to_the_last_bit(network.diagram("p", "x")) == to_the_last_bit(whole.diagram)
-    assert past == Past(whole.slices, evaluations=whole.evaluations)
+    assert past == (whole.slices, whole.evaluations)
     assert not network.waiting
 
 
@@ -195,8 +204,12 @@ def collided(curve: Any) -> Any:
 @pytest.mark.parametrize(
     ("key", "change"),
     [
+        ("curves", lambda e: collided(e["curves"][0]).pop("precision")),
+        ("curves", lambda e: collided(e["curves"][0]).update(x=[])),
         ("done", lambda e: e.update(done="1.0")),
         ("done", lambda e: e.update(done=None)),
+        ("done", lambda e: e.update(starts=1.5)),
+        ("done", lambda e: e.pop("starts")),
         ("slice", lambda e: e["slice"].update(p="0.5")),
         ("slice", lambda e: e["slice"].update(new=[True])),
         ("slice", lambda e: e["slice"].update(left=[1.0])),
@@ -237,8 +250,11 @@ def test_entries_that_are_refused(
     bad = copy.deepcopy(good)
     change(bad)
     path = tmp_path / "run.jsonl"
-    lines = [{"run": ABOUT, "version": VERSION}, good, bad]
-    path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    Record(path, ABOUT).close()
+    for line in (good, bad):
+        written = path.read_bytes()
+        digest = json.loads(written.splitlines()[-1])["digest"]
+        path.write_bytes(written + line_of(line, digest))
     before = path.read_bytes()
     for call in (lambda: read_record(path), lambda: Record(path, ABOUT, resume=True)):
         with pytest.raises(ValueError, match=r"run\.jsonl, line 3: expected an entry of a run"):
@@ -254,9 +270,31 @@ def test_entries_of_no_kind_are_refused(entry: Entry) -> None:
 
 def test_entries_follow_from_one_another(entries: list[Entry]) -> None:
     with pytest.raises(ValueError, match=r"run\.jsonl, line 2: nothing is left to follow at 0.5"):
-        restore(Network(SETTINGS), [{"done": 0.5}], paper(), "run.jsonl")
+        restore(Network(SETTINGS), [{"done": 0.5, "starts": 0}], "run.jsonl")
+    other = copy.deepcopy(entries)
+    of_kind(other, "done")["done"] = 0.5
+    with pytest.raises(ValueError, match=r"line \d+: nothing is left to follow at 0.5"):
+        restore(Network(SETTINGS), other, "run.jsonl")
+
+
+def test_a_run_of_another_map_does_not_go_on(entries: list[Entry]) -> None:
+    past_of(Network(SETTINGS), entries, "run.jsonl", paper())
     with pytest.raises(ValueError, match=r"line \d+: expected a collision of this map, got one at"):
-        restore(Network(SETTINGS), entries, moving(0.7), "run.jsonl")
+        past_of(Network(SETTINGS), entries, "run.jsonl", moving(0.7))
+
+
+def test_steps_that_a_search_does_not_take_are_refused(entries: list[Entry]) -> None:
+    """What is taken over must be what this run would have come to."""
+    until = next(n for n, entry in enumerate(entries) if "slice" in entry)
+    steps = past_of(Network(SETTINGS), entries[:until], "run.jsonl", paper()).since
+    assert {type(step) for step in steps} == {tuple, Finished}
+    for wrong, sentence in (
+        ((Finished(0.5), *steps), "expected a run with one branch more"),
+        ((*steps[:1], Finished(0.5)), "expected a run that goes on at"),
+    ):
+        explorer = Explorer(paper(), Serial(Worker(paper(), SETTINGS)), SETTINGS, (1, 2))
+        with pytest.raises(ValueError, match=sentence):
+            complete(explorer, SETTINGS, SEARCH, Past(since=wrong))
 
 
 @dataclass(frozen=True)
@@ -394,17 +432,52 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     assert whole.evaluations > 1000
 
 
+CUT: list[dict[str, Any]] = [
+    {"parameter": "eps_n1", "span": SPAN, "orders": (1,), "window": WINDOW, "search": FEW},
+    {  # a collision with a point outside of the window, from which a branch would lead away
+        "parameter": "eps_n1", "span": (0.05, 0.1), "orders": (1, 2), "window": (-1.2, -0.7),
+        "search": Search(slices=4),
+    },
+    {
+        "parameter": "mu_2", "span": (0.3, 0.36), "orders": (1, 2), "window": (-0.9, -0.6),
+        "search": Search(slices=2),
+    },
+]  # fmt: skip
+
+
 @pytest.mark.slow
 @NEEDS_NUMBA
-def test_a_run_goes_on_from_any_line_to_the_last_bit(tmp_path: Path) -> None:
-    """Collisions are met afresh, by a run that goes on and by one that was never interrupted."""
+@pytest.mark.parametrize("what", CUT, ids=["island", "outside", "friction"])
+def test_a_run_goes_on_from_any_line_to_the_same_bytes(
+    what: dict[str, Any], tmp_path: Path
+) -> None:
+    """Its file and its diagram are those of a run without a break, how well points are known, too.
+
+    Cut in the middle of each line.
+    """
     path, part = tmp_path / "run.jsonl", tmp_path / "part.jsonl"
-    whole = to_the_last_bit(of_toy(run=path))
+    kept, again = tmp_path / "whole.json", tmp_path / "again.json"
+    bifurcation_diagram(Toy(), run=path, workers=1, **what).save(kept)
     lines = path.read_bytes().splitlines(keepends=True)
     assert len(lines) > 10
-    for n in range(1, len(lines)):
-        part.write_bytes(b"".join(lines[:n]))
-        assert to_the_last_bit(of_toy(run=part, resume=True)) == whole
+    for n, line in enumerate(lines):
+        part.write_bytes(b"".join(lines[:n]) + line[: len(line) // 2])
+        bifurcation_diagram(Toy(), run=part, workers=1, resume=True, **what).save(again)
+        assert part.read_bytes() == path.read_bytes()
+        assert again.read_bytes() == kept.read_bytes()
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_what_begins_outside_of_the_window_and_leads_away_is_no_branch() -> None:
+    """A 2-cycle meets the jump at -0.8848; its other point, -1.322, lies outside of the window."""
+    found = bifurcation_diagram(Toy(), **CUT[1])
+    assert all(len(branch.parameter) > 1 for branch in found.branches)
+    met = [point for point in found.points if abs(point.parameter - 0.066941662663) < 1e-9]
+    assert [point.kind.name for point in met] == ["BC", "BC"]
+    # the jump to 1e-14, its image by a slope of 40
+    assert sorted(point.x for point in met) == pytest.approx([-1.322068984, -0.884773344], abs=1e-9)
+    assert [len(point.branches) for point in met] == [1, 1]  # of jumps, which lie inside
 
 
 @pytest.mark.parametrize(

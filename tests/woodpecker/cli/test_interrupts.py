@@ -1,0 +1,274 @@
+"""A signal to a command alone, as `kill` sends it: it ends at once, with what is finished kept.
+
+The commands run elsewhere, as real processes; they take the kernel that is cached here.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from needs import NEEDS_NUMBA
+from typer.testing import CliRunner
+
+import woodpecker
+from woodpecker import Curve, Stage, Toy, load_diagram, return_map, saved_diagram
+from woodpecker.base import linking
+from woodpecker.base.lost import WorkerLostError
+from woodpecker.cli import curves as curves_command
+from woodpecker.cli.app import app
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc who is there")
+SIGNALS = [signal.SIGINT, signal.SIGTERM]
+AT_ONCE = 2.0  # s, on a machine that has nothing else to do; busy ones take a multiple
+BUSY = 15.0
+
+
+@contextmanager
+def started(*command: str) -> Iterator[subprocess.Popen[str]]:
+    """A process with Ctrl-C as it is from a terminal, also where the tests' own is ignored."""
+    process = subprocess.Popen(
+        [sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "COLUMNS": "200", "PYTHONPATH": os.pathsep.join(sys.path)},
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def wait_until(there: Callable[[], Any], within: float = 120.0) -> None:
+    deadline = time.monotonic() + within
+    while not there():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def children(pid: int) -> list[int]:
+    try:
+        tasks = list(Path(f"/proc/{pid}/task").iterdir())
+        return [int(c) for task in tasks for c in (task / "children").read_text().split()]
+    except OSError:
+        return []
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process is there, and is not a zombie that nobody has asked for."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[str, str]:
+    """What a process says that a signal ends, alone; its workers end with it."""
+    workers = children(process.pid)
+    process.send_signal(number)
+    begin = time.monotonic()
+    text, complaint = process.communicate(timeout=BUSY)
+    wait_until(lambda: not any(map(is_running, workers)), AT_ONCE + BUSY)
+    assert time.monotonic() - begin < BUSY
+    return text, complaint
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path) -> None:
+    return_map(Toy(), [-0.9])  # compiles, if that was not done before
+    run = tmp_path / "run.jsonl"
+    arguments = ("diagram", "--orders", "1,2,3,4", "--workers", "2", "--out", str(tmp_path))
+    with started("-m", "woodpecker", *arguments) as process:
+        wait_until(lambda: run.exists() and run.read_bytes().count(b"\n") > 3)
+        assert len(children(process.pid)) == 2
+        text, complaint = ended(process, number)
+    assert process.returncode == 130
+    kept = load_diagram(tmp_path / "diagram.json")
+    assert f"Interrupted: {len(kept.branches)} branches are kept, as tables; go on" in complaint
+    assert len(kept.branches) == len(saved_diagram(run).branches) > 0
+    assert "points.csv" in text
+    assert not list(tmp_path.glob("*.png"))  # pictures would take their time
+
+
+PROOF = """
+from woodpecker import Toy, continuation, prove, shoot
+if __name__ == "__main__":
+    toy = Toy()
+    branch, = continuation(toy, shoot(toy, -0.53), span=(0.45, 0.55)).branches
+    if {spawned}:
+        import threading, time
+        threading.Thread(target=time.sleep, args=(1000.0,), daemon=True).start()
+    prove(branch, (0.46, 0.54), toy=toy, workers=2)
+"""
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("spawned", [False, True], ids=["fork", "spawn"])
+@pytest.mark.parametrize("number", [*SIGNALS, signal.SIGKILL])
+def test_workers_of_a_proof_end_with_it(
+    number: signal.Signals, spawned: bool, tmp_path: Path
+) -> None:
+    pytest.importorskip("flint")
+    return_map(Toy(), [-0.9])
+    script = tmp_path / "proof.py"
+    script.write_text(PROOF.format(spawned=spawned), encoding="utf-8")
+    with started(str(script)) as process:
+        wait_until(lambda: len(children(process.pid)) >= 2)
+        time.sleep(1.5)  # they are at work
+        ended(process, number)
+    assert process.returncode in (1, -number)  # a script that nothing was told about signals
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_command_ends_while_its_kernel_is_compiled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The compiler runs for many seconds in which no Python does."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    with started("-m", "woodpecker", "map", "--out", str(tmp_path / "out")) as process:
+        assert process.stderr is not None
+        assert "compiling the kernel" in process.stderr.readline()
+        time.sleep(3.0)
+        ended(process, signal.SIGTERM)
+    assert process.returncode == -signal.SIGTERM
+
+
+def test_signals_are_left_to_the_system_in_commands_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = signal.getsignal(signal.SIGINT)
+    with linking._ended_by_signals():
+        assert signal.getsignal(signal.SIGINT) is usual
+    monkeypatch.setattr(linking, "ends_at_once", True)
+    with linking._ended_by_signals():
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_DFL
+    assert signal.getsignal(signal.SIGINT) is usual
+
+
+LOST = """
+from woodpecker.cli.interrupts import heard, listen
+import os, signal, time
+listen()
+class Drops:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(0.1)
+Drops()  # Python drops what is raised there
+print("dropped", flush=True)
+try:
+    time.sleep(60.0)
+except KeyboardInterrupt:
+    heard()
+    time.sleep(1.5)
+    print("heard")
+"""
+
+
+@pytest.mark.slow
+def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
+    with started("-c", LOST) as process:
+        text, complaint = process.communicate(timeout=30.0)
+    assert text.split() == ["dropped", "heard"]
+    assert "Exception ignored" in complaint
+    assert process.returncode == 0
+
+
+# --- What is kept ---------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_curves_that_are_finished_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    follow, found = woodpecker.continuation, list[Curve]()
+
+    def interrupted(*arguments: Any) -> Any:
+        if found:
+            raise KeyboardInterrupt
+        result = follow(*arguments)
+        if isinstance(result, Curve):
+            found.append(result)
+        return result
+
+    monkeypatch.setattr(woodpecker, "continuation", interrupted)
+    arguments = ("--from", "A,C", "--second-span", "0.298", "0.302", "--out", str(tmp_path))
+    result = CliRunner().invoke(app, ["curves", *arguments])
+    assert result.exit_code == 130
+    assert "Interrupted: 1 of 2 curves are kept, as tables" in result.output
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {*curves_command.FILES[1:], "about_curves.json"}
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    search = woodpecker.parameter_regions
+
+    def interrupted(*arguments: Any, progress: Callable[[Curve], None], **options: Any) -> Any:
+        def show(curve: Curve) -> None:
+            progress(curve)
+            raise KeyboardInterrupt
+
+        return search(*arguments, progress=show, **options)
+
+    monkeypatch.setattr(woodpecker, "parameter_regions", interrupted)
+    near = ("--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6", "-0.45")
+    result = CliRunner().invoke(app, ["regions", *near, "--out", str(tmp_path)])
+    assert result.exit_code == 130
+    assert "Interrupted: 1 curves are kept, as tables; no regions between them" in result.output
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {*curves_command.FILES[1:], "about_regions.json"}
+
+
+def test_where_nothing_is_finished_nothing_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    for command, name in (("simulate", "shoot"), ("robustness", "shoot"), ("prove", "shoot")):
+        monkeypatch.setattr(woodpecker, name, interrupted)
+        result = CliRunner().invoke(app, [command, "--out", str(tmp_path / "out")])
+        assert result.exit_code == 130
+        assert "Interrupted before anything was finished" in result.output
+        assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        (WorkerLostError("a process ended"), 1, "Broken off: a process ended: 1 branch"),
+        (MemoryError(), 1, "Broken off: no memory is left: 1 branch"),
+        (KeyboardInterrupt(), 130, "Interrupted: 1 branch"),
+    ],
+)
+def test_a_search_that_loses_a_process_keeps_what_is_finished(
+    error: BaseException, status: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search = woodpecker.find_all
+
+    def broken(*arguments: Any, **options: Any) -> Any:
+        def show(stage: Stage) -> None:
+            if stage.branches > 1:
+                raise error
+
+        return search(*arguments, **options | {"progress": show, "workers": 1})
+
+    monkeypatch.setattr(woodpecker, "find_all", broken)
+    near = ("--orders", "1", "--span", "0.33", "0.4", "--window", "-1.2", "-0.7")
+    result = CliRunner().invoke(app, ["diagram", *near, "--out", str(tmp_path)])
+    assert result.exit_code == status
+    assert said in " ".join(result.output.split())
+    assert len(load_diagram(tmp_path / "diagram.json").branches) == 1

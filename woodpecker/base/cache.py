@@ -1,0 +1,95 @@
+"""The kernel's cache on disk: a file that is damaged, or cannot be written, is no obstacle.
+
+Numba reads machine code from its cache as it finds it: a file with one wrong bit ends in an error
+or in a crash, at every call. Here each file ends with a digest. What does not agree is compiled
+anew and written again; where that fails the work goes on without. Either way a warning says so
+once, and names the folder.
+
+This uses parts of numba that may change: where they are not as expected the cache is as numba has
+made it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+SEAL = 16  # bytes of a digest
+
+
+def guard(dispatcher: Any) -> None:
+    """Let a compiled function read and write its cache with care.
+
+    Parameters
+    ----------
+    dispatcher
+        What numba made of a function.
+    """
+    own: Any = getattr(dispatcher, "_cache", None)
+    try:
+        file = own._cache_file
+        sealed = _sealed()(file._cache_path, "", file._source_stamp)
+        sealed.__dict__.update(vars(file))
+        own._cache_file = sealed
+    except (ImportError, AttributeError, TypeError):
+        return
+
+
+@cache
+def _sealed() -> Any:
+    """Numba's class of files with digests and second thoughts."""
+    base: Any = import_module("numba.core.caching").IndexDataCacheFile
+
+    class Sealed(base):  # type: ignore[misc]
+        def load(self, key: Any) -> Any:
+            try:
+                return super().load(key)
+            except Exception as error:  # whatever pickle makes of wrong bytes
+                _say(self._cache_path, f"is damaged ({_in_a_line(error)})")
+                return None
+
+        def save(self, key: Any, data: Any) -> None:
+            try:
+                try:
+                    super().save(key, data)
+                except OSError:
+                    raise
+                except Exception:  # the index is damaged
+                    self.flush()
+                    super().save(key, data)
+            except OSError as error:
+                _say(self._cache_path, f"cannot be written ({error.strerror or error})")
+
+        def _dump(self, value: Any) -> bytes:
+            content: bytes = super()._dump(value)
+            return content + _seal(content)  # pickle reads no further than its own end
+
+        def _load_data(self, name: str) -> Any:
+            content = Path(self._data_path(name)).read_bytes()
+            if _seal(content[:-SEAL]) != content[-SEAL:]:
+                raise ValueError(f"{name} is not what was written")
+            return super()._load_data(name)
+
+    return Sealed
+
+
+def _in_a_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def _seal(content: bytes) -> bytes:
+    return hashlib.blake2b(content, digest_size=SEAL).digest()
+
+
+@cache
+def _say(folder: str, what: str) -> None:
+    logging.getLogger("woodpecker").warning(
+        "the cache of the compiled kernel in %s %s: the kernel is compiled anew, which takes about "
+        "twenty seconds",
+        folder,
+        what,
+    )
