@@ -72,6 +72,11 @@ def pair(number: Number) -> tuple[int, int]:
     return int(QQ.numer(number)), int(QQ.denom(number))
 
 
+def bits(number: Number) -> int:
+    """How long the numerator and the denominator of an element of ``QQ`` are together."""
+    return int(QQ.numer(number).bit_length() + QQ.denom(number).bit_length())
+
+
 def floor(number: Number) -> int:
     """The largest integer that is not above an element of ``QQ``."""
     top, bottom = pair(number)
