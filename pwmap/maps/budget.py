@@ -187,6 +187,11 @@ class Meter:
     def spend(self, work: int) -> None:
         """Take note of work that is about to be done.
 
+        Parameters
+        ----------
+        work
+            As :func:`cost` weighs it.
+
         Raises
         ------
         BudgetError
@@ -213,7 +218,13 @@ class Meter:
         return "they take" if self._at.what else "it takes"
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
-        """Take note of how many parts are finished, and tell it."""
+        """Take note of how many parts are finished, and tell it.
+
+        Parameters
+        ----------
+        what, done, total
+            As in an :class:`Advance`.
+        """
         self._at = Advance(what, done, total, self.work)
         self._tell()
 
@@ -223,7 +234,20 @@ class Meter:
             self.budget.progress(self._at._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """One part after the other, told with how many there are."""
+        """One part after the other; what follows each is told.
+
+        Parameters
+        ----------
+        parts
+            Those that a loop goes through.
+        what
+            What they are, in words.
+
+        Returns
+        -------
+        iterator
+            Of these parts.
+        """
         total = len(parts) if isinstance(parts, Sized) else 0
         self.advance(what, 0, total)
         for done, part in enumerate(parts, start=1):
@@ -233,6 +257,16 @@ class Meter:
     @contextmanager
     def keeping(self, finished: Sized) -> Iterator[None]:
         """Let a loop end early, at a limit or an interrupt, if it has finished anything.
+
+        Parameters
+        ----------
+        finished
+            The parts so far, to which the loop adds each when it is finished.
+
+        Returns
+        -------
+        context manager
+            Around the loop; behind it :attr:`left_out` says whether it ended early.
 
         Raises
         ------
