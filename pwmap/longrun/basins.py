@@ -1,10 +1,14 @@
-"""Immediate basins: the intervals around an attractor from which nothing leaves it.
+"""Basins: the intervals around an attractor from which nothing leaves it, and all that comes there.
 
 The immediate basin of an attractor is made of the largest intervals around its points, or bands,
 in which all orbits come to it, but for those that end in a repelling cycle inside. They are found
 from inside: an interval is extended as far as what lies beside it is mapped into the intervals that
 are known. Where a piece rises and is steep that leads to its repelling fixed point in infinitely
 many ever smaller steps; so the fixed point is taken at once.
+
+The whole basin is what comes to the immediate one. Where a map jumps that may lie anywhere, so its
+preimages are taken, again and again, as sets with ends and single points, exactly. When none leads
+out of what was collected it is complete.
 """
 
 from __future__ import annotations
@@ -12,13 +16,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import sympy
 from sympy import QQ
 
 from pwmap.longrun.line import Germ, Interval, Line
 from pwmap.longrun.numbers import Exact
+from pwmap.longrun.pointsets import PointSet, closed_intervals, open_intervals, point_set, preimage
 
-ROUNDS = 40  # of extending all intervals on both sides
+ROUNDS = 40  # of extending all intervals on both sides, and of preimages
+PARTS = 64  # of a whole basin at most
+STEPS = 100  # of an orbit of a break
 MOST = 16  # intervals of which iterates are looked at until all have come back
+FEW = 4  # iterates that are looked at beside an end of a preimage
 End = Exact | None
 
 
@@ -30,18 +39,9 @@ class Basin:
     ----------
     intervals
         Open, from left to right; an end that is None is infinite.
-    complete
-        Whether it is complete; if not, these are parts of it.
     """
 
     intervals: tuple[tuple[End, End], ...]
-    complete: bool
-
-    def holds(self, x: Exact) -> bool:
-        """Whether a point lies in it."""
-        return any(
-            (low is None or low < x) and (high is None or x < high) for low, high in self.intervals
-        )
 
     def within(self, window: Interval) -> list[Interval]:
         """The parts inside a window."""
@@ -53,41 +53,140 @@ class Basin:
         return [(a, b) for a, b in parts if a < b]
 
 
-def basin_of(line: Line, start: Sequence[Interval]) -> Basin:
+@dataclass(frozen=True, slots=True, eq=False)
+class WholeBasin:
+    """All that is known to come to an attractor, from anywhere.
+
+    Inside its intervals there may be points that do not, but these have no length: such as end in a
+    repelling cycle, or at a break whose value leads elsewhere.
+
+    Attributes
+    ----------
+    region
+        Its intervals and points, with the ends that belong to it.
+    complete
+        Whether it is proved that no other point comes there: no preimage leads out of it.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> jumping = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 1), (x + 1, x < 10), (-1, True))")
+    >>> (cycle,) = dynamics(jumping).attractors
+    >>> cycle.basin, cycle.basin_is_complete
+    ((Interval.open(-oo, 1),), False)
+    >>> cycle.whole_basin.parts, cycle.whole_basin.complete
+    ((Interval(-oo, oo),), True)
+    """
+
+    region: PointSet
+    complete: bool
+
+    @property
+    def parts(self) -> tuple[sympy.Set, ...]:
+        """The same as intervals and points of sympy, from left to right."""
+        return self.region.to_sympy()
+
+
+def whole_basin(line: Line, core: PointSet, immediate: Basin) -> WholeBasin:
+    """All that comes to an attractor.
+
+    Parameters
+    ----------
+    line
+        The map.
+    core
+        Points that stay at the attractor, or are known to be drawn in.
+    immediate
+        Its immediate basin.
+    """
+    leaving = any(x in core and line(x) not in core for x in line.breaks)
+    comes = {x: _comes(line, core, x, leaving) for x in line.breaks}
+    known = core | open_intervals(immediate.intervals)
+    for _ in range(ROUNDS):
+        longer = known | preimage(line, known, [x for x in line.breaks if comes[x] is not False])
+        if known.has(longer):
+            isolated = [x for x in line.breaks if not known.surrounds(x) and x in known]
+            return WholeBasin(known, all(comes[x] for x in isolated))
+        intervals = longer.interior
+        before = {end for pair in known.interior for end in pair}
+        known = longer | open_intervals(
+            _extended(line, intervals, k, side, FEW)
+            for k, pair in enumerate(intervals)
+            for side, end in zip((-1, 1), pair, strict=True)
+            if end not in before
+        )
+        if len(known.parts) > PARTS:
+            break
+    return WholeBasin(known, False)
+
+
+def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
+    """Closed intervals that are mapped into themselves, without ends that are breaks and leave."""
+    whole = closed_intervals(intervals)
+    ends = [x for interval in intervals for x in interval]
+    kept = {x: True for x in ends}
+    for _ in ends:
+        for x in ends:
+            value = line(x)
+            kept[x] = kept[x] and kept.get(value, value in whole)
+    return point_set(
+        ((low, -1 if kept[low] else 1), (high, 1 if kept[high] else -1)) for low, high in intervals
+    )
+
+
+def _comes(line: Line, core: PointSet, x: Exact, leaving: bool) -> bool | None:
+    """Whether a point comes to an attractor, by its own orbit; None if that is not known."""
+    seen = list[Exact]()
+    for _ in range(STEPS):
+        if x in seen:
+            return all(y in core for y in seen[seen.index(x) :])
+        if x in core and not leaving:
+            return True
+        seen.append(x)
+        x = line(x)
+    return None
+
+
+def basin_of(line: Line, start: Sequence[tuple[End, End]]) -> Basin:
     """The immediate basin of an attractor.
+
+    Iterates are looked at until all ends may have come back, twice: what is mapped to the other
+    side of a repelling point comes back the second time.
 
     Parameters
     ----------
     line
         The map.
     start
-        Intervals that hold the attractor, and that are mapped into themselves: its bands, or what
-        its points are known to draw in.
+        Intervals from left to right that hold the attractor, and that are mapped into themselves:
+        its bands, its neutral intervals, or what its points are known to draw in.
     """
-    known: list[tuple[End, End]] = [*sorted(start, key=lambda each: each[0])]
+    known = list(start)
     for _ in range(ROUNDS):
         before = list(known)
+        rounds = 4 * min(len(known), MOST)
         for k in range(len(known)):
             for side in (-1, 1):
-                known[k] = _extended(line, known, k, side)
+                known[k] = _extended(line, known, k, side, rounds)
         known = _joined(known)
         if known == before:
-            return Basin(tuple(known), True)
-    return Basin(tuple(known), False)
+            break
+    return Basin(tuple(known))
 
 
-def _extended(line: Line, known: Sequence[tuple[End, End]], k: int, side: int) -> tuple[End, End]:
+def _extended(
+    line: Line, known: Sequence[tuple[End, End]], k: int, side: int, rounds: int
+) -> tuple[End, End]:
     """An interval with what lies beside it, on one piece of the map, and is mapped into the known.
 
-    Iterates are looked at until all ends may have come back, twice: what is mapped to the other
-    side of a repelling point comes back the second time.
+    Iterates up to some order are looked at.
     """
     end = known[k][side > 0]
     if end is None:
         return known[k]
     best = end
-    for rounds in range(1, 4 * min(len(known), MOST) + 1):
-        found = _reach(line, known, end, side, rounds)
+    for order in range(1, rounds + 1):
+        found = _reach(line, known, end, side, order)
         if found is None or (side > 0 and found > best) or (side < 0 and found < best):
             best = found
             if best is None:

@@ -8,7 +8,7 @@ from enum import Enum
 
 from sympy import QQ
 
-from pwmap.longrun.line import Branch, Germ, Interval, Line
+from pwmap.longrun.line import Branch, Germ, Line
 from pwmap.longrun.numbers import Exact, key, sign
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
@@ -172,6 +172,8 @@ class Fates:
         """The attracting cycle whose pieces a germ visits."""
         slope, intercept, here = QQ.one, QQ.zero, germ
         for _ in range(period):
+            if not here.side and here.x in self.line.breaks:
+                return None
             branch = self.line.beside(here)
             slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
             here = self.line.image(here)
@@ -277,8 +279,3 @@ def _swapped(left: Branch, right: Branch) -> tuple[Exact | None, Exact | None]:
     low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
     high = left(low)
     return low, max(high, right.lower)
-
-
-def hull(intervals: Sequence[Interval]) -> Interval:
-    """The shortest interval that holds all of them."""
-    return min(low for low, _ in intervals), max(high for _, high in intervals)
