@@ -43,8 +43,10 @@ from .longrun.dynamics import MinMax as MinMax
 from .longrun.dynamics import dynamics as dynamics
 from .longrun.entropies import Entropy as Entropy
 from .longrun.fates import AttractingCycle as AttractingCycle
+from .maps.budget import Advance as Advance
 from .maps.budget import Budget as Budget
 from .maps.budget import BudgetError as BudgetError
+from .maps.budget import Meter as Meter
 from .maps.budget import Progress as Progress
 from .maps.piecewise_linear import Cycle as Cycle
 from .maps.piecewise_linear import FixedInterval as FixedInterval
