@@ -16,10 +16,11 @@ from math import gcd
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, unfollowed
 from pwmap.longrun.line import Germ, Interval, Line, add, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
-from pwmap.longrun.numbers import Element, Exact, enclosed
+from pwmap.longrun.numbers import Element, Exact, enclosed, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 STEPS = 600  # of an orbit, and of what grows from a break
 PARTS = 2000  # of what grows from a break at most, at any time
@@ -27,6 +28,7 @@ EXPANDING = 96  # the same where every piece expands: nothing draws it in, so it
 GROWTH = 20_000  # steps of what grows from a break
 WORDS = 20_000  # that are followed to find out whether bands expand
 ROUNDED = 64  # bits by which a rounding is less than the square of the sides
+STEP = 20  # operations of one step of an interval
 IMAGES = 256  # of breaks whose fractions are kept as they are, at most
 CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
 HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
@@ -89,6 +91,8 @@ class Attractors:
         Of all germs at breaks, with their fates.
     open
         Breaks of which it is not known what grows from them.
+    left_out
+        A sentence if a budget or an interrupt is the cause.
     """
 
     line: Line
@@ -97,6 +101,7 @@ class Attractors:
     bands: tuple[Bands, ...]
     orbits: tuple[Orbit, ...]
     open: tuple[Exact, ...]
+    left_out: str = ""
 
     def __len__(self) -> int:
         """How many."""
@@ -107,7 +112,9 @@ class _Grown(Exception):  # noqa: N818  it is not an error
     """What grows from a break is no part of a chaotic attractor."""
 
 
-def attractors_of(line: Line, steps: int = STEPS) -> Attractors:
+def attractors_of(
+    line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGET
+) -> Attractors:
     """The attractors of a map.
 
     Parameters
@@ -116,32 +123,55 @@ def attractors_of(line: Line, steps: int = STEPS) -> Attractors:
         The map.
     steps
         How far orbits are followed.
+    budget
+        If it is used up, more breaks are open.
     """
+    meter = metered(budget)
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
-    fates = Fates(line, min(steps, EXPANDING) if expands else steps)
-    orbits = [fates.orbit(germ) for germ in line.germs]
-    for k, orbit in enumerate(orbits):  # the cycles are all known only now
-        if orbit.fate is Fate.OPEN:
-            orbits[k] = fates.orbit(orbit.germs[0])
-    if not line.breaks:
-        fates.orbit(Germ(QQ.zero, 1))  # with one piece all orbits come to the cycle, if there is one
+    fates = Fates(line, min(steps, EXPANDING) if expands else steps, meter)
+    orbits, open_, bands = list[Orbit](), set(line.breaks), list[Bands]()
+    with meter.keeping(line.branches):
+        for germ in meter.each(line.germs, "orbits of breaks"):
+            orbits.append(fates.orbit(germ))
+        for k, orbit in enumerate(orbits):  # the cycles are all known only now
+            if orbit.fate is Fate.OPEN:
+                orbits[k] = fates.orbit(orbit.germs[0])
+        if not line.breaks:
+            fates.orbit(Germ(QQ.zero, 1))  # all orbits come to the cycle of one piece, if it has one
+    orbits += [unfollowed(line, germ) for germ in line.germs[len(orbits) :]]
     neutral = neutral_intervals(line, orbits)
-    growth = _Growth(fates, neutral)
-    grown, left = dict[Exact, list[Interval]](), list[Exact]()
-    for x, sides in zip(line.breaks, zip(orbits[::2], orbits[1::2], strict=True), strict=True):
-        if any(_ends_at_a_break(line, orbit, fates) for orbit in sides):
-            left.append(x)
-        elif not any(_is_settled(line, orbit, fates) for orbit in sides):
-            found = growth.twice(x)
-            if found is None:
-                left.append(x)
-            elif found:
+    with meter.keeping(line.branches):
+        growth, grown = _Growth(fates, neutral), dict[Exact, list[Interval]]()
+        sides = zip(orbits[::2], orbits[1::2], strict=True)
+        for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks"):
+            found = _beside(fates, growth, x, pair)
+            if found:
                 grown[x] = found
-    bands, unproved = _told_apart(line, grown)
+            elif found is not None:
+                open_.remove(x)
+        smallest = _smallest(line, grown)
+        open_ -= grown.keys() - {x for each in smallest for x in each.breaks}
+        for each in smallest:
+            if expands_in(line, each.intervals, meter):
+                bands.append(each)
+                open_.difference_update(each.breaks)
     cycles = sorted(fates.cycles, key=lambda each: each.points[0])
+    bands.sort(key=lambda each: each.intervals[0][0])
     return Attractors(
-        line, tuple(cycles), neutral, bands, tuple(orbits), tuple(sorted({*left, *unproved}))
-    )
+        line, tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
+        meter.left_out,
+    )  # fmt: skip
+
+
+def _beside(
+    fates: Fates, growth: _Growth, x: Exact, sides: tuple[Orbit, Orbit]
+) -> list[Interval] | None:
+    """What grows from the sides of a break, [] if that settles elsewhere; None if it is open."""
+    if any(_ends_at_a_break(fates.line, orbit, fates) for orbit in sides):
+        return None
+    if any(_is_settled(fates.line, orbit, fates) for orbit in sides):
+        return []
+    return growth.twice(x)
 
 
 def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
@@ -154,22 +184,14 @@ def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
     )
 
 
-def _told_apart(
-    line: Line, grown: dict[Exact, list[Interval]]
-) -> tuple[tuple[Bands, ...], list[Exact]]:
-    """Bands from which nothing smaller grows; and breaks in such as are not known to expand."""
-    bands, unproved = list[Bands](), list[Exact]()
+def _smallest(line: Line, grown: dict[Exact, list[Interval]]) -> list[Bands]:
+    """What grows from breaks, if nothing smaller grows from another break in it, each once."""
+    found = dict[tuple[Interval, ...], Bands]()
     for intervals in grown.values():
         inner = [y for y in line.breaks if any(low < y < high for low, high in intervals)]
-        known = any(intervals == list(each.intervals) for each in bands)
-        if known or any(grown.get(y) != intervals for y in inner):
-            continue
-        if expands_in(line, intervals):
-            bands.append(Bands(tuple(intervals), tuple(inner)))
-        else:
-            unproved += inner
-    bands.sort(key=lambda each: each.intervals[0][0])
-    return tuple(bands), unproved
+        if inner and all(grown.get(y) == intervals for y in inner):
+            found.setdefault(tuple(intervals), Bands(tuple(intervals), tuple(inner)))
+    return list(found.values())
 
 
 def absorbing_of(line: Line) -> Interval | None:
@@ -246,7 +268,7 @@ class _Growth:
     """
 
     def __init__(self, fates: Fates, neutral: Sequence[NeutralIntervals]) -> None:
-        self.fates, self.line = fates, fates.line
+        self.fates, self.line, self.meter = fates, fates.line, fates.meter
         high = height(self.line)
         self.close = _scale(self.line) * QQ(1, 1 << (CLOSE + HEIGHT * high))
         self.grid = 2 * bits(self.close) + ROUNDED
@@ -270,6 +292,7 @@ class _Growth:
         new: Sequence[Interval] = [(x - away, x + away)]
         known = list(new)
         for _ in range(GROWTH):
+            self.meter.spend(STEP * sum(work_of(low) + work_of(high) for low, high in new))
             images = self.line.images(new)
             new = outside([(self.rounded(low), self.rounded(high)) for low, high in images], known)
             if not new:
@@ -300,7 +323,7 @@ class _Growth:
         return QQ(((near.numerator << self.grid + 1) // near.denominator + 1) // 2, 1 << self.grid)
 
 
-def expands_in(line: Line, intervals: Sequence[Interval]) -> bool:
+def expands_in(line: Line, intervals: Sequence[Interval], meter: Meter) -> bool:
     """Whether it is proved that every orbit in intervals expands within a bounded time.
 
     Words are followed until the product of their slopes is larger than one. If all are some time,
@@ -312,6 +335,7 @@ def expands_in(line: Line, intervals: Sequence[Interval]) -> bool:
     while level and looked < WORDS:
         longer = dict[Interval, Exact]()
         for interval, size in level.items():
+            meter.spend(STEP * (work_of(interval[0]) + work_of(size)))
             for branch, part in line.parts(interval):
                 looked += 1
                 product = size * abs_(branch.slope)

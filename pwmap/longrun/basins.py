@@ -13,22 +13,34 @@ out of what was collected it is complete.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import sympy
 from sympy import QQ
 
 from pwmap.longrun.line import Germ, Interval, Line
-from pwmap.longrun.numbers import Exact
-from pwmap.longrun.pointsets import PointSet, closed_intervals, open_intervals, point_set, preimage
+from pwmap.longrun.numbers import Exact, work_of
+from pwmap.longrun.pointsets import (
+    Part,
+    PointSet,
+    closed_intervals,
+    open_intervals,
+    point_set,
+    preimage,
+)
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 ROUNDS = 40  # of extending all intervals on both sides, and of preimages
 PARTS = 64  # of a whole basin at most
 STEPS = 100  # of an orbit of a break
 MOST = 16  # intervals of which iterates are looked at until all have come back
 FEW = 4  # iterates that are looked at beside an end of a preimage
+STEP = 20  # operations of one step of an iterate, with what is asked about it
 End = Exact | None
+Open = tuple[End, End]  # an interval; None is infinite
+Reaching = tuple[Exact, Exact, End]  # slope and intercept of a piece, and how far it reaches
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +99,9 @@ class WholeBasin:
         return self.region.to_sympy()
 
 
-def whole_basin(line: Line, core: PointSet, immediate: Basin) -> WholeBasin:
+def whole_basin(
+    line: Line, core: PointSet, immediate: Basin, budget: Budget | Meter = BUDGET
+) -> WholeBasin:
     """All that comes to an attractor.
 
     Parameters
@@ -98,26 +112,43 @@ def whole_basin(line: Line, core: PointSet, immediate: Basin) -> WholeBasin:
         Points that stay at the attractor, or are known to be drawn in.
     immediate
         Its immediate basin.
+    budget
+        If it is used up what was collected is not complete.
     """
-    leaving = any(x in core and line(x) not in core for x in line.breaks)
-    comes = {x: _comes(line, core, x, leaving) for x in line.breaks}
-    known = core | open_intervals(immediate.intervals)
-    for _ in range(ROUNDS):
-        longer = known | preimage(line, known, [x for x in line.breaks if comes[x] is not False])
-        if known.has(longer):
-            isolated = [x for x in line.breaks if not known.surrounds(x) and x in known]
-            return WholeBasin(known, all(comes[x] for x in isolated))
-        intervals = longer.interior
-        before = {end for pair in known.interior for end in pair}
-        known = longer | open_intervals(
-            _extended(line, intervals, k, side, FEW)
-            for k, pair in enumerate(intervals)
-            for side, end in zip((-1, 1), pair, strict=True)
-            if end not in before
-        )
-        if len(known.parts) > PARTS:
-            break
-    return WholeBasin(known, False)
+    meter = metered(budget)
+    found = [core | open_intervals(immediate.intervals)]
+    complete = False
+    with meter.keeping(found):
+        comes = {x: _comes(line, core, x, meter) for x in line.breaks}
+        settled = [x for x in line.breaks if comes[x] is not False]
+        for _ in meter.each(range(ROUNDS), "rounds"):
+            known = found[-1]
+            meter.spend(STEP * len(line.branches) * sum(map(_work, known.parts)))
+            longer = known | preimage(line, known, settled)
+            if known.has(longer):
+                isolated = (x for x in line.breaks if x in known and not known.surrounds(x))
+                complete = all(comes[x] for x in isolated)
+                break
+            found.append(_with_more(line, known, longer, meter))
+            if len(found[-1].parts) > PARTS:
+                break
+    return WholeBasin(found[-1], complete)
+
+
+def _with_more(line: Line, known: PointSet, longer: PointSet, meter: Meter) -> PointSet:
+    """A set with what lies beside its new ends, and is mapped into it or closer to them."""
+    before = {end for pair in known.interior for end in pair}
+    intervals = longer.interior
+    return longer | open_intervals(
+        _extended(line, intervals, k, side, FEW, meter)
+        for k, pair in enumerate(intervals)
+        for side, end in zip((-1, 1), pair, strict=True)
+        if end not in before
+    )
+
+
+def _work(part: Part) -> int:
+    return sum(work_of(cut[0]) for cut in part if cut is not None)
 
 
 def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
@@ -134,10 +165,12 @@ def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
     )
 
 
-def _comes(line: Line, core: PointSet, x: Exact, leaving: bool) -> bool | None:
+def _comes(line: Line, core: PointSet, x: Exact, meter: Meter) -> bool | None:
     """Whether a point comes to an attractor, by its own orbit; None if that is not known."""
+    leaving = any(y in core and line(y) not in core for y in line.breaks)
     seen = list[Exact]()
     for _ in range(STEPS):
+        meter.spend(STEP * work_of(x))
         if x in seen:
             return all(y in core for y in seen[seen.index(x) :])
         if x in core and not leaving:
@@ -147,7 +180,7 @@ def _comes(line: Line, core: PointSet, x: Exact, leaving: bool) -> bool | None:
     return None
 
 
-def basin_of(line: Line, start: Sequence[tuple[End, End]]) -> Basin:
+def basin_of(line: Line, start: Sequence[Open], budget: Budget | Meter = BUDGET) -> Basin:
     """The immediate basin of an attractor.
 
     Iterates are looked at until all ends may have come back, twice: what is mapped to the other
@@ -160,23 +193,26 @@ def basin_of(line: Line, start: Sequence[tuple[End, End]]) -> Basin:
     start
         Intervals from left to right that hold the attractor, and that are mapped into themselves:
         its bands, its neutral intervals, or what its points are known to draw in.
+    budget
+        If it is used up, or that takes many rounds, intervals may be too short.
     """
-    known = list(start)
-    for _ in range(ROUNDS):
-        before = list(known)
-        rounds = 4 * min(len(known), MOST)
-        for k in range(len(known)):
-            for side in (-1, 1):
-                known[k] = _extended(line, known, k, side, rounds)
-        known = _joined(known)
-        if known == before:
-            break
-    return Basin(tuple(known))
+    known, meter = list(start), metered(budget)
+    with meter.keeping(known):
+        for _ in meter.each(range(ROUNDS), "rounds"):
+            before = list(known)
+            orders = 4 * min(len(known), MOST)
+            for k in range(len(known)):
+                for side in (-1, 1):
+                    known[k] = _extended(line, known, k, side, orders, meter)
+            known[:] = _joined(known)
+            if known == before:
+                break
+    return Basin(tuple(_joined(known)))
 
 
 def _extended(
-    line: Line, known: Sequence[tuple[End, End]], k: int, side: int, rounds: int
-) -> tuple[End, End]:
+    line: Line, known: Sequence[Open], k: int, side: int, orders: int, meter: Meter
+) -> Open:
     """An interval with what lies beside it, on one piece of the map, and is mapped into the known.
 
     Iterates up to some order are looked at.
@@ -184,22 +220,22 @@ def _extended(
     end = known[k][side > 0]
     if end is None:
         return known[k]
-    best = end
-    for order in range(1, rounds + 1):
-        found = _reach(line, known, end, side, order)
-        if found is None or (side > 0 and found > best) or (side < 0 and found < best):
+    best: End = end
+    for piece in _pieces(line, end, side, orders, meter):
+        found = _reach(piece, known, end, side)
+        if found is None or (found - best) * side > 0:
             best = found
             if best is None:
                 break
     return (known[k][0], best) if side > 0 else (best, known[k][1])
 
 
-def _reach(line: Line, known: Sequence[tuple[End, End]], end: Exact, side: int, rounds: int) -> End:
+def _reach(piece: Reaching, known: Sequence[Open], end: Exact, side: int) -> End:
     """How far beside an end points are mapped into known intervals, or ever farther from its image.
 
     The end itself if none is.
     """
-    slope, intercept, limit = _pieces(line, end, side, rounds)
+    slope, intercept, limit = piece
     image = slope * end + intercept
     if slope == 0:
         return limit if _holder(known, image, 0) is not None else end
@@ -225,25 +261,30 @@ def _nearer(x: Exact, limit: End, side: int) -> Exact:
     return min(x, limit) if side > 0 else max(x, limit)
 
 
-def _pieces(line: Line, end: Exact, side: int, rounds: int) -> tuple[Exact, Exact, End]:
-    """Slope, intercept and farthest end of the affine piece of an iterate beside a point."""
+def _pieces(line: Line, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
+    """Slope, intercept and farthest end of the affine pieces of iterates beside a point, by order."""
     slope, intercept, limit = QQ.one, QQ.zero, None
     germ = Germ(end, side)
-    for _ in range(rounds):
-        if not slope:
-            break
+    for _ in range(orders):
+        meter.spend(STEP * work_of(germ.x))
         branch = line.beside(germ)
         stop = branch.upper if germ.side > 0 else branch.lower
         if stop is not None:
             limit = _nearer((stop - intercept) / slope, limit, side)
         slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
         germ = line.image(germ)
-    return slope, intercept, limit
+        yield slope, intercept, limit
+        if not slope:
+            return
 
 
-def _holder(known: Sequence[tuple[End, End]], x: Exact, way: int) -> int | None:
-    """The known interval that holds what lies beside a point on a side of it."""
-    for k, (low, high) in enumerate(known):
+def _holder(known: Sequence[Open], x: Exact, way: int) -> int | None:
+    """The known interval, of such from left to right, that holds what lies beside a point."""
+    last = bisect_right(known, (True, x), key=lambda each: (each[0] is not None, each[0]))
+    for k in (last - 1, last - 2):
+        if k < 0:
+            break
+        low, high = known[k]
         over = low is None or low < x or (low == x and way > 0)
         under = high is None or x < high or (high == x and way < 0)
         if over and under:
@@ -251,9 +292,9 @@ def _holder(known: Sequence[tuple[End, End]], x: Exact, way: int) -> int | None:
     return None
 
 
-def _joined(intervals: Sequence[tuple[End, End]]) -> list[tuple[End, End]]:
+def _joined(intervals: Sequence[Open]) -> list[Open]:
     """The same set as intervals apart, but for points at which they touch."""
-    found = list[tuple[End, End]]()
+    found = list[Open]()
     for low, high in intervals:
         if found and (low is None or found[-1][1] is None or low <= found[-1][1]):
             last = found[-1][1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 from typing import Any
@@ -11,6 +11,8 @@ from typing import Any
 import sympy
 
 from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.terms import shortened
+from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
     Attractors,
     Bands,
@@ -28,6 +30,7 @@ from pwmap.longrun.line import Germ, Interval, Line, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy, sign
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
+from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
@@ -137,6 +140,8 @@ class Attractor:
         The map.
     core
         The cycle, the intervals or the bands, in exact numbers.
+    budget
+        What each question about it may take.
 
     Examples
     --------
@@ -152,6 +157,7 @@ class Attractor:
 
     line: Line
     core: AttractingCycle | NeutralIntervals | Bands
+    budget: Budget | Meter = field(default=BUDGET, repr=False)
 
     @property
     def is_chaotic(self) -> bool:
@@ -229,7 +235,9 @@ class Attractor:
     @cached_property
     def density(self) -> Density | None:
         """The invariant density of bands; None for cycles, or if it is not known to exist."""
-        return density_of(self.line, self.core) if isinstance(self.core, Bands) else None
+        return (
+            density_of(self.line, self.core, self.budget) if isinstance(self.core, Bands) else None
+        )
 
     @cached_property
     def exponent(self) -> sympy.Expr | None:
@@ -261,7 +269,7 @@ class Attractor:
 
     @cached_property
     def _basin(self) -> Basin:
-        return basin_of(self.line, self._core.interior)
+        return basin_of(self.line, self._core.interior, self.budget)
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
@@ -283,7 +291,7 @@ class Attractor:
     @cached_property
     def whole_basin(self) -> WholeBasin:
         """All that is known to come here: the immediate basin and its preimages, wherever."""
-        return whole_basin(self.line, self._core, self._basin)
+        return whole_basin(self.line, self._core, self._basin, self.budget)
 
     def share(self, window: tuple[object, object]) -> sympy.Expr:
         """The part of a window that the immediate basin covers.
@@ -332,6 +340,8 @@ class FoundAttractors(tuple[Attractor, ...]):
     ----------
     open
         These breaks; if there is none the attractors are complete.
+    cause
+        A sentence if a budget or an interrupt is the cause.
 
     Examples
     --------
@@ -348,28 +358,30 @@ class FoundAttractors(tuple[Attractor, ...]):
     """
 
     open: tuple[sympy.Expr, ...]
+    cause: str
 
     def __new__(
-        cls, attractors: Iterable[Attractor], open_: tuple[sympy.Expr, ...]
+        cls, attractors: Iterable[Attractor], open_: tuple[sympy.Expr, ...], cause: str = ""
     ) -> FoundAttractors:
-        """Those that were found, and the breaks that are open."""
+        """Those that were found, the breaks that are open, and why."""
         self = super().__new__(cls, attractors)
-        self.open = open_
+        self.open, self.cause = open_, cause
         return self
 
-    def __getnewargs__(self) -> tuple[tuple[Attractor, ...], tuple[sympy.Expr, ...]]:
-        return tuple(self), self.open
+    def __getnewargs__(self) -> tuple[tuple[Attractor, ...], tuple[sympy.Expr, ...], str]:
+        return tuple(self), self.open, self.cause
 
     @property
     def left_out(self) -> str:
-        """What is missing, as a few words; empty if nothing is."""
-        places = ", ".join(map(str, self.open))
+        """What is missing, in a few words; empty if nothing is."""
+        places = ", ".join(shortened(str(x), 40) for x in self.open)
         breaks = "breaks" if len(self.open) > 1 else "break"
-        return f"incomplete: open beside the {breaks} {places}" if self.open else ""
+        parts = [f"incomplete: open beside the {breaks} {places}"] if self.open else []
+        return "; ".join([*parts, self.cause]) if self.cause else "".join(parts)
 
     def __repr__(self) -> str:
         """All of them, and what is missing."""
-        if not self.open:
+        if not self.left_out:
             return super().__repr__()
         return f"({', '.join([*map(repr, self), self.left_out])})"
 
@@ -384,6 +396,8 @@ class Dynamics:
         The map there, in exact numbers.
     orders
         Up to which the graph of laps is made for bounds of the entropy, one after the other.
+    budget
+        What each question may take.
 
     Examples
     --------
@@ -398,10 +412,16 @@ class Dynamics:
 
     line: Line
     orders: tuple[int, ...] = ORDERS
+    budget: Budget | Meter = field(default=BUDGET, repr=False)
+
+    def __repr__(self) -> str:
+        """Its pieces, and its attractors, with what is missing."""
+        pieces = counted(len(self.line.branches), "piece")
+        return f"Dynamics(map of {pieces}, attractors: {self.attractors!r})"
 
     @cached_property
     def _found(self) -> Attractors:
-        return attractors_of(self.line)
+        return attractors_of(self.line, budget=self.budget)
 
     @cached_property
     def attractors(self) -> FoundAttractors:
@@ -411,7 +431,9 @@ class Dynamics:
         """
         found = self._found
         cores = (*found.cycles, *found.neutral, *found.bands)
-        return FoundAttractors((Attractor(self.line, core) for core in cores), self.open)
+        return FoundAttractors(
+            (Attractor(self.line, core, self.budget) for core in cores), self.open, found.left_out
+        )
 
     @property
     def open(self) -> tuple[sympy.Expr, ...]:
@@ -430,7 +452,7 @@ class Dynamics:
     @cached_property
     def entropy(self) -> Entropy:
         """The topological entropy, exact or between bounds."""
-        return entropy_of(self.line, self._found, self.orders)
+        return entropy_of(self.line, self._found, self.orders, self.budget)
 
     @cached_property
     def kneading(self) -> tuple[Kneading, ...]:
@@ -468,7 +490,7 @@ class Dynamics:
         list of int
             One number for each order from 1 to ``order``.
         """
-        return lap_numbers(self.line, checked_order(order))
+        return lap_numbers(self.line, checked_order(order), self.budget)
 
 
 def dynamics(
@@ -476,6 +498,7 @@ def dynamics(
     values: Mapping[Any, object] | None = None,
     *,
     orders: tuple[int, ...] = ORDERS,
+    budget: Budget | Meter = BUDGET,
 ) -> Dynamics:
     """The long run of a map: attractors, basins, densities, exponents, kneading sequences, entropy.
 
@@ -489,6 +512,9 @@ def dynamics(
     orders
         Up to which the graph of laps is made, one after the other, until the entropy is known to
         1e-12; higher ones are closer.
+    budget
+        What each question about the result may take: where it ends attractors are incomplete,
+        bounds wide, basins parts of the whole, and densities missing.
 
     Returns
     -------
@@ -512,7 +538,7 @@ def dynamics(
     """
     for order in orders:
         checked_order(order)
-    return Dynamics(line_of(map_, values), tuple(orders))
+    return Dynamics(line_of(map_, values), tuple(orders), budget)
 
 
 EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side

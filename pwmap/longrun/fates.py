@@ -9,9 +9,11 @@ from enum import Enum
 from sympy import QQ
 
 from pwmap.longrun.line import Branch, Germ, Line
-from pwmap.longrun.numbers import Exact, key, sign
+from pwmap.longrun.numbers import Exact, key, sign, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
+STEP = 8  # operations of one step
 FIRST = 16  # step at which that is asked for the first time; then at every power of two
 
 
@@ -109,6 +111,11 @@ class Orbit:
         return f"{word}..."
 
 
+def unfollowed(line: Line, germ: Germ) -> Orbit:
+    """The orbit of a germ of which nothing is known."""
+    return Orbit((germ,), (line.letter(germ),), Fate.OPEN)
+
+
 class Fates:
     """Follows orbits, and keeps the attracting cycles that it meets.
 
@@ -118,10 +125,12 @@ class Fates:
         The map.
     steps
         How far an orbit is followed at most.
+    budget
+        What it may take.
     """
 
-    def __init__(self, line: Line, steps: int) -> None:
-        self.line, self.steps = line, steps
+    def __init__(self, line: Line, steps: int, budget: Budget | Meter = BUDGET) -> None:
+        self.line, self.steps, self.meter = line, steps, metered(budget)
         self.lost_below, self.lost_above = escapes(line)
         self.cycles = list[AttractingCycle]()
 
@@ -135,6 +144,7 @@ class Fates:
         """The orbit of a germ until its fate is known."""
         seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
+            self.meter.spend(STEP * work_of(germ.x))
             place = key(germ.x), germ.side
             if place in seen:
                 self._kept(self._cycle_at(germ, step - seen[place]))
