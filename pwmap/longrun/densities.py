@@ -30,12 +30,15 @@ from pwmap.longrun.numbers import (
     enclosed,
     exact_to_sympy,
     log_bounds,
+    work_of,
 )
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 
 LEAST = QQ(1, 2**60)  # of a weight: what follows along an orbit is bounded, not summed
 LONGEST = 600  # orbits that are summed
 MANY = 4096  # words whose slopes are compared to find out whether an iterate expands
 BITS = 120  # of enclosures
+STEP = 10  # operations of one step
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +153,7 @@ class Density:
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
-def density_of(line: Line, bands: Bands) -> Density | None:
+def density_of(line: Line, bands: Bands, budget: Budget | Meter = BUDGET) -> Density | None:
     """The invariant density of a chaotic attractor.
 
     Parameters
@@ -159,18 +162,28 @@ def density_of(line: Line, bands: Bands) -> Density | None:
         The map.
     bands
         An attractor of it.
+    budget
+        What that may take.
 
     Returns
     -------
     Density or None
-        None if no iterate is found that expands everywhere, or rounding leaves open which it is.
+        None if no iterate is found that expands everywhere, or rounding leaves open which it is,
+        or the budget does not suffice.
     """
+    try:
+        return _density_of(line, bands, metered(budget))
+    except BudgetError:
+        return None
+
+
+def _density_of(line: Line, bands: Bands, meter: Meter) -> Density | None:
     mpmath.iv.prec = BITS
-    later = _tail(line, bands)
+    later = _tail(line, bands, meter)
     if later is None:
         return None
     ends = [
-        _followed(line, Germ(x, side), later)
+        _followed(line, Germ(x, side), later, meter)
         for interval in bands.intervals
         for _, (low, high) in line.parts(interval)
         for x, side in ((low, 1), (high, -1))
@@ -209,12 +222,13 @@ def _enclosure(x: Exact) -> Any:
     return mpmath.iv.mpf([low.a, high.b])
 
 
-def _followed(line: Line, germ: Germ, later: float) -> _End:
+def _followed(line: Line, germ: Germ, later: float, meter: Meter) -> _End:
     """An end of a piece with its jumps, until they end in a break, come again, or are small."""
     branch = line.beside(germ)
     x, weight = branch(germ.x), 1 / branch.slope
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
+        meter.spend(STEP * work_of(x))
         if x in seen:  # from there on each round is the last one over the multiplier
             start = seen[x]
             ratio = weight / found[start][1]
@@ -232,7 +246,7 @@ def _followed(line: Line, germ: Germ, later: float) -> _End:
         x, weight = branch(x), weight / branch.slope
 
 
-def _tail(line: Line, bands: Bands) -> float | None:
+def _tail(line: Line, bands: Bands, meter: Meter) -> float | None:
     """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., the slopes along any orbit; None if none is found."""
     parts: list[tuple[list[Interval], Exact]] = [
         ([interval], QQ.one) for interval in bands.intervals
@@ -242,6 +256,7 @@ def _tail(line: Line, bands: Bands) -> float | None:
         longer = list[tuple[list[Interval], Exact]]()
         for intervals, slope in parts:
             for interval in intervals:
+                meter.spend(STEP * (work_of(interval[0]) + work_of(slope)))
                 for branch, part in line.parts(interval):
                     if part[0] < part[1]:
                         longer.append((line.images([part]), slope * abs_(branch.slope)))

@@ -8,10 +8,12 @@ from enum import Enum
 
 from sympy import QQ
 
-from pwmap.longrun.line import Branch, Germ, Interval, Line
-from pwmap.longrun.numbers import Exact, key, sign
+from pwmap.longrun.line import Branch, Germ, Line
+from pwmap.longrun.numbers import Exact, key, sign, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
+STEP = 8  # operations of one step
 FIRST = 16  # step at which that is asked for the first time; then at every power of two
 
 
@@ -109,6 +111,11 @@ class Orbit:
         return f"{word}..."
 
 
+def unfollowed(line: Line, germ: Germ) -> Orbit:
+    """The orbit of a germ of which nothing is known."""
+    return Orbit((germ,), (line.letter(germ),), Fate.OPEN)
+
+
 class Fates:
     """Follows orbits, and keeps the attracting cycles that it meets.
 
@@ -118,10 +125,12 @@ class Fates:
         The map.
     steps
         How far an orbit is followed at most.
+    budget
+        What it may take.
     """
 
-    def __init__(self, line: Line, steps: int) -> None:
-        self.line, self.steps = line, steps
+    def __init__(self, line: Line, steps: int, budget: Budget | Meter = BUDGET) -> None:
+        self.line, self.steps, self.meter = line, steps, metered(budget)
         self.lost_below, self.lost_above = escapes(line)
         self.cycles = list[AttractingCycle]()
 
@@ -135,6 +144,7 @@ class Fates:
         """The orbit of a germ until its fate is known."""
         seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
+            self.meter.spend(STEP * work_of(germ.x))
             place = key(germ.x), germ.side
             if place in seen:
                 self._kept(self._cycle_at(germ, step - seen[place]))
@@ -172,6 +182,8 @@ class Fates:
         """The attracting cycle whose pieces a germ visits."""
         slope, intercept, here = QQ.one, QQ.zero, germ
         for _ in range(period):
+            if not here.side and here.x in self.line.breaks:
+                return None
             branch = self.line.beside(here)
             slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
             here = self.line.image(here)
@@ -277,8 +289,3 @@ def _swapped(left: Branch, right: Branch) -> tuple[Exact | None, Exact | None]:
     low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
     high = left(low)
     return low, max(high, right.lower)
-
-
-def hull(intervals: Sequence[Interval]) -> Interval:
-    """The shortest interval that holds all of them."""
-    return min(low for low, _ in intervals), max(high for _, high in intervals)
