@@ -8,6 +8,7 @@ grows from another break in it.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,7 +18,7 @@ from sympy import QQ
 
 from pwmap.algebra.exact import pair
 from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, unfollowed
-from pwmap.longrun.line import Germ, Interval, Line, add, length, outside
+from pwmap.longrun.line import Germ, Interval, Line, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
 from pwmap.longrun.numbers import Element, Exact, enclosed, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
@@ -29,7 +30,7 @@ GROWTH = 20_000  # steps of what grows from a break
 WORDS = 20_000  # that are followed to find out whether bands expand
 ROUNDED = 64  # bits by which a rounding is less than the square of the sides
 STEP = 20  # operations of one step of an interval
-IMAGES = 256  # of breaks whose fractions are kept as they are, at most
+LONG = QQ(1, 2**16)  # of what breaks keep apart: of a longer interval all images are collected
 CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
 HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
 # places at which attractors change, but for the bits of these [Roth1955]
@@ -108,8 +109,8 @@ class Attractors:
         return len(self.cycles) + len(self.neutral) + len(self.bands)
 
 
-class _Grown(Exception):  # noqa: N818  it is not an error
-    """What grows from a break is no part of a chaotic attractor."""
+class _Settled(Exception):  # noqa: N818  it is not an error
+    """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
 def attractors_of(
@@ -141,14 +142,12 @@ def attractors_of(
     orbits += [unfollowed(line, germ) for germ in line.germs[len(orbits) :]]
     neutral = neutral_intervals(line, orbits)
     with meter.keeping(line.branches):
-        growth, grown = _Growth(fates, neutral), dict[Exact, list[Interval]]()
+        growth, grown = _Growth(fates, orbits, neutral), dict[Exact, set[tuple[Interval, ...]]]()
         sides = zip(orbits[::2], orbits[1::2], strict=True)
         for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks"):
-            found = _beside(fates, growth, x, pair)
-            if found:
+            found = _beside(fates, growth, pair)
+            if found is not None:
                 grown[x] = found
-            elif found is not None:
-                open_.remove(x)
         smallest = _smallest(line, grown)
         open_ -= grown.keys() - {x for each in smallest for x in each.breaks}
         for each in smallest:
@@ -159,19 +158,23 @@ def attractors_of(
     bands.sort(key=lambda each: each.intervals[0][0])
     return Attractors(
         line, tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
-        meter.left_out,
+        meter.stopped,
     )  # fmt: skip
 
 
 def _beside(
-    fates: Fates, growth: _Growth, x: Exact, sides: tuple[Orbit, Orbit]
-) -> list[Interval] | None:
-    """What grows from the sides of a break, [] if that settles elsewhere; None if it is open."""
-    if any(_ends_at_a_break(fates.line, orbit, fates) for orbit in sides):
-        return None
-    if any(_is_settled(fates.line, orbit, fates) for orbit in sides):
-        return []
-    return growth.twice(x)
+    fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]
+) -> set[tuple[Interval, ...]] | None:
+    """What grows from the sides of a break, () where that settles; None if it is open."""
+    found = set[tuple[Interval, ...]]()
+    for orbit in sides:
+        if _ends_at_a_break(fates.line, orbit, fates):
+            return None
+        each = () if _is_settled(fates.line, orbit, fates) else growth.twice(orbit.germs[0])
+        if each is None:
+            return None
+        found.add(each)
+    return found
 
 
 def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
@@ -184,14 +187,14 @@ def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
     )
 
 
-def _smallest(line: Line, grown: dict[Exact, list[Interval]]) -> list[Bands]:
-    """What grows from breaks, if nothing smaller grows from another break in it, each once."""
-    found = dict[tuple[Interval, ...], Bands]()
-    for intervals in grown.values():
+def _smallest(line: Line, grown: dict[Exact, set[tuple[Interval, ...]]]) -> list[Bands]:
+    """What grows from breaks, if nothing else grows from any break in it."""
+    found = list[Bands]()
+    for intervals in {each for sides in grown.values() for each in sides if each}:
         inner = [y for y in line.breaks if any(low < y < high for low, high in intervals)]
-        if inner and all(grown.get(y) == intervals for y in inner):
-            found.setdefault(tuple(intervals), Bands(tuple(intervals), tuple(inner)))
-    return list(found.values())
+        if inner and all(grown.get(y) == {intervals} for y in inner):
+            found.append(Bands(intervals, tuple(inner)))
+    return found
 
 
 def absorbing_of(line: Line) -> Interval | None:
@@ -262,47 +265,100 @@ def _ends_at_a_break(line: Line, orbit: Orbit, fates: Fates) -> bool:
 class _Growth:
     """What grows from the sides of breaks.
 
-    Ends of intervals that are late images of breaks have long fractions. These are rounded, by far
-    less than the sides from which something grows, and what has grown is taken only if it is mapped
-    onto itself exactly.
+    The side of a break is a short interval, of which the longest part between breaks is followed
+    until it is no longer small beside what these keep apart; then all images are collected. Long
+    fractions are rounded, by far less than the sides from which something grows. In the end the
+    images of breaks to which ends have come so close are put in their place, and what has grown is
+    taken only if it is mapped onto itself exactly.
     """
 
-    def __init__(self, fates: Fates, neutral: Sequence[NeutralIntervals]) -> None:
+    def __init__(
+        self, fates: Fates, orbits: Sequence[Orbit], neutral: Sequence[NeutralIntervals]
+    ) -> None:
         self.fates, self.line, self.meter = fates, fates.line, fates.meter
         high = height(self.line)
-        self.close = _scale(self.line) * QQ(1, 1 << (CLOSE + HEIGHT * high))
+        self.scale = _scale(self.line)
+        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
         self.grid = 2 * bits(self.close) + ROUNDED
-        self.longest = self.grid + IMAGES * high
+        self.images = sorted({germ.x for orbit in orbits for germ in orbit.germs})
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
-    def twice(self, x: Exact) -> list[Interval] | None:
-        """What grows from the sides of a break, [] if it does not stay; None if that is not known.
+    def twice(self, germ: Germ) -> tuple[Interval, ...] | None:
+        """What grows from one side of a break, () if it settles; None if that is not known.
 
-        The same must grow from much less: then its ends are images of breaks.
+        The same must grow from much less: then it does from anything.
         """
         try:
-            found = self.grown(x, self.close)
-            again = self.grown(x, self.close * QQ(1, CLOSER)) if found else found
-        except _Grown:
-            return []
+            found = self.grown(germ, self.close)
+            again = self.grown(germ, self.close * QQ(1, CLOSER)) if found else found
+        except _Settled:
+            return ()
         return found if found == again else None
 
-    def grown(self, x: Exact, away: Exact) -> list[Interval] | None:
-        """All images of the two sides of a break, as intervals."""
-        new: Sequence[Interval] = [(x - away, x + away)]
-        known = list(new)
+    def grown(self, germ: Germ, away: Exact) -> tuple[Interval, ...] | None:
+        """All late images of one side of a break, as intervals."""
+        ends = germ.x, germ.x + germ.side * away
+        part: Interval = (min(ends), max(ends))
         for _ in range(GROWTH):
-            self.meter.spend(STEP * sum(work_of(low) + work_of(high) for low, high in new))
-            images = self.line.images(new)
-            new = outside([(self.rounded(low), self.rounded(high)) for low, high in images], known)
-            if not new:
-                return known if self.line.images(known) == known else None
-            if any(map(self.is_settled, new)):
-                raise _Grown
+            if not part[1] - part[0] < self.scale * LONG:
+                return self.whole(part)
+            pieces = [self.image(piece) for _, piece in self.line.parts(part)]
+            part = max(pieces, key=lambda each: each[1] - each[0])
+        return None
+
+    def whole(self, part: Interval) -> tuple[Interval, ...] | None:
+        """All late images of an interval."""
+        known, new = [part], [part]
+        while new:
+            pieces = [self.image(piece) for each in new for _, piece in self.line.parts(each)]
+            new = outside(joined(pieces), known)
             add(known, new)
             if len(known) > PARTS:
                 return None
+        for _ in range(GROWTH):
+            self.note(known)
+            exact = self.exact(known)
+            if exact and self.line.images(exact) == exact:
+                return tuple(exact)
+            images = self.line.images(known)
+            if len(images) > PARTS:
+                break
+            before = known
+            known = joined((self.rounded(low), self.rounded(high)) for low, high in images)
+            if known == before:
+                break
         return None
+
+    def exact(self, known: Sequence[Interval]) -> list[Interval]:
+        """The same with images of breaks as ends; empty if there is one that none is close to.
+
+        Gaps that rounding leaves are closed.
+        """
+        found = list[Interval]()
+        for low, high in joined((low, high + self.close) for low, high in known):
+            ends = self.nearest(low), self.nearest(high - self.close)
+            if ends[0] is None or ends[1] is None:
+                return []
+            found.append(ends)
+        return found
+
+    def nearest(self, x: Exact) -> Exact | None:
+        """The image of a break that is close to a number."""
+        k = bisect_left(self.images, x)
+        near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs_(each - x))
+        return near if abs_(near - x) < self.close else None
+
+    def image(self, part: Interval) -> Interval:
+        """The image of an interval on one piece, if it does not settle."""
+        self.note([part])
+        ((low, high),) = self.line.images([part])
+        if low == high or self.is_settled((low, high)):
+            raise _Settled
+        return self.rounded(low), self.rounded(high)
+
+    def note(self, parts: Sequence[Interval]) -> None:
+        """Take note of the work of one step of intervals."""
+        self.meter.spend(sum(STEP + 3 * (work_of(low) + work_of(high)) for low, high in parts))
 
     def is_settled(self, part: Interval) -> bool:
         """Whether some of an interval is lost, drawn into a cycle, or neutral."""
@@ -317,7 +373,7 @@ class _Growth:
 
     def rounded(self, x: Exact) -> Exact:
         """The nearest number of the grid, if the fraction is a long one."""
-        if bits(x) <= self.longest:
+        if bits(x) <= self.grid:
             return x
         near = enclosed(x, self.grid)[0]
         return QQ(((near.numerator << self.grid + 1) // near.denominator + 1) // 2, 1 << self.grid)
@@ -335,7 +391,7 @@ def expands_in(line: Line, intervals: Sequence[Interval], meter: Meter) -> bool:
     while level and looked < WORDS:
         longer = dict[Interval, Exact]()
         for interval, size in level.items():
-            meter.spend(STEP * (work_of(interval[0]) + work_of(size)))
+            meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
             for branch, part in line.parts(interval):
                 looked += 1
                 product = size * abs_(branch.slope)

@@ -123,7 +123,7 @@ def whole_basin(
         settled = [x for x in line.breaks if comes[x] is not False]
         for _ in meter.each(range(ROUNDS), "rounds"):
             known = found[-1]
-            meter.spend(STEP * len(line.branches) * sum(map(_work, known.parts)))
+            meter.spend(len(line.branches) * sum(map(_work, known.parts)))
             longer = known | preimage(line, known, settled)
             if known.has(longer):
                 isolated = (x for x in line.breaks if x in known and not known.surrounds(x))
@@ -148,7 +148,8 @@ def _with_more(line: Line, known: PointSet, longer: PointSet, meter: Meter) -> P
 
 
 def _work(part: Part) -> int:
-    return sum(work_of(cut[0]) for cut in part if cut is not None)
+    """To find what is mapped into a part."""
+    return STEP + 3 * sum(work_of(cut[0]) for cut in part if cut is not None)
 
 
 def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
@@ -170,7 +171,7 @@ def _comes(line: Line, core: PointSet, x: Exact, meter: Meter) -> bool | None:
     leaving = any(y in core and line(y) not in core for y in line.breaks)
     seen = list[Exact]()
     for _ in range(STEPS):
-        meter.spend(STEP * work_of(x))
+        meter.spend(STEP + 3 * work_of(x))
         if x in seen:
             return all(y in core for y in seen[seen.index(x) :])
         if x in core and not leaving:
@@ -266,7 +267,7 @@ def _pieces(line: Line, end: Exact, side: int, orders: int, meter: Meter) -> Ite
     slope, intercept, limit = QQ.one, QQ.zero, None
     germ = Germ(end, side)
     for _ in range(orders):
-        meter.spend(STEP * work_of(germ.x))
+        meter.spend(STEP + 3 * work_of(germ.x))
         branch = line.beside(germ)
         stop = branch.upper if germ.side > 0 else branch.lower
         if stop is not None:

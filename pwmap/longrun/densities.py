@@ -228,7 +228,7 @@ def _followed(line: Line, germ: Germ, later: float, meter: Meter) -> _End:
     x, weight = branch(germ.x), 1 / branch.slope
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
-        meter.spend(STEP * work_of(x))
+        meter.spend(STEP + 3 * work_of(x))
         if x in seen:  # from there on each round is the last one over the multiplier
             start = seen[x]
             ratio = weight / found[start][1]
@@ -256,7 +256,7 @@ def _tail(line: Line, bands: Bands, meter: Meter) -> float | None:
         longer = list[tuple[list[Interval], Exact]]()
         for intervals, slope in parts:
             for interval in intervals:
-                meter.spend(STEP * (work_of(interval[0]) + work_of(slope)))
+                meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
                 for branch, part in line.parts(interval):
                     if part[0] < part[1]:
                         longer.append((line.images([part]), slope * abs_(branch.slope)))

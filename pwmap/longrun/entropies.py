@@ -132,7 +132,7 @@ def laps_of(line: Line, found: Attractors, order: int, budget: Budget | Meter = 
     first = [[number[node] for node in pieces if node[0] == k] for k in range(len(line.branches))]
     leads, newest = list[list[Node]](), list(pieces)
     for _ in range(order):
-        meter.spend(STEP * sum(map(_work, newest)))
+        meter.spend(sum(map(_work, newest)))
         onward = [list(_onward(line, node, cut_off)) for node in newest]
         leads += onward
         newest = list(dict.fromkeys(n for nodes in onward for n in nodes if n not in number))
@@ -152,8 +152,8 @@ def laps_of(line: Line, found: Attractors, order: int, budget: Budget | Meter = 
 
 
 def _work(node: Node) -> int:
-    """Of one operation with the ends of a node."""
-    return 1 + sum(work_of(end) for end in node[1:] if end is not None)
+    """To find where the ways from a node lead."""
+    return STEP + 3 * sum(work_of(end) for end in node[1:] if end is not None)
 
 
 def _without_laps(line: Line, found: Attractors) -> list[Part]:
@@ -343,7 +343,7 @@ def lap_numbers(line: Line, order: int, budget: Budget | Meter = BUDGET) -> list
     ended = 0
     for _ in range(order):
         found.append(sum(counted.values()) + ended)
-        meter.spend(STEP * sum(map(_work, counted)))
+        meter.spend(sum(map(_work, counted)))
         more = dict[Node, int]()
         for node, times in counted.items():
             if not line.branches[node[0]].slope:

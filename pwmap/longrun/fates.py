@@ -14,6 +14,7 @@ from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
 STEP = 8  # operations of one step
+LONGEST = 10_000  # work of one operation: numbers of an orbit may be some ten thousand bits long
 FIRST = 16  # step at which that is asked for the first time; then at every power of two
 
 
@@ -144,7 +145,9 @@ class Fates:
         """The orbit of a germ until its fate is known."""
         seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
-            self.meter.spend(STEP * work_of(germ.x))
+            self.meter.spend(STEP + 3 * work_of(germ.x))
+            if work_of(germ.x) > LONGEST:
+                break
             place = key(germ.x), germ.side
             if place in seen:
                 self._kept(self._cycle_at(germ, step - seen[place]))
