@@ -16,6 +16,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import islice
 
 import mpmath
 import networkx as nx
@@ -159,13 +160,7 @@ def _work(node: Node) -> int:
 def _without_laps(line: Line, found: Attractors) -> list[Part]:
     """Where the iterates have no further laps, sorted: what is lost, and what cycles draw in."""
     below, above = escapes(line)
-    parts = [
-        (x - reach, x + reach)
-        for cycle in found.cycles
-        for x, reach in zip(cycle.points, cycle.reach, strict=True)
-        if reach is not None
-    ]
-    parts.sort()
+    parts = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
     return [
         *([(None, below)] if below is not None else []),
         *parts,
@@ -176,11 +171,11 @@ def _without_laps(line: Line, found: Attractors) -> list[Part]:
 def _clipped(part: Part, cut_off: Sequence[Part]) -> Iterator[Part]:
     """The parts of an interval outside of others, which are sorted and apart."""
     low, high = part
-    for start, stop in cut_off:
-        if (high is not None and start is not None and start >= high) or (
-            low is not None and stop is not None and stop <= low
-        ):
-            continue
+    last = len(cut_off) - (bool(cut_off) and cut_off[-1][1] is None)  # its upper end is infinite
+    first = 0 if low is None else bisect_right(cut_off, low, hi=last, key=lambda each: each[1])
+    for start, stop in islice(cut_off, first, None):
+        if high is not None and start is not None and start >= high:
+            break
         if start is not None and (low is None or low < start):
             yield low, start
         if stop is None or (high is not None and stop >= high):

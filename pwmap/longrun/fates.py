@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 from sympy import QQ
 
-from pwmap.longrun.line import Branch, Germ, Line
+from pwmap.longrun.line import Branch, Germ, Interval, Line
 from pwmap.longrun.numbers import Exact, key, sign, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
@@ -27,7 +29,7 @@ class Fate(Enum):
     OPEN = "not known"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class AttractingCycle:
     """A cycle to which all orbits close to it come.
 
@@ -69,10 +71,24 @@ class AttractingCycle:
         bool
             False also where it is not known.
         """
-        return any(
-            reach is None or abs_(x - point) < reach
-            for point, reach in zip(self.points, self.reach, strict=True)
-        )
+        if None in self.reach:
+            return True
+        k = bisect_left(self.drawn_in, x, key=lambda each: each[1])
+        return k < len(self.drawn_in) and bool(self.drawn_in[k][0] < x < self.drawn_in[k][1])
+
+    @cached_property
+    def drawn_in(self) -> tuple[Interval, ...]:
+        """Open intervals within its reach, joined, from left to right; none if it is the line."""
+        if None in self.reach:
+            return ()
+        found = list[Interval]()
+        ends = ((x - r, x + r) for x, r in zip(self.points, self.reach, strict=True))
+        for low, high in sorted(ends):
+            if found and low < found[-1][1]:
+                found[-1] = found[-1][0], max(high, found[-1][1])
+            else:
+                found.append((low, high))
+        return tuple(found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -220,21 +236,23 @@ class Fates:
             multiplier = multiplier * each
         if not abs_(multiplier) < 1:  # the word was that of pieces in which the point does not lie
             return None
-        reach = tuple(
-            self._reach(points[k:] + points[:k], slopes[k:] + slopes[:k])
-            for k in range(len(points))
-        )
+        reach = self._reach(points, slopes)
         return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
 
-    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> Exact | None:
-        """How close to the first point orbits follow a cycle once round."""
-        found, scale = None, QQ.one
-        for point, slope in zip(points, slopes, strict=True):
-            away = min((abs_(point - x) for x in self.line.breaks), default=None)
-            if away is not None and scale:
-                found = away / scale if found is None else min(found, away / scale)
-            scale = scale * abs_(slope)
-        return found
+    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact | None, ...]:
+        """How close to each point of a cycle orbits follow it once round.
+
+        As close as the nearest break, and as the reach of the next point allows. That follows from
+        the last point back, twice: a second turn asks for less than the first, which is smaller by
+        the multiplier.
+        """
+        away = [min((abs_(x - at) for at in self.line.breaks), default=None) for x in points]
+        found: list[Exact | None] = [None] * len(points)
+        after: Exact | None = None
+        for k in [*reversed(range(len(points)))] * 2:
+            near = after / abs_(slopes[k]) if after is not None and slopes[k] else None
+            after = found[k] = min((x for x in (away[k], near) if x is not None), default=None)
+        return tuple(found)
 
 
 def abs_(x: Exact) -> Exact:
