@@ -53,6 +53,9 @@ class Advance(NamedTuple):
     work: int
 
 
+NOTHING = Advance("", 0, 0, 0)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
     """What a call may take, whom it tells how far it is, and what an interrupt does.
@@ -178,7 +181,7 @@ class Meter:
         self.work = 0
         self.stopped = ""
         self.left_out = ""
-        self._at = Advance("", 0, 0, 0)
+        self._loops = [NOTHING]  # under way, each within the one before
         self._began = time.monotonic()
         self._told = self._began
         self._next = 0  # work at which to look at limits, the clock, and whom to tell
@@ -215,7 +218,11 @@ class Meter:
 
     @property
     def _they(self) -> str:
-        return "they take" if self._at.what else "it takes"
+        return "they take" if self._outermost.what else "it takes"
+
+    @property
+    def _outermost(self) -> Advance:
+        return next((loop for loop in self._loops if loop.what), NOTHING)
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
         """Take note of how many parts are finished, and tell it.
@@ -225,16 +232,16 @@ class Meter:
         what, done, total
             As in an :class:`Advance`.
         """
-        self._at = Advance(what, done, total, self.work)
+        self._loops[-1] = Advance(what, done, total, self.work)
         self._tell()
 
     def _tell(self) -> None:
         self._told = time.monotonic()
         if self.budget.progress is not None:
-            self.budget.progress(self._at._replace(work=self.work))
+            self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """One part after the other; what follows each is told.
+        """One part after the other; of loops within each other the outermost is told.
 
         Parameters
         ----------
@@ -249,10 +256,14 @@ class Meter:
             Of these parts.
         """
         total = len(parts) if isinstance(parts, Sized) else 0
+        if self._loops[-1].what:  # this one is within another
+            yield from parts
+            return
         self.advance(what, 0, total)
         for done, part in enumerate(parts, start=1):
             yield part
             self.advance(what, done, total)
+        self._loops[-1] = NOTHING
 
     @contextmanager
     def keeping(self, finished: Sized) -> Iterator[None]:
@@ -273,6 +284,7 @@ class Meter:
         BudgetError, KeyboardInterrupt
             If nothing is finished, or an interrupt is to keep nothing.
         """
+        self._loops.append(NOTHING)
         try:
             yield
         except BudgetError as error:
@@ -286,9 +298,10 @@ class Meter:
             self._stop("interrupted")
         else:
             return
-        _, _, total, _ = self._at
+        finally:
+            what, _, total, _ = self._loops.pop()
         of = f" of {total}" if total else ""
-        self.left_out = f"stopped after {len(finished)}{of} {self._at.what}: {self.stopped}"
+        self.left_out = f"stopped after {len(finished)}{of} {what}: {self.stopped}"
 
     def _stop(self, why: str) -> None:
         self.stopped, self._next = why, 0  # whatever goes on with this meter ends, too
