@@ -14,7 +14,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Sized
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
 Part = TypeVar("Part")
@@ -307,9 +307,14 @@ class Meter:
         self.stopped, self._next = why, 0  # whatever goes on with this meter ends, too
 
 
-def metered(budget: Budget | Meter) -> Meter:
-    """The meter of a call, or of the one that it is part of."""
-    return budget if isinstance(budget, Meter) else Meter(budget)
+def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
+    """The meter of a call, or of the one that it is part of.
+
+    An ``on_interrupt`` of the call itself goes before that of a budget.
+    """
+    if isinstance(budget, Meter):
+        return budget
+    return Meter(budget if on_interrupt is None else replace(budget, on_interrupt=on_interrupt))
 
 
 class Progress(NamedTuple):

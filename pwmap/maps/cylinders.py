@@ -15,7 +15,7 @@ from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
-from pwmap.maps.budget import BUDGET, Budget, BudgetError
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
 
 
@@ -41,11 +41,15 @@ class Cylinder(NamedTuple):
         return self.lower is not None and self.lower == self.upper and self.lower_closed
 
 
+PIECE = 80  # work of a piece: its own, and what is done with it later
 WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 
 
 def refined(
-    cylinders: Sequence[Cylinder], layout: int, oracle: SignOracle, budget: Budget = BUDGET
+    cylinders: Sequence[Cylinder],
+    layout: int,
+    oracle: SignOracle,
+    budget: Budget | Meter = BUDGET,
 ) -> tuple[Cylinder, ...]:
     """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
 
@@ -54,13 +58,14 @@ def refined(
     BudgetError
         If there are too many.
     """
-    pieces: list[Cylinder] = []
+    pieces, meter = list[Cylinder](), metered(budget)
     for cylinder in cylinders:
+        meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
         pieces += _split(cylinder, layout, oracle)
-        if len(pieces) > budget.pieces:
+        if len(pieces) > meter.budget.pieces:
             raise BudgetError(
                 f"an iterate with words of {len(cylinder.word) + 1} letters has more than "
-                f"{budget.pieces} pieces; one letter less makes {len(cylinders)}"
+                f"{meter.budget.pieces} pieces; one letter less makes {len(cylinders)}"
             )
     return tuple(pieces)
 
