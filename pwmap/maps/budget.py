@@ -20,6 +20,7 @@ from typing import NamedTuple, TypeVar
 Part = TypeVar("Part")
 
 LOOK = 50_000  # work after which a meter looks at the clock: some hundredths of a second
+INTERRUPTED = "interrupted"  # why a meter stopped at Ctrl-C
 OFTEN = 0.25  # seconds between two calls of ``progress``
 
 
@@ -173,7 +174,7 @@ class Meter:
     ...         meter.spend(4)
     ...         squares.append(n * n)
     >>> squares, meter.left_out
-    ([0, 1], 'stopped after 2 of 100 squares: they take more than 10 units of work')
+    ([0, 1], 'stopped after 2 of 100 squares: more than 10 units of work are needed')
     """
 
     def __init__(self, budget: Budget) -> None:
@@ -209,16 +210,12 @@ class Meter:
             raise BudgetError(self.stopped)
         budget, now = self.budget, time.monotonic()
         if self.work > budget.work:
-            raise BudgetError(f"{self._they} more than {budget.work} units of work")
+            raise BudgetError(f"more than {budget.work} units of work are needed")
         if budget.seconds is not None and now - self._began > budget.seconds:
-            raise BudgetError(f"{self._they} more than {budget.seconds:g} seconds")
+            raise BudgetError(f"more than {budget.seconds:g} seconds are needed")
         self._next = min(self.work + LOOK, budget.work + 1)
         if now - self._told > OFTEN:
             self._tell()
-
-    @property
-    def _they(self) -> str:
-        return "they take" if self._outermost.what else "it takes"
 
     @property
     def _outermost(self) -> Advance:
@@ -232,8 +229,9 @@ class Meter:
         what, done, total
             As in an :class:`Advance`.
         """
-        self._loops[-1] = Advance(what, done, total, self.work)
-        self._tell()
+        self._loops[-1] = at = Advance(what, done, total, self.work)
+        if self._outermost is at:
+            self._tell()
 
     def _tell(self) -> None:
         self._told = time.monotonic()
@@ -295,7 +293,7 @@ class Meter:
             if self.budget.on_interrupt is None or not len(finished):
                 raise
             self.budget.on_interrupt()
-            self._stop("interrupted")
+            self._stop(INTERRUPTED)
         else:
             return
         finally:
