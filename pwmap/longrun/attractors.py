@@ -30,7 +30,8 @@ GROWTH = 20_000  # steps of what grows from a break
 WORDS = 20_000  # that are followed to find out whether bands expand
 ROUNDED = 64  # bits by which a rounding is less than the square of the sides
 STEP = 20  # operations of one step of an interval
-LONG = QQ(1, 2**16)  # of what breaks keep apart: of a longer interval all images are collected
+LONG = QQ(1, 2**16)  # of what breaks keep apart: of a longer interval all images are collected,
+STILL = 256  # and of one that has not become longer in so many steps
 CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
 HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
 # places at which attractors change, but for the bits of these [Roth1955]
@@ -266,8 +267,8 @@ class _Growth:
     """What grows from the sides of breaks.
 
     The side of a break is a short interval, of which the longest part between breaks is followed
-    until it is no longer small beside what these keep apart; then all images are collected. Long
-    fractions are rounded, by far less than the sides from which something grows. In the end the
+    until it is no longer small beside what these keep apart, or grows no more; then all images are
+    collected. Long fractions are rounded, by far less than the sides from which something grows. In the end the
     images of breaks to which ends have come so close are put in their place, and what has grown is
     taken only if it is mapped onto itself exactly.
     """
@@ -299,11 +300,15 @@ class _Growth:
         """All late images of one side of a break, as intervals."""
         ends = germ.x, germ.x + germ.side * away
         part: Interval = (min(ends), max(ends))
+        longest, since = part, 0
         for _ in range(GROWTH):
-            if not part[1] - part[0] < self.scale * LONG:
+            if since > STILL or not _length(longest) < self.scale * LONG:
                 return self.whole(part)
             pieces = [self.image(piece) for _, piece in self.line.parts(part)]
-            part = max(pieces, key=lambda each: each[1] - each[0])
+            part = max(pieces, key=_length)
+            since += 1
+            if _length(longest) < _length(part):
+                longest, since = part, 0
         return None
 
     def whole(self, part: Interval) -> tuple[Interval, ...] | None:
@@ -377,6 +382,10 @@ class _Growth:
             return x
         near = enclosed(x, self.grid)[0]
         return QQ(((near.numerator << self.grid + 1) // near.denominator + 1) // 2, 1 << self.grid)
+
+
+def _length(part: Interval) -> Exact:
+    return part[1] - part[0]
 
 
 def expands_in(line: Line, intervals: Sequence[Interval], meter: Meter) -> bool:
