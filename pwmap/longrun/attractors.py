@@ -1,11 +1,11 @@
 """Where a map settles: attracting cycles and bands, and what surrounds them.
 
-A *band* is an interval of a chaotic attractor. Each chaotic attractor has a break inside, since where
-the map expands every interval comes to lie across one sooner or later. What grows from the sides of
-a break is mapped onto itself, and so a candidate. That it is an attractor is proved: if a map expands
-by more than 2 along each of finitely many words, any interval grows until it holds all of what
-follows one of these words [LasotaYorke1973]; so nothing in it is an attractor for itself if all grows
-from the image of each.
+A *band* is an interval of a chaotic attractor. Each chaotic attractor has a break inside, since
+where the map expands every interval comes to lie across one sooner or later. What grows from the
+sides of a break is mapped onto itself, and so a candidate. That it is an attractor is proved: if a
+map expands by more than 2 along each of finitely many words, any interval grows until it holds all
+of what follows one of these words [LasotaYorke1973]; so nothing in it is an attractor for itself if
+all grows from the image of each.
 """
 
 from __future__ import annotations
@@ -116,9 +116,7 @@ class _Settled(Exception):  # noqa: N818  it is not an error
     """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
-def attractors_of(
-    line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGET
-) -> Attractors:
+def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGET) -> Attractors:
     """The attractors of a map.
 
     Parameters
@@ -141,7 +139,9 @@ def attractors_of(
             if orbit.fate is Fate.OPEN:
                 orbits[k] = fates.orbit(orbit.germs[0])
         if not line.breaks:
-            fates.orbit(Germ(QQ.zero, 1))  # all orbits come to the cycle of one piece, if it has one
+            fates.orbit(
+                Germ(QQ.zero, 1)
+            )  # all orbits come to the cycle of one piece, if it has one
     orbits += [unfollowed(line, germ) for germ in line.germs[len(orbits) :]]
     neutral = neutral_intervals(line, orbits)
     with meter.keeping(line.branches):
@@ -174,9 +174,7 @@ def attractors_of(
     )  # fmt: skip
 
 
-def _beside(
-    fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]
-) -> set[Intervals] | None:
+def _beside(fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]) -> set[Intervals] | None:
     """What grows from the sides of a break, () where that settles; None if it is open."""
     found = set[Intervals]()
     for orbit in sides:
@@ -274,9 +272,9 @@ class _Growth:
 
     The side of a break is a short interval, of which the longest part between breaks is followed
     until it is no longer small beside what these keep apart, or grows no more; then all images are
-    collected. Long fractions are rounded, by far less than the sides from which something grows. In the end the
-    images of breaks to which ends have come so close are put in their place, and what has grown is
-    taken only if it is mapped onto itself exactly.
+    collected. Long fractions are rounded, by far less than the sides from which something grows. In
+    the end the images of breaks to which ends have come so close are put in their place, and what
+    has grown is taken only if it is mapped onto itself exactly.
     """
 
     def __init__(
@@ -362,8 +360,10 @@ class _Growth:
 
     def exact(self, known: Sequence[Interval]) -> list[Interval]:
         """The same with images of breaks as ends; empty if there is one that none is close to."""
-        found = [(self.nearest(low), self.nearest(high)) for low, high in known]
-        return [] if any(None in pair for pair in found) else joined(found)
+        ends = [self.nearest(end) for pair in known for end in pair]
+        if any(end is None for end in ends):
+            return []
+        return joined(zip(ends[::2], ends[1::2], strict=True))
 
     def nearest(self, x: Exact) -> Exact | None:
         """The image of a break that is close to a number."""

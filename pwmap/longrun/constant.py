@@ -42,8 +42,8 @@ from pwmap.algebra.roots import (
 from pwmap.algebra.terms import own_name
 from pwmap.longrun.entropies import Entropy, exact_entropy
 from pwmap.longrun.fates import AttractingCycle, Fates
-from pwmap.longrun.kneading import growth_by_kneading, matched
 from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
+from pwmap.longrun.kneading import growth_by_kneading, matched
 from pwmap.longrun.line import Line, line_at
 from pwmap.longrun.numbers import sign, to_double
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered

@@ -64,9 +64,7 @@ class Itinerary:
         return step + 1 if step + 1 < len(self.pieces) else self.start
 
 
-def itinerary_of(
-    line: Line, germ: Germ, steps: int, budget: Budget | Meter = BUDGET
-) -> Itinerary:
+def itinerary_of(line: Line, germ: Germ, steps: int, budget: Budget | Meter = BUDGET) -> Itinerary:
     """The itinerary of a germ, up to the first step after which it is known to the end.
 
     Parameters

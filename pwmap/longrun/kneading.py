@@ -1,15 +1,16 @@
 """The growth of laps from kneading sequences, of which only differences need to be known.
 
-Give each piece a symbol e, and each germ the series of the symbols that it visits, the n-th with the
-factor t^n and the sign of the slope of the way there. As a point moves along the line its series jumps
-only where an image of it is a break, and always by t^n times the difference of the series of both
-sides of that break, whether the map has a jump there or not. So these differences count the preimages
-of breaks, and the growth of laps is one over the least root between 0 and 1 of the determinant that
-they make [MilnorThurston1988].
+Give each piece a symbol e, and each germ the series of the symbols that it visits, the n-th with
+the factor t^n and the sign of the slope of the way there. As a point moves along the line its
+series jumps only where an image of it is a break, and always by t^n times the difference of the
+series of both sides of that break, whether the map has a jump there or not. So these differences
+count the preimages of breaks, and the growth of laps is one over the least root between 0 and 1 of
+the determinant that they make [MilnorThurston1988].
 
-A difference is a polynomial where both orbits *match*: after as many steps they are at one place, with
-slopes of one sign. From there on they go on side by side, and what they do cancels. Where that is so
-for an interval of parameters the entropy is constant, though orbits change everywhere [Bruin2019].
+A difference is a polynomial where both orbits *match*: after as many steps they are at one place,
+with slopes of one sign. From there on they go on side by side, and what they do cancels. Where that
+is so for an interval of parameters the entropy is constant, though orbits change everywhere
+[Bruin2019].
 """
 
 from __future__ import annotations
@@ -96,9 +97,7 @@ def growth_by_kneading(line: Line, itineraries: Sequence[Itinerary]) -> Real | N
     return max([QQ.one, *roots[-1:]])
 
 
-def _series(
-    signs: Sequence[int], itinerary: Itinerary
-) -> tuple[PolyElement, list[PolyElement]]:
+def _series(signs: Sequence[int], itinerary: Itinerary) -> tuple[PolyElement, list[PolyElement]]:
     """A denominator, which has no root between 0 and 1, and the numerators of the symbols."""
     found = [_RING.zero for _ in signs]
     later = [_RING.zero for _ in signs]
