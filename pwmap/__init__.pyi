@@ -20,6 +20,7 @@ from .diagrams.graph import read_graph as read_graph
 from .diagrams.graph import write_graph as write_graph
 from .longrun.attractors import Bands as Bands
 from .longrun.bands import with_attractors as with_attractors
+from .longrun.basins import WholeBasin as WholeBasin
 from .longrun.constant import ConstantEntropy as ConstantEntropy
 from .longrun.constant import EntropyGap as EntropyGap
 from .longrun.constant import EntropyIntervals as EntropyIntervals
@@ -35,14 +36,17 @@ from .longrun.cycles import FoundCycle as FoundCycle
 from .longrun.cycles import FoundCycles as FoundCycles
 from .longrun.cycles import cycles as cycles
 from .longrun.densities import Density as Density
+from .longrun.densities import Enclosure as Enclosure
 from .longrun.dynamics import Attractor as Attractor
 from .longrun.dynamics import Dynamics as Dynamics
 from .longrun.dynamics import Extremum as Extremum
+from .longrun.dynamics import FoundAttractors as FoundAttractors
 from .longrun.dynamics import Kneading as Kneading
 from .longrun.dynamics import MinMax as MinMax
 from .longrun.dynamics import dynamics as dynamics
 from .longrun.entropies import Entropy as Entropy
 from .longrun.fates import AttractingCycle as AttractingCycle
+from .longrun.neutral import NeutralIntervals as NeutralIntervals
 from .maps.budget import Advance as Advance
 from .maps.budget import Budget as Budget
 from .maps.budget import BudgetError as BudgetError

@@ -1,9 +1,11 @@
 """Where a map settles: attracting cycles and bands, and what surrounds them.
 
-A *band* is an interval of a chaotic attractor. Bands are found by what grows from both sides of a
-break: where the map expands every interval comes to lie across a break sooner or later, so that
-each chaotic attractor has one inside; what grows from it is the attractor itself if nothing smaller
-grows from another break in it.
+A *band* is an interval of a chaotic attractor. Each chaotic attractor has a break inside, since
+where the map expands every interval comes to lie across one sooner or later. What grows from the
+sides of a break is mapped onto itself, and so a candidate. That it is an attractor is proved: if a
+map expands by more than 2 along each of finitely many words, any interval grows until it holds all
+of what follows one of these words [LasotaYorke1973]; so nothing in it is an attractor for itself if
+all grows from the image of each.
 """
 
 from __future__ import annotations
@@ -30,11 +32,12 @@ GROWTH = 20_000  # steps of what grows from a break
 WORDS = 20_000  # that are followed to find out whether bands expand
 ROUNDED = 64  # bits by which a rounding is less than the square of the sides
 STEP = 20  # operations of one step of an interval
-LONG = QQ(1, 2**16)  # of what breaks keep apart: of a longer interval all images are collected
+LONG = QQ(1, 2**16)  # of what breaks keep apart: of a longer interval all images are collected,
+STILL = 256  # and of one that has not become longer in so many steps
 CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
 HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
 # places at which attractors change, but for the bits of these [Roth1955]
-CLOSER = 2**7  # the same must grow from this part of the sides
+Intervals = tuple[Interval, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +60,7 @@ class Bands:
     (2, [('21/50', '721/1250'), ('147/250', '7/10')])
     """
 
-    intervals: tuple[Interval, ...]
+    intervals: Intervals
     breaks: tuple[Exact, ...]
 
     def __len__(self) -> int:
@@ -113,9 +116,7 @@ class _Settled(Exception):  # noqa: N818  it is not an error
     """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
-def attractors_of(
-    line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGET
-) -> Attractors:
+def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGET) -> Attractors:
     """The attractors of a map.
 
     Parameters
@@ -138,22 +139,33 @@ def attractors_of(
             if orbit.fate is Fate.OPEN:
                 orbits[k] = fates.orbit(orbit.germs[0])
         if not line.breaks:
-            fates.orbit(Germ(QQ.zero, 1))  # all orbits come to the cycle of one piece, if it has one
+            fates.orbit(
+                Germ(QQ.zero, 1)
+            )  # all orbits come to the cycle of one piece, if it has one
     orbits += [unfollowed(line, germ) for germ in line.germs[len(orbits) :]]
     neutral = neutral_intervals(line, orbits)
     with meter.keeping(line.branches):
-        growth, grown = _Growth(fates, orbits, neutral), dict[Exact, set[tuple[Interval, ...]]]()
+        growth, grown = _Growth(fates, orbits, neutral), dict[Exact, set[Intervals]]()
         sides = zip(orbits[::2], orbits[1::2], strict=True)
         for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks"):
             found = _beside(fates, growth, pair)
             if found is not None:
                 grown[x] = found
-        smallest = _smallest(line, grown)
-        open_ -= grown.keys() - {x for each in smallest for x in each.breaks}
-        for each in smallest:
-            if expands_in(line, each.intervals, meter):
-                bands.append(each)
-                open_.difference_update(each.breaks)
+        left, unproved = open_ - grown.keys(), set[Intervals]()
+        waiting = {each for found in grown.values() for each in found if each}
+        while waiting:
+            open_ = left.union(*(_inside(line, each) for each in waiting | unproved))
+            each = min(waiting, key=length)
+            waiting.remove(each)
+            smallest = growth.smallest(each)
+            if smallest is None:
+                unproved.add(each)
+            elif smallest == each:
+                bands.append(Bands(each, _inside(line, each)))
+                waiting = {other for other in waiting if outside(each, other)}
+            else:
+                waiting.add(smallest)
+        open_ = left.union(*(_inside(line, each) for each in unproved))
     cycles = sorted(fates.cycles, key=lambda each: each.points[0])
     bands.sort(key=lambda each: each.intervals[0][0])
     return Attractors(
@@ -162,15 +174,13 @@ def attractors_of(
     )  # fmt: skip
 
 
-def _beside(
-    fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]
-) -> set[tuple[Interval, ...]] | None:
+def _beside(fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]) -> set[Intervals] | None:
     """What grows from the sides of a break, () where that settles; None if it is open."""
-    found = set[tuple[Interval, ...]]()
+    found = set[Intervals]()
     for orbit in sides:
         if _ends_at_a_break(fates.line, orbit, fates):
             return None
-        each = () if _is_settled(fates.line, orbit, fates) else growth.twice(orbit.germs[0])
+        each = () if _is_settled(fates.line, orbit, fates) else growth.candidate(orbit.germs[0])
         if each is None:
             return None
         found.add(each)
@@ -187,14 +197,9 @@ def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
     )
 
 
-def _smallest(line: Line, grown: dict[Exact, set[tuple[Interval, ...]]]) -> list[Bands]:
-    """What grows from breaks, if nothing else grows from any break in it."""
-    found = list[Bands]()
-    for intervals in {each for sides in grown.values() for each in sides if each}:
-        inner = [y for y in line.breaks if any(low < y < high for low, high in intervals)]
-        if inner and all(grown.get(y) == {intervals} for y in inner):
-            found.append(Bands(intervals, tuple(inner)))
-    return found
+def _inside(line: Line, intervals: Intervals) -> tuple[Exact, ...]:
+    """The breaks inside of intervals."""
+    return tuple(x for x in line.breaks if any(low < x < high for low, high in intervals))
 
 
 def absorbing_of(line: Line) -> Interval | None:
@@ -266,10 +271,10 @@ class _Growth:
     """What grows from the sides of breaks.
 
     The side of a break is a short interval, of which the longest part between breaks is followed
-    until it is no longer small beside what these keep apart; then all images are collected. Long
-    fractions are rounded, by far less than the sides from which something grows. In the end the
-    images of breaks to which ends have come so close are put in their place, and what has grown is
-    taken only if it is mapped onto itself exactly.
+    until it is no longer small beside what these keep apart, or grows no more; then all images are
+    collected. Long fractions are rounded, by far less than the sides from which something grows. In
+    the end the images of breaks to which ends have come so close are put in their place, and what
+    has grown is taken only if it is mapped onto itself exactly.
     """
 
     def __init__(
@@ -281,35 +286,58 @@ class _Growth:
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
         self.grid = 2 * bits(self.close) + ROUNDED
         self.images = sorted({germ.x for orbit in orbits for germ in orbit.germs})
+        self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
-    def twice(self, germ: Germ) -> tuple[Interval, ...] | None:
-        """What grows from one side of a break, () if it settles; None if that is not known.
-
-        The same must grow from much less: then it does from anything.
-        """
+    def candidate(self, germ: Germ) -> Intervals | None:
+        """What grows from one side of a break, () if it settles; None if that is not known."""
         try:
-            found = self.grown(germ, self.close)
-            again = self.grown(germ, self.close * QQ(1, CLOSER)) if found else found
+            return self.grown(germ, self.close)
         except _Settled:
             return ()
-        return found if found == again else None
 
-    def grown(self, germ: Germ, away: Exact) -> tuple[Interval, ...] | None:
+    def smallest(self, intervals: Intervals) -> Intervals | None:
+        """What grew, if nothing smaller grows in it, else such; None if that is not known.
+
+        If orbits expand by more than 2 along each of finitely many words, the longer one of two
+        halves does so by more than 1: any interval grows until it holds all points that follow one
+        of these words, and its image all images of them.
+        """
+        images = expanded(self.line, intervals, self.meter)
+        if images is None:
+            return None
+        enough: Interval | None = None
+        for part in sorted(images, key=_length, reverse=True):
+            try:
+                found = self.whole(part, enough)
+            except _Settled:
+                return None
+            if found != intervals:
+                return found or None
+            enough = enough or part
+        return intervals
+
+    def grown(self, germ: Germ, away: Exact) -> Intervals | None:
         """All late images of one side of a break, as intervals."""
         ends = germ.x, germ.x + germ.side * away
         part: Interval = (min(ends), max(ends))
+        longest, since = part, 0
         for _ in range(GROWTH):
-            if not part[1] - part[0] < self.scale * LONG:
+            if since > STILL or not _length(longest) < self.scale * LONG:
                 return self.whole(part)
             pieces = [self.image(piece) for _, piece in self.line.parts(part)]
-            part = max(pieces, key=lambda each: each[1] - each[0])
+            part = max(pieces, key=_length)
+            since += 1
+            if _length(longest) < _length(part):
+                longest, since = part, 0
         return None
 
-    def whole(self, part: Interval) -> tuple[Interval, ...] | None:
-        """All late images of an interval."""
+    def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
+        """All late images of an interval, the same as of another if that is reached."""
         known, new = [part], [part]
         while new:
+            if enough is not None and not outside([enough], known):
+                return self.known[enough]
             pieces = [self.image(piece) for each in new for _, piece in self.line.parts(each)]
             new = outside(joined(pieces), known)
             add(known, new)
@@ -319,6 +347,7 @@ class _Growth:
             self.note(known)
             exact = self.exact(known)
             if exact and self.line.images(exact) == exact:
+                self.known[part] = tuple(exact)
                 return tuple(exact)
             images = self.line.images(known)
             if len(images) > PARTS:
@@ -330,17 +359,11 @@ class _Growth:
         return None
 
     def exact(self, known: Sequence[Interval]) -> list[Interval]:
-        """The same with images of breaks as ends; empty if there is one that none is close to.
-
-        Gaps that rounding leaves are closed.
-        """
-        found = list[Interval]()
-        for low, high in joined((low, high + self.close) for low, high in known):
-            ends = self.nearest(low), self.nearest(high - self.close)
-            if ends[0] is None or ends[1] is None:
-                return []
-            found.append(ends)
-        return found
+        """The same with images of breaks as ends; empty if there is one that none is close to."""
+        ends = [self.nearest(end) for pair in known for end in pair]
+        if any(end is None for end in ends):
+            return []
+        return joined(zip(ends[::2], ends[1::2], strict=True))
 
     def nearest(self, x: Exact) -> Exact | None:
         """The image of a break that is close to a number."""
@@ -379,15 +402,17 @@ class _Growth:
         return QQ(((near.numerator << self.grid + 1) // near.denominator + 1) // 2, 1 << self.grid)
 
 
-def expands_in(line: Line, intervals: Sequence[Interval], meter: Meter) -> bool:
-    """Whether it is proved that every orbit in intervals expands within a bounded time.
+def _length(part: Interval) -> Exact:
+    return part[1] - part[0]
 
-    Words are followed until the product of their slopes is larger than one. If all are some time,
-    any interval grows from one such word to the next, until a break lies inside: nothing in there
-    is attracting, neutral or wandering. False also if that takes more words than are followed.
+
+def expanded(line: Line, intervals: Intervals, meter: Meter) -> set[Interval] | None:
+    """The images of all that follows a word until the product of its slopes is larger than 2.
+
+    None if they are not found: then something in there may be attracting, neutral or wandering.
     """
+    found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
-    looked = 0
     while level and looked < WORDS:
         longer = dict[Interval, Exact]()
         for interval, size in level.items():
@@ -396,12 +421,14 @@ def expands_in(line: Line, intervals: Sequence[Interval], meter: Meter) -> bool:
                 looked += 1
                 product = size * abs_(branch.slope)
                 if not product:
-                    return False
-                if not product > 1:
-                    (image,) = line.images([part])
+                    return None
+                (image,) = line.images([part])
+                if product > 2:
+                    found.add(image)
+                else:
                     longer[image] = min(product, longer.get(image, product))
         level = longer
-    return not level
+    return None if level else found
 
 
 def _scale(line: Line) -> Exact:

@@ -1,10 +1,10 @@
 """Basins: the intervals around an attractor from which nothing leaves it, and all that comes there.
 
-The immediate basin of an attractor is made of the largest intervals around its points, or bands,
-in which all orbits come to it, but for those that end in a repelling cycle inside. They are found
-from inside: an interval is extended as far as what lies beside it is mapped into the intervals that
-are known. Where a piece rises and is steep that leads to its repelling fixed point in infinitely
-many ever smaller steps; so the fixed point is taken at once.
+The immediate basin of an attractor is made of the largest intervals around its points, or bands, in
+which all orbits come to it, but for those that end in a repelling cycle inside. They are found from
+inside: an interval is extended as far as what lies beside it is mapped into the intervals that are
+known. Where a piece rises and is steep that leads to its repelling fixed point in infinitely many
+ever smaller steps; so the fixed point is taken at once.
 
 The whole basin is what comes to the immediate one. Where a map jumps that may lie anywhere, so its
 preimages are taken, again and again, as sets with ends and single points, exactly. When none leads
@@ -82,7 +82,8 @@ class WholeBasin:
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> jumping = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 1), (x + 1, x < 10), (-1, True))")
+    >>> text = "Piecewise((x/2, x < 1), (x + 1, x < 10), (-1, True))"
+    >>> jumping = PiecewiseLinearMap.from_sympy(text)
     >>> (cycle,) = dynamics(jumping).attractors
     >>> cycle.basin, cycle.basin_is_complete
     ((Interval.open(-oo, 1),), False)
@@ -156,7 +157,7 @@ def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
     """Closed intervals that are mapped into themselves, without ends that are breaks and leave."""
     whole = closed_intervals(intervals)
     ends = [x for interval in intervals for x in interval]
-    kept = {x: True for x in ends}
+    kept = dict.fromkeys(ends, True)
     for _ in ends:
         for x in ends:
             value = line(x)
@@ -263,7 +264,7 @@ def _nearer(x: Exact, limit: End, side: int) -> Exact:
 
 
 def _pieces(line: Line, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
-    """Slope, intercept and farthest end of the affine pieces of iterates beside a point, by order."""
+    """Slope, intercept and farthest end of the pieces of iterates beside a point, by order."""
     slope, intercept, limit = QQ.one, QQ.zero, None
     germ = Germ(end, side)
     for _ in range(orders):

@@ -202,8 +202,8 @@ class Attractor:
         core = self.core
         if not isinstance(core, NeutralIntervals):
             return ()
-        order = sorted(range(len(core)), key=lambda k: (core.intervals[k][0] is not None, core.intervals[k][0]))
-        return tuple(part_to_sympy(core.parts[k]) for k in order)
+        parts = sorted(core.parts, key=lambda part: (part[0] is not None, part[0]))
+        return tuple(map(part_to_sympy, parts))
 
     @cached_property
     def period(self) -> int:
@@ -284,7 +284,7 @@ class Attractor:
 
     @property
     def basin_is_complete(self) -> bool:
-        """Whether it is proved that from elsewhere nothing comes here, but for ends of the basin."""
+        """Whether it is proved that nothing comes here from elsewhere, but for its ends."""
         whole, known = self.whole_basin, open_intervals(self._basin.intervals)
         return whole.complete and known.closure.has(whole.region)
 
@@ -430,7 +430,9 @@ class Dynamics:
         Where breaks are left :attr:`open` there may be more; the text of the result says so.
         """
         found = self._found
-        cores = (*found.cycles, *found.neutral, *found.bands)
+        cores: list[AttractingCycle | NeutralIntervals | Bands] = [
+            *found.cycles, *found.neutral, *found.bands,
+        ]  # fmt: skip
         return FoundAttractors(
             (Attractor(self.line, core, self.budget) for core in cores), self.open, found.left_out
         )

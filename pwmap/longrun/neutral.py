@@ -1,9 +1,9 @@
 """Neutral intervals: words of slope 1 or -1 that points of a whole interval follow for ever.
 
-A word of slope 1 that takes one point back takes back all points beside it which follow it: they are
-all periodic, and neither attract nor repel. With slope -1 the word turns an interval about its middle,
-and twice the word takes all of it back. The largest such interval reaches to a break, or an image of
-it does. So it is found from a germ at a break that comes back to itself with slope 1.
+A word of slope 1 that takes one point back takes back all points beside it which follow it: they
+are all periodic, and neither attract nor repel. With slope -1 the word turns an interval about its
+middle, and twice the word takes all of it back. The largest such interval reaches to a break, or an
+image of it does. So it is found from a germ at a break that comes back to itself with slope 1.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class NeutralIntervals:
 
     @property
     def period(self) -> int:
-        """Of all points, but for the middles of intervals that are turned, which have half of it."""
+        """Of all points, but for the middles of turned intervals, which have half of it."""
         return len(self.intervals) * (1 if self.multiplier > 0 else 2)
 
 
@@ -101,7 +101,7 @@ def is_neutral(line: Line, orbit: Orbit) -> bool:
 
 
 def _around(line: Line, germs: tuple[Germ, ...]) -> NeutralIntervals:
-    """The intervals beside the points of a cycle of germs of slope 1, as far as they follow them."""
+    """The intervals beside the points of a cycle of germs of slope 1 that follow them."""
     ahead, behind = (_room(line, germs, way) for way in (1, -1))
     visited, letters, scale = list[tuple[End, End]](), list[str](), QQ.one
     for germ in germs:
@@ -139,9 +139,7 @@ def _room(line: Line, germs: tuple[Germ, ...], way: int) -> End:
     return found
 
 
-def _with_ends(
-    line: Line, intervals: tuple[tuple[End, End], ...], period: int
-) -> tuple[Part, ...]:
+def _with_ends(line: Line, intervals: tuple[tuple[End, End], ...], period: int) -> tuple[Part, ...]:
     """Intervals with those ends that follow the same pieces as points beside them."""
 
     def belongs(x: Exact, side: int) -> bool:

@@ -1,8 +1,9 @@
-"""Sets of the line made of finitely many intervals and points, whose ends are owned or not, exactly.
+"""Sets made of finitely many intervals and points of the line, exactly, with or without their ends.
 
-An end is a *cut*: a place between a number and what lies beside it, just below it (-1) or just above
-it (+1). An interval lies between two cuts, [a, b) between those just below a and just below b, and a
-point between the two cuts beside it. So there is one kind of part, and cuts are compared as pairs.
+An end is a *cut*: a place between a number and what lies beside it, just below it (-1) or just
+above it (+1). An interval lies between two cuts, [a, b) between those just below a and just below
+b, and a point between the two cuts beside it. So there is one kind of part, and cuts are compared
+as pairs.
 """
 
 from __future__ import annotations
@@ -47,7 +48,10 @@ class PointSet:
     def surrounds(self, x: Exact) -> bool:
         """Whether all that lies close to a number lies in it, on both sides."""
         return all(
-            any((low is None or low < cut) and (high is None or cut < high) for low, high in self.parts)
+            any(
+                (low is None or low < cut) and (high is None or cut < high)
+                for low, high in self.parts
+            )
             for cut in ((x, -1), (x, 1))
         )
 
