@@ -364,6 +364,8 @@ def parameter_cells(
     orders: Iterable[int] = (1,),
     span: tuple[object, object] | None = None,
     sample: Mapping[Any, object] | None = None,
+    *,
+    budget: Budget | Meter = BUDGET,
 ) -> ParameterCells:
     """Cut a parameter into cells on which the iterates keep their words, and their edges.
 
@@ -380,6 +382,8 @@ def parameter_cells(
     sample
         Values of the symbolic parameters around which the list is to hold; by default one that
         the map's assumptions admit.
+    budget
+        How much may be computed.
 
     Returns
     -------
@@ -390,7 +394,7 @@ def parameter_cells(
     ------
     ValueError
         If the parameter is unknown, or with two or more other parameters symbolic a decision is not
-        of degree one in it.
+        of degree one in it. A ``BudgetError`` if it takes more than is allowed.
 
     Examples
     --------
@@ -401,7 +405,8 @@ def parameter_cells(
     >>> parameter_cells(p1, "r", orders=(1, 2, 3)).edges
     (0, 2, 2*a**2/(a**2 - a + 1), 2*a/(a - 1))
     """
-    orders = checked_orders(orders)
+    meter = metered(budget)
+    orders = checked_orders(orders, meter.budget)
     return with_cells(
         lambda axis, cells: shown_cells(map_, orders, axis, cells),
         map_,
@@ -409,6 +414,7 @@ def parameter_cells(
         orders,
         (None, None) if span is None else checked_span(span),
         sample,
+        budget=meter,
     )
 
 
