@@ -30,9 +30,7 @@ from pwmap.maps.cylinders import (
     Cylinder,
     Inclusion,
     Iterate,
-    crossings,
-    inclusion_of,
-    is_stable,
+    iterate_of,
     refined,
 )
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -124,10 +122,7 @@ def grown(
     for layout in chain:
         current = refined(current, layout, oracle, meter)
     if shown:
-        inclusion = tuple(inclusion_of(cylinder, oracle) for cylinder in current)
-        stable = tuple(is_stable(current, i, each, oracle) for i, each in enumerate(inclusion))
-        found = Iterate(current, inclusion, stable, tuple(crossings(current, oracle)))
-        iterates = {**iterates, order: found}
+        iterates = {**iterates, order: iterate_of(current, oracle)}
     return Study(oracle, iterates, current)
 
 
