@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -106,8 +107,9 @@ def analyse(
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
     The iterates are taken order by order. If that takes more pieces than allowed, or is ended by
-    Ctrl-C, the orders that were completed are kept. What attracts in the long run, and how complex
-    it is, is asked for by --attractors and --entropy, which need a span, and by --density.
+    Ctrl-C, the orders that were completed are kept; Ctrl-C later keeps the diagram. What attracts
+    in the long run, and how complex it is, is asked for by --attractors and --entropy, which need a
+    span, and by --density.
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
@@ -121,8 +123,11 @@ def analyse(
             map_, parameter, span, orders_of(orders), Budget(pieces=pieces),
             assignments(sample, "--sample") if sample else None,
         )  # fmt: skip
-        more = LongRun(map_, parameter, span, attractors=attractors, entropy=entropy,
-                       density=tuple(density or ()), order=max(orders_of(orders)))  # fmt: skip
+        asked_of = partial(LongRun, map_, parameter, span, order=max(orders_of(orders)))
+        try:
+            more = asked_of(attractors=attractors, entropy=entropy, density=tuple(density or ()))
+        except KeyboardInterrupt:  # the diagram is there
+            more, interrupted = asked_of(attractors=False, entropy=False, density=()), True
         out.mkdir(parents=True, exist_ok=True)
         pictures = _draw(found, more, out, picture)
         asked: dict[str, object] = {
@@ -148,7 +153,7 @@ def analyse(
         console.print(table)
     tell_written(console, out, (*names, record_of("analyse")), gone)
     if interrupted:
-        errors.print("Interrupted: the orders that were completed are kept", style="red")
+        errors.print("Interrupted: what was finished is kept", style="red")
         raise typer.Exit(INTERRUPTED)
 
 

@@ -148,7 +148,7 @@ class LongRun:
             for value, seen in self.at.items():
                 table.add_row(
                     value,
-                    "\n".join(map(str, seen.attractors)),
+                    "\n".join(filter(None, (*map(str, seen.attractors), seen.attractors.left_out))),
                     _entropy(seen),
                     "\n".join(
                         filter(None, (_exponent(seen, k) for k in range(len(seen.attractors))))

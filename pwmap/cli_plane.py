@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -66,31 +67,36 @@ def draw_plane(
 ) -> None:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
 
+    Strips of cells are found from left to right; Ctrl-C keeps those that are finished, and of
+    curves of crises and of the raster what is.
+
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
     """
     from pwmap import parameter_plane, plane_raster, with_crises
     from pwmap.diagrams.record import keep_record, record_of
+    from pwmap.plane.rasters import RASTER
 
     errors = screen(stderr=True)
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
-        found = parameter_plane(
-            map_, across, along, across_span, along_span, orders_of(orders),
-            budget=Budget(pieces=pieces),
-        )  # fmt: skip
         seen: PlaneRaster | None = None
         with bar_on(errors) as bar:
-            if crises is not None:
-                task = bar.add_task("crises", total=12)
-                found = with_crises(
-                    found, crises, progress=lambda done: bar.update(task, completed=done)
-                )
-            if colours is not None:
-                points = bar.add_task("raster", total=raster[0])
-                seen = plane_raster(
-                    found, *raster, progress=lambda done: bar.update(points, completed=done)
-                )
+            task, interrupts = bar.add_task("strips", total=None), list[bool]()
+            budget = Budget(
+                pieces=pieces,
+                progress=lambda at: bar.update(
+                    task, description=at.what or "strips", completed=at.done, total=at.total or None
+                ),
+                on_interrupt=lambda: interrupts.append(True),
+            )
+            found = parameter_plane(
+                map_, across, along, across_span, along_span, orders_of(orders), budget=budget
+            )
+            if crises is not None and not interrupts:
+                found = with_crises(found, crises, budget=budget)
+            if colours is not None and not interrupts:
+                seen = plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
         out.mkdir(parents=True, exist_ok=True)
         files = in_format(FILES, picture)
         _write(found, seen, colours, out, files)
@@ -110,7 +116,12 @@ def draw_plane(
     console = screen()
     for table in tables(found):
         console.print(table)
+    for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
+        console.print(sentence, highlight=False)
     tell_written(console, out, (*files, record_of("plane")), gone)
+    if interrupts:
+        errors.print("Interrupted: what was finished is kept", style="red")
+        raise typer.Exit(130)
 
 
 def _write(

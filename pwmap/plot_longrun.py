@@ -36,8 +36,17 @@ DASHES: dict[PointKind, Any] = {
 CRISES = {PointKind.MC: "^", PointKind.XC: "P", PointKind.FC: "X"}  # markers
 EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
 STEPS = 12  # places in each cell at which bands are drawn, at least
-CYCLE = "attracting cycle"
-KNOWN = ("stable", "unstable", "jump crossing", "bands", CYCLE, *(k.label for k in PointKind))
+CYCLE, NEUTRAL = "attracting cycle", "neutral intervals"
+FAR = 1e3  # what is infinite is drawn up to there
+KNOWN = (
+    "stable",
+    "unstable",
+    "jump crossing",
+    "bands",
+    CYCLE,
+    NEUTRAL,
+    *(k.label for k in PointKind),
+)
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
 INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
 BINS = 120  # of histograms
@@ -129,6 +138,8 @@ def plot_attractors(
     steps: int = 160, styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
     """Draw bands as areas and attracting cycles as lines over the parameter, with crises.
+
+    Neutral intervals, full of cycles, are hatched.
 
     Parameters
     ----------
@@ -228,6 +239,13 @@ def _areas(
                 below, above = (_to_ends(over, values) for values in ends)
                 area = ax.fill_between(over, below, above, color=BAND, linewidth=0.0, zorder=0.5)
                 add(shown, {"bands": [area]})
+            for intervals in zip(*(each.neutral for each in attractors), strict=True):
+                ends = ([max(float(each.start), -FAR) for each in intervals],
+                        [min(float(each.end), FAR) for each in intervals])  # fmt: skip
+                below, above = (_to_ends(over, values) for values in ends)
+                area = ax.fill_between(over, below, above, linewidth=0.0, zorder=0.6,
+                                       facecolor="none", edgecolor=STABLE, hatch="//")  # fmt: skip
+                add(shown, {NEUTRAL: [area]})
             for points in zip(*(sorted(map(float, p.points)) for p in attractors), strict=True):
                 if len(points) == 1:
                     dot = ax.plot(inner, points, ".", color=STABLE, markersize=1.5, zorder=1.5)
@@ -239,9 +257,9 @@ def _areas(
         first = last + 1
 
 
-def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int], ...]:
-    """How many bands and points attractors have."""
-    return tuple((len(each.bands), len(each.points)) for each in attractors)
+def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
+    """How many bands, neutral intervals and points attractors have."""
+    return tuple((len(each.bands), len(each.neutral), len(each.points)) for each in attractors)
 
 
 def _to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:

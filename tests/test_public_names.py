@@ -25,6 +25,7 @@ ENGINE = {
     "pwmap.algebra.rootfunctions.Column": "the polynomials of a strip, in order",
     "pwmap.algebra.rootfunctions.Root": "one of their roots, as a function",
     "pwmap.longrun.line.Line": "a map at one place of its parameters, for its orbits",
+    "pwmap.longrun.pointsets.PointSet": "intervals and points, with the ends that belong to them",
     "pwmap.maps.cylinders.Cut": "an end of a piece, as a preimage of a break",
     "pwmap.maps.cylinders.Cylinder": "what a piece is made from",
     "pwmap.maps.cylinders.Iterate": "cylinders of an iterate, with their signs",

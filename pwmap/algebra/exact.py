@@ -19,6 +19,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 Number = Any  # an element of QQ or of a PolyRing over QQ: both have + - * and ==
 Ring = Any  # a sympy PolyRing over QQ, or None where there is no parameter
 Fraction_ = tuple[Number, Number]  # numerator and denominator
+FACTORED = 64  # degree up to which quotients are written with their factors
 
 
 def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
@@ -70,6 +71,11 @@ def pair(number: Number) -> tuple[int, int]:
     They do not depend on what sympy takes for rationals (its ground types).
     """
     return int(QQ.numer(number)), int(QQ.denom(number))
+
+
+def bits(number: Number) -> int:
+    """How long the numerator and the denominator of an element of ``QQ`` are together."""
+    return int(QQ.numer(number).bit_length() + QQ.denom(number).bit_length())
 
 
 def floor(number: Number) -> int:
@@ -165,12 +171,20 @@ def quotient_to_sympy(fraction: Fraction_) -> sympy.Expr:
 
 @lru_cache(maxsize=4096)
 def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
-    """A quotient as a sympy expression in lowest terms, factored where it has parameters."""
+    """A quotient as a sympy expression in lowest terms, factored if it has parameters and is short.
+
+    To find the factors of a long one takes longer than all else, and nobody reads them.
+    """
     top, bottom = cancelled(fraction)
     if is_constant(top) and is_constant(bottom):
         return to_sympy(constant(top) / constant(bottom))
     plain = len(top.ring.gens) == 1 and top.degree() <= 1 and bottom.degree() <= 1
+    plain = plain or max(_degree(top), _degree(bottom)) > FACTORED
     return to_sympy(top) / to_sympy(bottom) if plain else factored_to_sympy((top, bottom))
+
+
+def _degree(polynomial: PolyElement) -> int:
+    return max(map(sum, polynomial), default=0)
 
 
 @lru_cache(maxsize=4096)

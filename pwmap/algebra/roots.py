@@ -169,8 +169,9 @@ class RealRoot:
             self._floor, self._bits = guess, bits
             return
         for _ in range(more):
-            self._bits += 1
-            self._floor = 2 * self._floor + self._above(2 * self._floor + 1, self._bits)
+            beyond = self._above(2 * self._floor + 1, self._bits + 1)
+            # both at once: an interrupt in between would leave another number behind
+            self._floor, self._bits = 2 * self._floor + beyond, self._bits + 1
 
     def _holds(self, n: int, bits: int) -> bool:
         """Whether the root lies between n and n + 1 steps; both lie where it is isolated."""

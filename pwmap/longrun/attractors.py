@@ -1,35 +1,43 @@
 """Where a map settles: attracting cycles and bands, and what surrounds them.
 
-A *band* is an interval of a chaotic attractor. Bands are found by what grows from both sides of a
-break: where the map expands every interval comes to lie across a break sooner or later, so that
-each chaotic attractor has one inside; what grows from it is the attractor itself if nothing smaller
-grows from another break in it.
+A *band* is an interval of a chaotic attractor. Each chaotic attractor has a break inside, since
+where the map expands every interval comes to lie across one sooner or later. What grows from the
+sides of a break is mapped onto itself, and so a candidate. That it is an attractor is proved: if a
+map expands by more than 2 along each of finitely many words, any interval grows until it holds all
+of what follows one of these words [LasotaYorke1973]; so nothing in it is an attractor for itself if
+all grows from the image of each.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from math import gcd
 
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, hull
-from pwmap.longrun.line import Germ, Interval, Line, add, length, outside
-from pwmap.longrun.numbers import Element, Exact
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, unfollowed
+from pwmap.longrun.line import Germ, Interval, Line, add, joined, length, outside
+from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
+from pwmap.longrun.numbers import Element, Exact, enclosed, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 STEPS = 600  # of an orbit, and of what grows from a break
 PARTS = 2000  # of what grows from a break at most, at any time
 EXPANDING = 96  # the same where every piece expands: nothing draws it in, so it is finite or open
-GROWTH = 20_000  # steps of what grows from a break where every piece expands
-MIXED = 1_000  # and where some contract: there it may never end
+GROWTH = 20_000  # steps of what grows from a break
+WORDS = 20_000  # that are followed to find out whether bands expand
+ROUNDED = 64  # bits by which a rounding is less than the square of the sides
+STEP = 20  # operations of one step of an interval
+LONG = QQ(1, 2**16)  # of what breaks keep apart: of a longer interval all images are collected,
+STILL = 256  # and of one that has not become longer in so many steps
 CLOSE = 20  # bits by which the sides from which something grows are smaller than what is kept apart
 HEIGHT = 3  # and times the bits of the coefficients: numbers of so many bits do not lie closer to
 # places at which attractors change, but for the bits of these [Roth1955]
-CLOSER = 2**7  # the same must grow from this part of the sides
+Intervals = tuple[Interval, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +60,7 @@ class Bands:
     (2, [('21/50', '721/1250'), ('147/250', '7/10')])
     """
 
-    intervals: tuple[Interval, ...]
+    intervals: Intervals
     breaks: tuple[Exact, ...]
 
     def __len__(self) -> int:
@@ -81,51 +89,34 @@ class Attractors:
 
     Attributes
     ----------
-    cycles, bands
-        Attracting cycles, and chaotic attractors, from left to right.
+    cycles, neutral, bands
+        Attracting cycles, neutral intervals, and chaotic attractors, each from left to right.
     orbits
         Of all germs at breaks, with their fates.
     open
         Breaks of which it is not known what grows from them.
+    left_out
+        A sentence if a budget or an interrupt is the cause.
     """
 
     line: Line
     cycles: tuple[AttractingCycle, ...]
+    neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
     orbits: tuple[Orbit, ...]
     open: tuple[Exact, ...]
+    left_out: str = ""
 
     def __len__(self) -> int:
         """How many."""
-        return len(self.cycles) + len(self.bands)
-
-    @cached_property
-    def absorbing(self) -> Interval | None:
-        """The smallest interval around all breaks and their images that is mapped into itself.
-
-        None if there is none, since some of these images are lost.
-        """
-        line = self.line
-        if not line.breaks:
-            return None
-        found = hull([(line.image(germ).x, line.image(germ).x) for germ in line.germs]
-                     + [(value, value) for value in line.values])  # fmt: skip
-        fates = Fates(line, STEPS)
-        for _ in range(STEPS):
-            if fates.is_lost(found[0]) or fates.is_lost(found[1]):
-                return None
-            more = hull([found, *line.images([found])])
-            if more == found:
-                return found
-            found = more
-        return None
+        return len(self.cycles) + len(self.neutral) + len(self.bands)
 
 
-class _Grown(Exception):  # noqa: N818  it is not an error
-    """What grows from a break is no part of a chaotic attractor."""
+class _Settled(Exception):  # noqa: N818  it is not an error
+    """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
-def attractors_of(line: Line, steps: int = STEPS) -> Attractors:
+def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGET) -> Attractors:
     """The attractors of a map.
 
     Parameters
@@ -134,55 +125,127 @@ def attractors_of(line: Line, steps: int = STEPS) -> Attractors:
         The map.
     steps
         How far orbits are followed.
+    budget
+        If it is used up, more breaks are open.
     """
+    meter = metered(budget)
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
-    fates = Fates(line, min(steps, EXPANDING) if expands else steps)
-    orbits = [fates.orbit(germ) for germ in line.germs]
-    for k, orbit in enumerate(orbits):  # the cycles are all known only now
-        if orbit.fate is Fate.OPEN:
-            orbits[k] = fates.orbit(orbit.germs[0])
-    scale = _scale(line)
-    grown, left = dict[Exact, list[Interval]](), list[Exact]()
-    for x, (one, other) in zip(
-        line.breaks, zip(orbits[::2], orbits[1::2], strict=True), strict=True
-    ):
-        if any(_ends_at_a_break(line, orbit, fates) for orbit in (one, other)):
-            left.append(x)
-            continue
-        settled = {one.fate, other.fate} & {Fate.DRAWN, Fate.LOST}
-        if (
-            settled
-            or _is_flat(line, x)
-            or _ends_in_a_cycle(one, fates)
-            or _ends_in_a_cycle(other, fates)
-        ):
-            continue
-        found = _grown_twice(fates, x, scale)
-        if found is None:
-            left.append(x)
-        elif found:
-            grown[x] = found
-    bands = list[Bands]()
-    for intervals in grown.values():
-        inner = [y for y in line.breaks if any(low < y < high for low, high in intervals)]
-        known = any(intervals == list(each.intervals) for each in bands)
-        if not known and all(grown.get(y) == intervals for y in inner):
-            bands.append(Bands(tuple(intervals), tuple(inner)))
-    bands.sort(key=lambda each: each.intervals[0][0])
+    fates = Fates(line, min(steps, EXPANDING) if expands else steps, meter)
+    orbits, open_, bands = list[Orbit](), set(line.breaks), list[Bands]()
+    with meter.keeping(line.branches):
+        for germ in meter.each(line.germs, "orbits of breaks"):
+            orbits.append(fates.orbit(germ))
+        for k, orbit in enumerate(orbits):  # the cycles are all known only now
+            if orbit.fate is Fate.OPEN:
+                orbits[k] = fates.orbit(orbit.germs[0])
+        if not line.breaks:
+            fates.orbit(
+                Germ(QQ.zero, 1)
+            )  # all orbits come to the cycle of one piece, if it has one
+    orbits += [unfollowed(line, germ) for germ in line.germs[len(orbits) :]]
+    neutral = neutral_intervals(line, orbits)
+    with meter.keeping(line.branches):
+        growth, grown = _Growth(fates, orbits, neutral), dict[Exact, set[Intervals]]()
+        sides = zip(orbits[::2], orbits[1::2], strict=True)
+        for x, pair in meter.each([*zip(line.breaks, sides, strict=True)], "breaks"):
+            found = _beside(fates, growth, pair)
+            if found is not None:
+                grown[x] = found
+        left, unproved = open_ - grown.keys(), set[Intervals]()
+        waiting = {each for found in grown.values() for each in found if each}
+        while waiting:
+            open_ = left.union(*(_inside(line, each) for each in waiting | unproved))
+            each = min(waiting, key=length)
+            waiting.remove(each)
+            smallest = growth.smallest(each)
+            if smallest is None:
+                unproved.add(each)
+            elif smallest == each:
+                bands.append(Bands(each, _inside(line, each)))
+                waiting = {other for other in waiting if outside(each, other)}
+            else:
+                waiting.add(smallest)
+        open_ = left.union(*(_inside(line, each) for each in unproved))
     cycles = sorted(fates.cycles, key=lambda each: each.points[0])
-    return Attractors(line, tuple(cycles), tuple(bands), tuple(orbits), tuple(left))
+    bands.sort(key=lambda each: each.intervals[0][0])
+    return Attractors(
+        line, tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
+        meter.stopped,
+    )  # fmt: skip
 
 
-def _is_flat(line: Line, x: Exact) -> bool:
-    """Whether a piece beside a break is flat: its points all have one orbit."""
-    return any(not line.beside(Germ(x, side)).slope for side in (-1, 1))
+def _beside(fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]) -> set[Intervals] | None:
+    """What grows from the sides of a break, () where that settles; None if it is open."""
+    found = set[Intervals]()
+    for orbit in sides:
+        if _ends_at_a_break(fates.line, orbit, fates):
+            return None
+        each = () if _is_settled(fates.line, orbit, fates) else growth.candidate(orbit.germs[0])
+        if each is None:
+            return None
+        found.add(each)
+    return found
+
+
+def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
+    """Whether it is known that points beside a break come to no chaotic attractor."""
+    return (
+        orbit.fate in (Fate.DRAWN, Fate.LOST)
+        or not line.beside(orbit.germs[0]).slope  # beside it all points have one orbit
+        or _ends_in_a_cycle(orbit, fates)
+        or is_neutral(line, orbit)
+    )
+
+
+def _inside(line: Line, intervals: Intervals) -> tuple[Exact, ...]:
+    """The breaks inside of intervals."""
+    return tuple(x for x in line.breaks if any(low < x < high for low, high in intervals))
+
+
+def absorbing_of(line: Line) -> Interval | None:
+    """The smallest closed interval with all breaks and their images that is mapped into itself.
+
+    It holds all breaks, so that its ends lie on the outer pieces, and an end is where the least or
+    largest image of a break is, or where an outer piece has its own end or the other one: each is
+    one of three linear equations. Of all intervals that solve two of them and are mapped into
+    themselves the smallest is taken, which lies in every other. None if there is none, for then
+    some images are lost, or if there is no break.
+    """
+    if not line.breaks:
+        return None
+    places = [*line.breaks, *line.values, *(line.image(germ).x for germ in line.germs)]
+    least, most = min(places), max(places)
+    left, right = line.branches[0], line.branches[-1]
+    found = [
+        ends
+        for low in ((QQ.zero, QQ.zero, least), (left.slope, QQ.zero, left.intercept),
+                    (QQ.zero, right.slope, right.intercept))
+        for high in ((QQ.zero, QQ.zero, most), (QQ.zero, right.slope, right.intercept),
+                     (left.slope, QQ.zero, left.intercept))
+        if (ends := _fixed(low, high)) is not None
+        and ends[0] <= min(least, left(ends[0]), right(ends[1]))
+        and ends[1] >= max(most, left(ends[0]), right(ends[1]))
+    ]  # fmt: skip
+    return max(found, key=lambda ends: ends[0] - ends[1], default=None)
+
+
+def _fixed(low: tuple[Exact, ...], high: tuple[Exact, ...]) -> Interval | None:
+    """The one pair (l, u) with l = a l + b u + c and u = d l + e u + f; None if there is no one."""
+    (a, b, c), (e, f) = low, high[1:]
+    d = high[0]
+    size = (1 - a) * (1 - e) - b * d
+    return None if not size else (((1 - e) * c + b * f) / size, (d * c + (1 - a) * f) / size)
 
 
 def height(line: Line) -> int:
     """Bits of the largest denominator of a map's coefficients."""
-    numbers = [*line.breaks, *(x for branch in line.branches for x in branch[:2])]
-    parts = [c for x in numbers for c in (x.value if isinstance(x, Element) else (x,))]
-    return max(pair(part)[1].bit_length() for part in parts)
+    return max(map(bits, (*line.breaks, *(x for branch in line.branches for x in branch[:2]))))
+
+
+def bits(x: Exact) -> int:
+    """Of the largest denominator of a number's coefficients."""
+    parts = x.value if isinstance(x, Element) else (x,)
+    return max((pair(part)[1].bit_length() for part in parts), default=1)
 
 
 def _ends_in_a_cycle(orbit: Orbit, fates: Fates) -> bool:
@@ -204,6 +267,170 @@ def _ends_at_a_break(line: Line, orbit: Orbit, fates: Fates) -> bool:
     return held or size < 1
 
 
+class _Growth:
+    """What grows from the sides of breaks.
+
+    The side of a break is a short interval, of which the longest part between breaks is followed
+    until it is no longer small beside what these keep apart, or grows no more; then all images are
+    collected. Long fractions are rounded, by far less than the sides from which something grows. In
+    the end the images of breaks to which ends have come so close are put in their place, and what
+    has grown is taken only if it is mapped onto itself exactly.
+    """
+
+    def __init__(
+        self, fates: Fates, orbits: Sequence[Orbit], neutral: Sequence[NeutralIntervals]
+    ) -> None:
+        self.fates, self.line, self.meter = fates, fates.line, fates.meter
+        high = height(self.line)
+        self.scale = _scale(self.line)
+        self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
+        self.grid = 2 * bits(self.close) + ROUNDED
+        self.images = sorted({germ.x for orbit in orbits for germ in orbit.germs})
+        self.known = dict[Interval, Intervals]()
+        self.neutral = [pair for each in neutral for pair in each.intervals]
+
+    def candidate(self, germ: Germ) -> Intervals | None:
+        """What grows from one side of a break, () if it settles; None if that is not known."""
+        try:
+            return self.grown(germ, self.close)
+        except _Settled:
+            return ()
+
+    def smallest(self, intervals: Intervals) -> Intervals | None:
+        """What grew, if nothing smaller grows in it, else such; None if that is not known.
+
+        If orbits expand by more than 2 along each of finitely many words, the longer one of two
+        halves does so by more than 1: any interval grows until it holds all points that follow one
+        of these words, and its image all images of them.
+        """
+        images = expanded(self.line, intervals, self.meter)
+        if images is None:
+            return None
+        enough: Interval | None = None
+        for part in sorted(images, key=_length, reverse=True):
+            try:
+                found = self.whole(part, enough)
+            except _Settled:
+                return None
+            if found != intervals:
+                return found or None
+            enough = enough or part
+        return intervals
+
+    def grown(self, germ: Germ, away: Exact) -> Intervals | None:
+        """All late images of one side of a break, as intervals."""
+        ends = germ.x, germ.x + germ.side * away
+        part: Interval = (min(ends), max(ends))
+        longest, since = part, 0
+        for _ in range(GROWTH):
+            if since > STILL or not _length(longest) < self.scale * LONG:
+                return self.whole(part)
+            pieces = [self.image(piece) for _, piece in self.line.parts(part)]
+            part = max(pieces, key=_length)
+            since += 1
+            if _length(longest) < _length(part):
+                longest, since = part, 0
+        return None
+
+    def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
+        """All late images of an interval, the same as of another if that is reached."""
+        known, new = [part], [part]
+        while new:
+            if enough is not None and not outside([enough], known):
+                return self.known[enough]
+            pieces = [self.image(piece) for each in new for _, piece in self.line.parts(each)]
+            new = outside(joined(pieces), known)
+            add(known, new)
+            if len(known) > PARTS:
+                return None
+        for _ in range(GROWTH):
+            self.note(known)
+            exact = self.exact(known)
+            if exact and self.line.images(exact) == exact:
+                self.known[part] = tuple(exact)
+                return tuple(exact)
+            images = self.line.images(known)
+            if len(images) > PARTS:
+                break
+            before = known
+            known = joined((self.rounded(low), self.rounded(high)) for low, high in images)
+            if known == before:
+                break
+        return None
+
+    def exact(self, known: Sequence[Interval]) -> list[Interval]:
+        """The same with images of breaks as ends; empty if there is one that none is close to."""
+        ends = [self.nearest(end) for pair in known for end in pair]
+        if any(end is None for end in ends):
+            return []
+        return joined(zip(ends[::2], ends[1::2], strict=True))
+
+    def nearest(self, x: Exact) -> Exact | None:
+        """The image of a break that is close to a number."""
+        k = bisect_left(self.images, x)
+        near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs_(each - x))
+        return near if abs_(near - x) < self.close else None
+
+    def image(self, part: Interval) -> Interval:
+        """The image of an interval on one piece, if it does not settle."""
+        self.note([part])
+        ((low, high),) = self.line.images([part])
+        if low == high or self.is_settled((low, high)):
+            raise _Settled
+        return self.rounded(low), self.rounded(high)
+
+    def note(self, parts: Sequence[Interval]) -> None:
+        """Take note of the work of one step of intervals."""
+        self.meter.spend(sum(STEP + 3 * (work_of(low) + work_of(high)) for low, high in parts))
+
+    def is_settled(self, part: Interval) -> bool:
+        """Whether some of an interval is lost, drawn into a cycle, or neutral."""
+        return (
+            any(self.fates.is_lost(end) for end in part)
+            or any(cycle.draws(end) for cycle in self.fates.cycles for end in part)
+            or any(
+                (low is None or low < part[1]) and (high is None or part[0] < high)
+                for low, high in self.neutral
+            )
+        )
+
+    def rounded(self, x: Exact) -> Exact:
+        """The nearest number of the grid, if the fraction is a long one."""
+        if bits(x) <= self.grid:
+            return x
+        near = enclosed(x, self.grid)[0]
+        return QQ(((near.numerator << self.grid + 1) // near.denominator + 1) // 2, 1 << self.grid)
+
+
+def _length(part: Interval) -> Exact:
+    return part[1] - part[0]
+
+
+def expanded(line: Line, intervals: Intervals, meter: Meter) -> set[Interval] | None:
+    """The images of all that follows a word until the product of its slopes is larger than 2.
+
+    None if they are not found: then something in there may be attracting, neutral or wandering.
+    """
+    found, looked = set[Interval](), 0
+    level = dict.fromkeys(intervals, QQ.one)
+    while level and looked < WORDS:
+        longer = dict[Interval, Exact]()
+        for interval, size in level.items():
+            meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
+            for branch, part in line.parts(interval):
+                looked += 1
+                product = size * abs_(branch.slope)
+                if not product:
+                    return None
+                (image,) = line.images([part])
+                if product > 2:
+                    found.add(image)
+                else:
+                    longer[image] = min(product, longer.get(image, product))
+        level = longer
+    return None if level else found
+
+
 def _scale(line: Line) -> Exact:
     """A length that is small beside what breaks keep apart."""
     breaks = line.breaks
@@ -211,42 +438,6 @@ def _scale(line: Line) -> Exact:
     images = sorted({line.image(germ).x for germ in line.germs})
     gaps += [b - a for a, b in pairwise(images)]
     return min((gap for gap in gaps if gap > 0), default=QQ.one)
-
-
-def _grown_twice(fates: Fates, x: Exact, scale: Exact) -> list[Interval] | None:
-    """What grows from the sides of a break, [] if it does not stay; None if that is not known.
-
-    The same must grow from much less: then its ends are images of breaks.
-    """
-    try:
-        close = scale * QQ(1, 1 << (CLOSE + HEIGHT * height(fates.line)))
-        found = _grown(fates, x, close)
-        again = _grown(fates, x, close * QQ(1, CLOSER)) if found else found
-    except _Grown:
-        return []
-    return found if found == again else None
-
-
-def _grown(fates: Fates, x: Exact, away: Exact) -> list[Interval] | None:
-    """All images of the two sides of a break, as intervals."""
-    line = fates.line
-    new: Sequence[Interval] = [(x - away, x + away)]
-    known = list(new)
-    expands = all(abs_(branch.slope) > 1 for branch in line.branches)
-    for _ in range(GROWTH if expands else MIXED):
-        images = line.images(new)
-        new = outside(images, known)
-        if not new:
-            return known
-        for low, high in new:
-            if fates.is_lost(low) or fates.is_lost(high):
-                raise _Grown
-            if any(cycle.draws(end) for cycle in fates.cycles for end in (low, high)):
-                raise _Grown
-        add(known, new)
-        if len(known) > PARTS:
-            return None
-    return None
 
 
 def common_period(ways: Sequence[Sequence[int]]) -> int:

@@ -1,25 +1,46 @@
-"""Immediate basins: the intervals around an attractor from which nothing leaves it.
+"""Basins: the intervals around an attractor from which nothing leaves it, and all that comes there.
 
-The immediate basin of an attractor is made of the largest intervals around its points, or bands,
-in which all orbits come to it, but for those that end in a repelling cycle inside. They are found
-from inside: an interval is extended as far as what lies beside it is mapped into the intervals that
-are known. Where a piece rises and is steep that leads to its repelling fixed point in infinitely
-many ever smaller steps; so the fixed point is taken at once.
+The immediate basin of an attractor is made of the largest intervals around its points, or bands, in
+which all orbits come to it, but for those that end in a repelling cycle inside. They are found from
+inside: an interval is extended as far as what lies beside it is mapped into the intervals that are
+known. Where a piece rises and is steep that leads to its repelling fixed point in infinitely many
+ever smaller steps; so the fixed point is taken at once.
+
+The whole basin is what comes to the immediate one. Where a map jumps that may lie anywhere, so its
+preimages are taken, again and again, as sets with ends and single points, exactly. When none leads
+out of what was collected it is complete.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import sympy
 from sympy import QQ
 
 from pwmap.longrun.line import Germ, Interval, Line
-from pwmap.longrun.numbers import Exact
+from pwmap.longrun.numbers import Exact, work_of
+from pwmap.longrun.pointsets import (
+    Part,
+    PointSet,
+    closed_intervals,
+    open_intervals,
+    point_set,
+    preimage,
+)
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
-ROUNDS = 40  # of extending all intervals on both sides
+ROUNDS = 40  # of extending all intervals on both sides, and of preimages
+PARTS = 64  # of a whole basin at most
+STEPS = 100  # of an orbit of a break
 MOST = 16  # intervals of which iterates are looked at until all have come back
+FEW = 4  # iterates that are looked at beside an end of a preimage
+STEP = 20  # operations of one step of an iterate, with what is asked about it
 End = Exact | None
+Open = tuple[End, End]  # an interval; None is infinite
+Reaching = tuple[Exact, Exact, End]  # slope and intercept of a piece, and how far it reaches
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,18 +51,9 @@ class Basin:
     ----------
     intervals
         Open, from left to right; an end that is None is infinite.
-    complete
-        Whether it is complete; if not, these are parts of it.
     """
 
     intervals: tuple[tuple[End, End], ...]
-    complete: bool
-
-    def holds(self, x: Exact) -> bool:
-        """Whether a point lies in it."""
-        return any(
-            (low is None or low < x) and (high is None or x < high) for low, high in self.intervals
-        )
 
     def within(self, window: Interval) -> list[Interval]:
         """The parts inside a window."""
@@ -53,54 +65,179 @@ class Basin:
         return [(a, b) for a, b in parts if a < b]
 
 
-def basin_of(line: Line, start: Sequence[Interval]) -> Basin:
+@dataclass(frozen=True, slots=True, eq=False)
+class WholeBasin:
+    """All that is known to come to an attractor, from anywhere.
+
+    Inside its intervals there may be points that do not, but these have no length: such as end in a
+    repelling cycle, or at a break whose value leads elsewhere.
+
+    Attributes
+    ----------
+    region
+        Its intervals and points, with the ends that belong to it.
+    complete
+        Whether it is proved that no other point comes there: no preimage leads out of it.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> text = "Piecewise((x/2, x < 1), (x + 1, x < 10), (-1, True))"
+    >>> jumping = PiecewiseLinearMap.from_sympy(text)
+    >>> (cycle,) = dynamics(jumping).attractors
+    >>> cycle.basin, cycle.basin_is_complete
+    ((Interval.open(-oo, 1),), False)
+    >>> cycle.whole_basin.parts, cycle.whole_basin.complete
+    ((Interval(-oo, oo),), True)
+    """
+
+    region: PointSet
+    complete: bool
+
+    @property
+    def parts(self) -> tuple[sympy.Set, ...]:
+        """The same as intervals and points of sympy, from left to right."""
+        return self.region.to_sympy()
+
+
+def whole_basin(
+    line: Line, core: PointSet, immediate: Basin, budget: Budget | Meter = BUDGET
+) -> WholeBasin:
+    """All that comes to an attractor.
+
+    Parameters
+    ----------
+    line
+        The map.
+    core
+        Points that stay at the attractor, or are known to be drawn in.
+    immediate
+        Its immediate basin.
+    budget
+        If it is used up what was collected is not complete.
+    """
+    meter = metered(budget)
+    found = [core | open_intervals(immediate.intervals)]
+    complete = False
+    with meter.keeping(found):
+        comes = {x: _comes(line, core, x, meter) for x in line.breaks}
+        settled = [x for x in line.breaks if comes[x] is not False]
+        for _ in meter.each(range(ROUNDS), "rounds"):
+            known = found[-1]
+            meter.spend(len(line.branches) * sum(map(_work, known.parts)))
+            longer = known | preimage(line, known, settled)
+            if known.has(longer):
+                isolated = (x for x in line.breaks if x in known and not known.surrounds(x))
+                complete = all(comes[x] for x in isolated)
+                break
+            found.append(_with_more(line, known, longer, meter))
+            if len(found[-1].parts) > PARTS:
+                break
+    return WholeBasin(found[-1], complete)
+
+
+def _with_more(line: Line, known: PointSet, longer: PointSet, meter: Meter) -> PointSet:
+    """A set with what lies beside its new ends, and is mapped into it or closer to them."""
+    before = {end for pair in known.interior for end in pair}
+    intervals = longer.interior
+    return longer | open_intervals(
+        _extended(line, intervals, k, side, FEW, meter)
+        for k, pair in enumerate(intervals)
+        for side, end in zip((-1, 1), pair, strict=True)
+        if end not in before
+    )
+
+
+def _work(part: Part) -> int:
+    """To find what is mapped into a part."""
+    return STEP + 3 * sum(work_of(cut[0]) for cut in part if cut is not None)
+
+
+def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
+    """Closed intervals that are mapped into themselves, without ends that are breaks and leave."""
+    whole = closed_intervals(intervals)
+    ends = [x for interval in intervals for x in interval]
+    kept = dict.fromkeys(ends, True)
+    for _ in ends:
+        for x in ends:
+            value = line(x)
+            kept[x] = kept[x] and kept.get(value, value in whole)
+    return point_set(
+        ((low, -1 if kept[low] else 1), (high, 1 if kept[high] else -1)) for low, high in intervals
+    )
+
+
+def _comes(line: Line, core: PointSet, x: Exact, meter: Meter) -> bool | None:
+    """Whether a point comes to an attractor, by its own orbit; None if that is not known."""
+    leaving = any(y in core and line(y) not in core for y in line.breaks)
+    seen = list[Exact]()
+    for _ in range(STEPS):
+        meter.spend(STEP + 3 * work_of(x))
+        if x in seen:
+            return all(y in core for y in seen[seen.index(x) :])
+        if x in core and not leaving:
+            return True
+        seen.append(x)
+        x = line(x)
+    return None
+
+
+def basin_of(line: Line, start: Sequence[Open], budget: Budget | Meter = BUDGET) -> Basin:
     """The immediate basin of an attractor.
+
+    Iterates are looked at until all ends may have come back, twice: what is mapped to the other
+    side of a repelling point comes back the second time.
 
     Parameters
     ----------
     line
         The map.
     start
-        Intervals that hold the attractor, and that are mapped into themselves: its bands, or what
-        its points are known to draw in.
+        Intervals from left to right that hold the attractor, and that are mapped into themselves:
+        its bands, its neutral intervals, or what its points are known to draw in.
+    budget
+        If it is used up, or that takes many rounds, intervals may be too short.
     """
-    known: list[tuple[End, End]] = [*sorted(start, key=lambda each: each[0])]
-    for _ in range(ROUNDS):
-        before = list(known)
-        for k in range(len(known)):
-            for side in (-1, 1):
-                known[k] = _extended(line, known, k, side)
-        known = _joined(known)
-        if known == before:
-            return Basin(tuple(known), True)
-    return Basin(tuple(known), False)
+    known, meter = list(start), metered(budget)
+    with meter.keeping(known):
+        for _ in meter.each(range(ROUNDS), "rounds"):
+            before = list(known)
+            orders = 4 * min(len(known), MOST)
+            for k in range(len(known)):
+                for side in (-1, 1):
+                    known[k] = _extended(line, known, k, side, orders, meter)
+            known[:] = _joined(known)
+            if known == before:
+                break
+    return Basin(tuple(_joined(known)))
 
 
-def _extended(line: Line, known: Sequence[tuple[End, End]], k: int, side: int) -> tuple[End, End]:
+def _extended(
+    line: Line, known: Sequence[Open], k: int, side: int, orders: int, meter: Meter
+) -> Open:
     """An interval with what lies beside it, on one piece of the map, and is mapped into the known.
 
-    Iterates are looked at until all ends may have come back, twice: what is mapped to the other
-    side of a repelling point comes back the second time.
+    Iterates up to some order are looked at.
     """
     end = known[k][side > 0]
     if end is None:
         return known[k]
-    best = end
-    for rounds in range(1, 4 * min(len(known), MOST) + 1):
-        found = _reach(line, known, end, side, rounds)
-        if found is None or (side > 0 and found > best) or (side < 0 and found < best):
+    best: End = end
+    for piece in _pieces(line, end, side, orders, meter):
+        found = _reach(piece, known, end, side)
+        if found is None or (found - best) * side > 0:
             best = found
             if best is None:
                 break
     return (known[k][0], best) if side > 0 else (best, known[k][1])
 
 
-def _reach(line: Line, known: Sequence[tuple[End, End]], end: Exact, side: int, rounds: int) -> End:
+def _reach(piece: Reaching, known: Sequence[Open], end: Exact, side: int) -> End:
     """How far beside an end points are mapped into known intervals, or ever farther from its image.
 
     The end itself if none is.
     """
-    slope, intercept, limit = _pieces(line, end, side, rounds)
+    slope, intercept, limit = piece
     image = slope * end + intercept
     if slope == 0:
         return limit if _holder(known, image, 0) is not None else end
@@ -126,25 +263,30 @@ def _nearer(x: Exact, limit: End, side: int) -> Exact:
     return min(x, limit) if side > 0 else max(x, limit)
 
 
-def _pieces(line: Line, end: Exact, side: int, rounds: int) -> tuple[Exact, Exact, End]:
-    """Slope, intercept and farthest end of the affine piece of an iterate beside a point."""
+def _pieces(line: Line, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
+    """Slope, intercept and farthest end of the pieces of iterates beside a point, by order."""
     slope, intercept, limit = QQ.one, QQ.zero, None
     germ = Germ(end, side)
-    for _ in range(rounds):
-        if not slope:
-            break
+    for _ in range(orders):
+        meter.spend(STEP + 3 * work_of(germ.x))
         branch = line.beside(germ)
         stop = branch.upper if germ.side > 0 else branch.lower
         if stop is not None:
             limit = _nearer((stop - intercept) / slope, limit, side)
         slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
         germ = line.image(germ)
-    return slope, intercept, limit
+        yield slope, intercept, limit
+        if not slope:
+            return
 
 
-def _holder(known: Sequence[tuple[End, End]], x: Exact, way: int) -> int | None:
-    """The known interval that holds what lies beside a point on a side of it."""
-    for k, (low, high) in enumerate(known):
+def _holder(known: Sequence[Open], x: Exact, way: int) -> int | None:
+    """The known interval, of such from left to right, that holds what lies beside a point."""
+    last = bisect_right(known, (True, x), key=lambda each: (each[0] is not None, each[0]))
+    for k in (last - 1, last - 2):
+        if k < 0:
+            break
+        low, high = known[k]
         over = low is None or low < x or (low == x and way > 0)
         under = high is None or x < high or (high == x and way < 0)
         if over and under:
@@ -152,9 +294,9 @@ def _holder(known: Sequence[tuple[End, End]], x: Exact, way: int) -> int | None:
     return None
 
 
-def _joined(intervals: Sequence[tuple[End, End]]) -> list[tuple[End, End]]:
+def _joined(intervals: Sequence[Open]) -> list[Open]:
     """The same set as intervals apart, but for points at which they touch."""
-    found = list[tuple[End, End]]()
+    found = list[Open]()
     for low, high in intervals:
         if found and (low is None or found[-1][1] is None or low <= found[-1][1]):
             last = found[-1][1]

@@ -3,7 +3,10 @@
 At a rational sample the itineraries of all germs at breaks are followed until they are known to the
 end. What was decided on the way is the sign of finitely many polynomials in the parameter, and as
 long as these keep their signs the itineraries are the same, so that the graph of laps is, and its
-growth. The nearest roots on both sides of the sample are the ends of an interval of one entropy. An
+growth. Where the orbits of both sides of a break match they need not be followed any farther: see
+:mod:`pwmap.longrun.kneading`.
+
+The nearest roots on both sides of the sample are the ends of an interval of one entropy. An
 interval is swept with such samples, the widest gap first. Two intervals that touch are joined if
 their entropies agree, and at the number between them, where it is computed exactly, too.
 
@@ -40,8 +43,10 @@ from pwmap.algebra.terms import own_name
 from pwmap.longrun.entropies import Entropy, exact_entropy
 from pwmap.longrun.fates import AttractingCycle, Fates
 from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
+from pwmap.longrun.kneading import growth_by_kneading, matched
 from pwmap.longrun.line import Line, line_at
 from pwmap.longrun.numbers import sign, to_double
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Return, Slope
 from pwmap.parameters.admitted import admitted_intervals
@@ -69,7 +74,7 @@ class GapCause(Enum):
     EXPANDS = "every piece expands, so that nothing attracts, and orbits of breaks go on"
     OPEN = "orbits of breaks are not known to the end after as many steps"
     NARROW = "it is narrower than the tolerance"
-    BUDGET = "as many samples as were allowed have been taken"
+    BUDGET = "as many samples as were allowed have been taken, or the budget is used up"
     SPECIAL = "all samples tried are places at which orbits of breaks meet"
     LARGE = "the graph of laps is too large"
 
@@ -215,6 +220,7 @@ def constant_entropy(
     tolerance: object = None,
     samples: int = SAMPLES,
     steps: int = STEPS,
+    budget: Budget | Meter = BUDGET,
 ) -> EntropyIntervals:
     """Intervals of a parameter on which the topological entropy is one algebraic number, proved.
 
@@ -232,6 +238,8 @@ def constant_entropy(
         How many values are tried at most.
     steps
         How far orbits of breaks are followed.
+    budget
+        What all of it may take; what is not looked at then is a gap.
 
     Returns
     -------
@@ -265,7 +273,7 @@ def constant_entropy(
         raise ValueError(f"a tolerance must be positive, got {tolerance}")
     axis = axis_of(map_.definition, name, {})
     admitted_intervals(axis, (low, high))
-    study = _Study(map_, axis, checked_order(steps))
+    study = _Study(map_, axis, checked_order(steps), metered(budget))
     proved, left = _swept(study, low, high, least, checked_order(samples))
     return EntropyIntervals(
         parameter=map_.parameters[0],
@@ -282,8 +290,8 @@ def constant_entropy(
 class _Study:
     """A map over one parameter, with the proofs that are found at places of it."""
 
-    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, steps: int) -> None:
-        self.map, self.axis, self.steps = map_, axis, steps
+    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, steps: int, meter: Meter) -> None:
+        self.map, self.axis, self.steps, self.meter = map_, axis, steps, meter
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
 
@@ -302,18 +310,33 @@ class _Study:
             units = [Multiplier((k,), unit) for k in set(self.letters) for unit in (1, -1)]
             return Proof(QQ.one, tuple(units))
         itineraries = list[Itinerary]()
-        for germ in line.germs:
-            itineraries.append(itinerary_of(line, germ, self.steps))
-            if itineraries[-1].ending is Ending.OPEN:
-                expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
-                return GapCause.EXPANDS if expands else GapCause.OPEN
-        growth = growth_at(line, itineraries)
+        for number in range(len(line.breaks)):
+            itineraries += self.matched(line, number) or (
+                itinerary_of(line, germ, self.steps, self.meter)
+                for germ in line.germs[2 * number : 2 * number + 2]
+            )
+        endings = {each.ending for each in itineraries}
+        if Ending.OPEN in endings:
+            expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
+            return GapCause.EXPANDS if expands else GapCause.OPEN
+        grown = growth_by_kneading if Ending.MATCHED in endings else growth_at
+        growth = grown(line, itineraries)
         if growth is None:
             return GapCause.LARGE
         decided: dict[Decision, None] = {Slope(k): None for k in self.letters}
         for number, itinerary in enumerate(itineraries):
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
         return Proof(growth, tuple(decided))
+
+    def matched(self, line: Line, number: int) -> tuple[Itinerary, Itinerary] | None:
+        """The itineraries of both sides of a break, if they match wherever they are the same."""
+        found = matched(line, number, self.steps, self.meter)
+        if found is None:
+            return None
+        k, orbits = self.layout.breaks[number], self.axis.orbits
+        words = (tuple(self.letters[i] for i in each.pieces) for each in found)
+        one, other = (orbits.orbit(k, word) for word in words)
+        return found if one == other else None
 
     def decisions(self, line: Line, number: int, itinerary: Itinerary) -> Iterator[Decision]:
         """What says that a germ at a break has an itinerary.
@@ -423,18 +446,20 @@ def _swept(
         _, _, a, b, causes = heappop(gaps)
         found: _Proved | GapCause = GapCause.BUDGET
         for part in PARTS:
-            if taken >= samples:
+            if taken >= samples or study.meter.stopped:
                 break
             taken += 1
             sample = _near(a, b, part)
-            found = study.proved(a, b, sample)
+            with study.meter.keeping((sample,)):
+                found = study.proved(a, b, sample)
             if found is not GapCause.SPECIAL:
                 break
+        study.meter.advance("samples", taken, samples)
         if isinstance(found, _Proved):
             proved.append(found)
             keep(a, found.low)
             keep(found.high, b)
-        elif found in (GapCause.BUDGET, GapCause.SPECIAL):
+        elif found is GapCause.BUDGET:
             left.append(_Left(a, b, causes or (found,)))
         else:
             keep(a, sample, (found,))

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain, islice
 from math import prod
 from typing import Any, NamedTuple
 
@@ -20,9 +21,11 @@ from sympy import QQ
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
 from pwmap.longrun.line import Branch, Germ, Line, Owner, line_of
-from pwmap.longrun.numbers import Exact, exact_to_sympy, key, sign
-from pwmap.maps.budget import BUDGET, Budget, Progress, Report
+from pwmap.longrun.numbers import Exact, exact_to_sympy, key, sign, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+
+STEP = 8  # operations with which a letter is tried behind a word
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -160,7 +163,7 @@ def cycles(
     values: Mapping[Any, object] | None = None,
     order: int = 8,
     *,
-    budget: Budget = BUDGET,
+    budget: Budget | Meter = BUDGET,
     progress: Report | None = None,
     on_interrupt: Callable[[], None] | None = None,
 ) -> FoundCycles:
@@ -175,11 +178,12 @@ def cycles(
     order
         The largest period.
     budget
-        How many words of one length may be looked at.
+        How many words of one length may be looked at (its ``pieces``), and its other limits.
     progress
         Is told after each period: the period, the cycles and the words so far.
     on_interrupt
-        Is called where Ctrl-C ends the search; then what was completed is kept.
+        Is called where Ctrl-C ends the search, as that of the budget; then what was completed is
+        kept.
 
     Returns
     -------
@@ -200,60 +204,59 @@ def cycles(
     >>> [cycle.word for cycle in found]
     ['L', 'R', 'LR', 'LLR', 'LRR', 'LRRR', 'LLRRR', 'LLRLR', 'LRRLR', 'LRRRR']
     """
-    order = checked_order(order)
+    order, meter = checked_order(order), metered(budget, on_interrupt)
     line = line_of(map_, values)
-    found = list(_through_breaks(line, order))
-    searched = done = 0
-    left_out = ""
-    try:
-        for done, level in zip(range(1, order + 1), _levels(line), strict=False):
+    levels, found = list[list[FoundCycle]](), list[FoundCycle]()
+    searched, left_out = 0, ""
+    with meter.keeping(levels):
+        found += _through_breaks(line, order, meter)
+        for level in meter.each(islice(_levels(line, meter), order), "periods"):
             searched += len(level)
-            if len(level) > budget.pieces:
-                left_out = (
-                    f"stopped after period {done}: {len(level)} words of that length, at most "
-                    f"{budget.pieces} are allowed"
-                )
-            found += (
+            cycles_ = [
                 FoundCycle(line, _spelled(line, start.word), x, start.slope)
                 for start in level
                 if (x := _closed(start)) is not None
-            )
+            ]
+            done, most = len(levels) + 1, meter.budget.pieces
             if progress is not None:
-                progress(Progress(done, len(found), searched))
-            if left_out or not level:
+                so_far = len(found) + len(cycles_) + sum(map(len, levels))
+                progress(Progress(done, so_far, searched))
+            levels.append(cycles_)
+            if len(level) > most:
+                left_out = f"{len(level)} words of that length, at most {most} are allowed"
                 break
-    except KeyboardInterrupt:
-        if on_interrupt is None:
-            raise
-        on_interrupt()
-        done -= 1
-        left_out = f"stopped after period {done}: interrupted"
-    if not left_out:
-        done = order
-    kept = [cycle for cycle in found if len(cycle.word) <= done]
-    kept.sort(key=lambda cycle: cycle.start)
-    kept.sort(key=lambda cycle: len(cycle.word))
-    return FoundCycles(cycles=tuple(kept), order=done, words=searched, left_out=left_out)
+    left_out = left_out or meter.stopped * bool(meter.left_out)
+    done = len(levels) if left_out else order
+    found = [c for c in chain(found, *levels) if len(c.word) <= done]
+    found.sort(key=lambda cycle: cycle.start)
+    found.sort(key=lambda cycle: len(cycle.word))
+    return FoundCycles(
+        cycles=tuple(found), order=done, words=searched,
+        left_out=left_out and f"stopped after period {done}: {left_out}",
+    )  # fmt: skip
 
 
-def repelling_words(line: Line, order: int) -> Iterator[tuple[int, ...]]:
+def repelling_words(
+    line: Line, order: int, budget: Budget | Meter = BUDGET
+) -> Iterator[tuple[int, ...]]:
     """Words, as numbers of branches, of all points of repelling cycles that lie on no break."""
-    for _, level in zip(range(order), _levels(line), strict=False):
+    for level in islice(_levels(line, metered(budget)), order):
         for start in level:
             if abs_(start.slope) > 1 and _closed(start) is not None:
                 word = start.word
                 yield from (word[i:] + word[:i] for i in range(len(word)))
 
 
-def _levels(line: Line) -> Iterator[list[_Start]]:
+def _levels(line: Line, meter: Meter) -> Iterator[list[_Start]]:
     """All words of one letter, of two, and so on, until there are none."""
     level = [_Start((), QQ.one, QQ.zero, None, None)]
-    while level := [longer for start in level for longer in _longer(line, start)]:
+    while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
 
 
-def _longer(line: Line, start: _Start) -> Iterator[_Start]:
+def _longer(line: Line, start: _Start, meter: Meter) -> Iterator[_Start]:
     """The words of one letter more that points follow, each with these points."""
+    meter.spend(STEP * len(line.branches) * work_of(start.intercept))
     for k, branch in enumerate(line.branches):
         cut = _mapped_into(start, branch)
         if cut is None:
@@ -304,12 +307,13 @@ def _spelled(line: Line, word: tuple[int, ...]) -> str:
     return "".join(line.branches[k].letter for k in word)
 
 
-def _through_breaks(line: Line, order: int) -> Iterator[FoundCycle]:
+def _through_breaks(line: Line, order: int, meter: Meter) -> Iterator[FoundCycle]:
     """Cycles that have a point on a break."""
     seen = set[Any]()
     for x in line.breaks:
         points = [x]
         for _ in range(order):
+            meter.spend(work_of(points[-1]))
             image = line(points[-1])
             if image == x:
                 break

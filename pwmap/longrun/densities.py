@@ -30,12 +30,41 @@ from pwmap.longrun.numbers import (
     enclosed,
     exact_to_sympy,
     log_bounds,
+    work_of,
 )
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 
 LEAST = QQ(1, 2**60)  # of a weight: what follows along an orbit is bounded, not summed
 LONGEST = 600  # orbits that are summed
 MANY = 4096  # words whose slopes are compared to find out whether an iterate expands
 BITS = 120  # of enclosures
+STEP = 10  # operations of one step
+
+
+class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
+    """An interval of mpmath that holds a number; as a double it is its middle.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> density = dynamics(tent, {"a": "7/4"}).attractors[0].density
+    >>> low, high = density.places[0], density.places[-1]
+    >>> half = density.measure(low, (low + high) / 2)
+    >>> type(half).__name__, round(float(half), 12)
+    ('Enclosure', 0.443088227182)
+    """
+
+    ctx = mpmath.iv
+
+    def __new__(cls, interval: Any) -> Enclosure:
+        """The same interval of mpmath."""
+        self: Enclosure = object.__new__(cls)
+        self._mpi_ = interval._mpi_
+        return self
+
+    def __float__(self) -> float:
+        return 0.5 * float(mpmath.mpf(self.a)) + 0.5 * float(mpmath.mpf(self.b))
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +131,9 @@ class Density:
 
         Returns
         -------
-        exact number, or interval of mpmath
-            From 0 to 1; all of the attractor has the measure 1.
+        exact number, or Enclosure
+            From 0 to 1; all of the attractor has the measure 1. An interval of mpmath encloses it
+            if it is not exact; as a double that is its middle.
         """
         total = QQ.zero if self.exact else mpmath.iv.mpf(0)
         for a, b, value in self.steps():
@@ -114,7 +144,7 @@ class Density:
             return total
         part = min(high, self.places[-1]) - max(low, self.places[0])
         slack = _enclosure(max(part, QQ.zero)) * mpmath.iv.mpf([-self.error, self.error])
-        return total + slack
+        return Enclosure(total + slack)
 
     def steps(self) -> Iterator[tuple[Exact, Exact, Any]]:
         """Both ends of each step, and the value between them."""
@@ -150,7 +180,7 @@ class Density:
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
-def density_of(line: Line, bands: Bands) -> Density | None:
+def density_of(line: Line, bands: Bands, budget: Budget | Meter = BUDGET) -> Density | None:
     """The invariant density of a chaotic attractor.
 
     Parameters
@@ -159,18 +189,28 @@ def density_of(line: Line, bands: Bands) -> Density | None:
         The map.
     bands
         An attractor of it.
+    budget
+        What that may take.
 
     Returns
     -------
     Density or None
-        None if no iterate is found that expands everywhere, or rounding leaves open which it is.
+        None if no iterate is found that expands everywhere, or rounding leaves open which it is,
+        or the budget does not suffice.
     """
+    try:
+        return _density_of(line, bands, metered(budget))
+    except BudgetError:
+        return None
+
+
+def _density_of(line: Line, bands: Bands, meter: Meter) -> Density | None:
     mpmath.iv.prec = BITS
-    later = _tail(line, bands)
+    later = _tail(line, bands, meter)
     if later is None:
         return None
     ends = [
-        _followed(line, Germ(x, side), later)
+        _followed(line, Germ(x, side), later, meter)
         for interval in bands.intervals
         for _, (low, high) in line.parts(interval)
         for x, side in ((low, 1), (high, -1))
@@ -209,12 +249,13 @@ def _enclosure(x: Exact) -> Any:
     return mpmath.iv.mpf([low.a, high.b])
 
 
-def _followed(line: Line, germ: Germ, later: float) -> _End:
+def _followed(line: Line, germ: Germ, later: float, meter: Meter) -> _End:
     """An end of a piece with its jumps, until they end in a break, come again, or are small."""
     branch = line.beside(germ)
     x, weight = branch(germ.x), 1 / branch.slope
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
+        meter.spend(STEP + 3 * work_of(x))
         if x in seen:  # from there on each round is the last one over the multiplier
             start = seen[x]
             ratio = weight / found[start][1]
@@ -232,7 +273,7 @@ def _followed(line: Line, germ: Germ, later: float) -> _End:
         x, weight = branch(x), weight / branch.slope
 
 
-def _tail(line: Line, bands: Bands) -> float | None:
+def _tail(line: Line, bands: Bands, meter: Meter) -> float | None:
     """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., the slopes along any orbit; None if none is found."""
     parts: list[tuple[list[Interval], Exact]] = [
         ([interval], QQ.one) for interval in bands.intervals
@@ -242,6 +283,7 @@ def _tail(line: Line, bands: Bands) -> float | None:
         longer = list[tuple[list[Interval], Exact]]()
         for intervals, slope in parts:
             for interval in intervals:
+                meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
                 for branch, part in line.parts(interval):
                     if part[0] < part[1]:
                         longer.append((line.images([part]), slope * abs_(branch.slope)))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 from typing import Any
@@ -11,14 +11,26 @@ from typing import Any
 import sympy
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.longrun.attractors import Attractors, Bands, attractors_of, common_period, share
-from pwmap.longrun.basins import Basin, basin_of
+from pwmap.algebra.terms import shortened
+from pwmap.diagrams.shown import counted
+from pwmap.longrun.attractors import (
+    Attractors,
+    Bands,
+    absorbing_of,
+    attractors_of,
+    common_period,
+    share,
+)
+from pwmap.longrun.basins import Basin, WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropies import ORDERS, Entropy, entropy_of, lap_numbers
 from pwmap.longrun.fates import AttractingCycle, Fate, Orbit
 from pwmap.longrun.itineraries import STEPS, Ending, itinerary_of
 from pwmap.longrun.line import Germ, Interval, Line, line_of
+from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy, sign
+from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
+from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
@@ -118,14 +130,18 @@ class Kneading:
 
 @dataclass(frozen=True, eq=False)
 class Attractor:
-    """An attracting cycle, or the bands of a chaotic attractor, with what surrounds it.
+    """What orbits settle to, with what surrounds it.
+
+    An attracting cycle, neutral intervals full of cycles, or the bands of a chaotic attractor.
 
     Attributes
     ----------
     line
         The map.
     core
-        The cycle or the bands, in exact numbers.
+        The cycle, the intervals or the bands, in exact numbers.
+    budget
+        What each question about it may take.
 
     Examples
     --------
@@ -140,7 +156,8 @@ class Attractor:
     """
 
     line: Line
-    core: AttractingCycle | Bands
+    core: AttractingCycle | NeutralIntervals | Bands
+    budget: Budget | Meter = field(default=BUDGET, repr=False)
 
     @property
     def is_chaotic(self) -> bool:
@@ -148,36 +165,56 @@ class Attractor:
         return isinstance(self.core, Bands)
 
     @property
+    def is_neutral(self) -> bool:
+        """Whether it is made of intervals all of whose points are periodic."""
+        return isinstance(self.core, NeutralIntervals)
+
+    @property
     def word(self) -> str:
-        """The pieces that an attracting cycle visits; empty for bands."""
-        return self.core.word if isinstance(self.core, AttractingCycle) else ""
+        """The pieces that a cycle or neutral intervals visit; empty for bands."""
+        return "" if isinstance(self.core, Bands) else self.core.word
 
     @property
     def points(self) -> tuple[sympy.Expr, ...]:
-        """The points of a cycle in the order of its word, from the smallest; none for bands."""
+        """The points of a cycle in the order of its word, from the smallest; of others none."""
         core = self.core
-        return () if isinstance(core, Bands) else tuple(map(exact_to_sympy, core.points))
+        return tuple(map(exact_to_sympy, core.points)) if isinstance(core, AttractingCycle) else ()
 
     @property
     def multiplier(self) -> sympy.Expr | None:
-        """Of a cycle; None for bands."""
+        """Of a cycle; of neutral intervals 1, or -1 if they are turned; None for bands."""
         core = self.core
-        return None if isinstance(core, Bands) else exact_to_sympy(core.multiplier)
+        if isinstance(core, Bands):
+            return None
+        if isinstance(core, NeutralIntervals):
+            return sympy.Integer(core.multiplier)
+        return exact_to_sympy(core.multiplier)
 
     @property
     def bands(self) -> tuple[sympy.Interval, ...]:
-        """Closed intervals from left to right, in which orbits are dense; none for a cycle."""
+        """Closed intervals from left to right, in which orbits are dense; only of bands."""
         core = self.core
         return tuple(map(_closed, core.intervals)) if isinstance(core, Bands) else ()
 
+    @property
+    def neutral(self) -> tuple[sympy.Interval, ...]:
+        """Intervals full of cycles, from left to right, with ends that belong to one themselves."""
+        core = self.core
+        if not isinstance(core, NeutralIntervals):
+            return ()
+        parts = sorted(core.parts, key=lambda part: (part[0] is not None, part[0]))
+        return tuple(map(part_to_sympy, parts))
+
     @cached_property
     def period(self) -> int:
-        """Of a cycle; for bands the greatest common divisor of the times of return.
+        """Of a cycle, or of all points of neutral intervals but the middles of turned ones.
 
-        Some iterate of that order, and none of a lower one, mixes in each part [Block1980].
+        For bands it is the greatest common divisor of the times of return: some iterate of that order, and none of a lower one, mixes in each part [Block1980].
         """
         if isinstance(self.core, AttractingCycle):
             return len(self.core.points)
+        if isinstance(self.core, NeutralIntervals):
+            return self.core.period
         density = self.density
         if density is not None and density.exact:
             parts = [(a, b) for a, b, value in density.steps() if value > 0]
@@ -198,7 +235,9 @@ class Attractor:
     @cached_property
     def density(self) -> Density | None:
         """The invariant density of bands; None for cycles, or if it is not known to exist."""
-        return density_of(self.line, self.core) if isinstance(self.core, Bands) else None
+        return (
+            density_of(self.line, self.core, self.budget) if isinstance(self.core, Bands) else None
+        )
 
     @cached_property
     def exponent(self) -> sympy.Expr | None:
@@ -206,6 +245,8 @@ class Attractor:
         if isinstance(self.core, AttractingCycle):
             size = abs(exact_to_sympy(self.core.multiplier))
             return sympy.log(size) / len(self.core.points) if size else -sympy.oo
+        if isinstance(self.core, NeutralIntervals):
+            return sympy.Integer(0)
         return None if self.density is None else self.density.exponent
 
     @property
@@ -214,16 +255,21 @@ class Attractor:
         return None if self.density is None else self.density.exponent_bounds
 
     @cached_property
-    def _basin(self) -> Basin:
+    def _core(self) -> PointSet:
+        """What stays at it, or is known to be drawn in."""
         core = self.core
+        if isinstance(core, NeutralIntervals):
+            return core.region
         if isinstance(core, Bands):
-            return basin_of(self.line, core.intervals)
-        start = [
-            (x - reach, x + reach)
+            return staying(self.line, core.intervals)
+        return open_intervals(
+            (None, None) if reach is None else (x - reach, x + reach)
             for x, reach in zip(core.points, core.reach, strict=True)
-            if reach is not None
-        ]
-        return basin_of(self.line, start) if start else Basin(((None, None),), complete=True)
+        )
+
+    @cached_property
+    def _basin(self) -> Basin:
+        return basin_of(self.line, self._core.interior, self.budget)
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
@@ -238,8 +284,14 @@ class Attractor:
 
     @property
     def basin_is_complete(self) -> bool:
-        """Whether the basin reaches farther than these intervals on no side."""
-        return self._basin.complete
+        """Whether it is proved that nothing comes here from elsewhere, but for its ends."""
+        whole, known = self.whole_basin, open_intervals(self._basin.intervals)
+        return whole.complete and known.closure.has(whole.region)
+
+    @cached_property
+    def whole_basin(self) -> WholeBasin:
+        """All that is known to come here: the immediate basin and its preimages, wherever."""
+        return whole_basin(self.line, self._core, self._basin, self.budget)
 
     def share(self, window: tuple[object, object]) -> sympy.Expr:
         """The part of a window that the immediate basin covers.
@@ -268,10 +320,70 @@ class Attractor:
 
     def __str__(self) -> str:
         """Its kind, and where it is."""
-        if not self.is_chaotic:
+        if self.points:
             return f"cycle {self.word} through {self.points[0]}"
-        shown = ", ".join(f"[{band.start}, {band.end}]" for band in self.bands)
-        return f"{len(self.bands)} band{'s' * (len(self.bands) > 1)}: {shown}"
+        intervals = (*self.bands, *self.neutral)
+        shown = ", ".join(map(_bracketed, intervals))
+        kind = "band" if self.is_chaotic else "neutral interval"
+        word = f" of {self.word}" if self.is_neutral else ""
+        return f"{len(intervals)} {kind}{'s' * (len(intervals) > 1)}{word}: {shown}"
+
+    def __repr__(self) -> str:
+        """The same, with its type."""
+        return f"Attractor({self})"
+
+
+class FoundAttractors(tuple[Attractor, ...]):
+    """Attractors of a map, and the breaks of which it is open where orbits beside them settle.
+
+    Attributes
+    ----------
+    open
+        These breaks; if there is none the attractors are complete.
+    cause
+        A sentence if a budget or an interrupt is the cause.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> dynamics(tent, {"a": "1/2"}).attractors
+    (Attractor(cycle L through 0),)
+    >>> flat = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 1), (1, True))")
+    >>> found = dynamics(flat).attractors
+    >>> found
+    (Attractor(cycle L through 0), incomplete: open beside the break 1)
+    >>> len(found), found.open
+    (1, (1,))
+    """
+
+    open: tuple[sympy.Expr, ...]
+    cause: str
+
+    def __new__(
+        cls, attractors: Iterable[Attractor], open_: tuple[sympy.Expr, ...], cause: str = ""
+    ) -> FoundAttractors:
+        """Those that were found, the breaks that are open, and why."""
+        self = super().__new__(cls, attractors)
+        self.open, self.cause = open_, cause
+        return self
+
+    def __getnewargs__(self) -> tuple[tuple[Attractor, ...], tuple[sympy.Expr, ...], str]:
+        return tuple(self), self.open, self.cause
+
+    @property
+    def left_out(self) -> str:
+        """What is missing, in a few words; empty if nothing is."""
+        places = ", ".join(shortened(str(x), 40) for x in self.open)
+        breaks = "breaks" if len(self.open) > 1 else "break"
+        parts = [f"incomplete: open beside the {breaks} {places}"] if self.open else []
+        return "; ".join([*parts, self.cause]) if self.cause else "".join(parts)
+
+    def __repr__(self) -> str:
+        """All of them, and what is missing."""
+        if not self.left_out:
+            return super().__repr__()
+        return f"({', '.join([*map(repr, self), self.left_out])})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,6 +396,8 @@ class Dynamics:
         The map there, in exact numbers.
     orders
         Up to which the graph of laps is made for bounds of the entropy, one after the other.
+    budget
+        What each question may take.
 
     Examples
     --------
@@ -298,17 +412,30 @@ class Dynamics:
 
     line: Line
     orders: tuple[int, ...] = ORDERS
+    budget: Budget | Meter = field(default=BUDGET, repr=False)
+
+    def __repr__(self) -> str:
+        """Its pieces, and its attractors, with what is missing."""
+        pieces = counted(len(self.line.branches), "piece")
+        return f"Dynamics(map of {pieces}, attractors: {self.attractors!r})"
 
     @cached_property
     def _found(self) -> Attractors:
-        return attractors_of(self.line)
+        return attractors_of(self.line, budget=self.budget)
 
     @cached_property
-    def attractors(self) -> tuple[Attractor, ...]:
-        """All bounded attractors: cycles first, then bands, each from left to right."""
+    def attractors(self) -> FoundAttractors:
+        """All bounded attractors: cycles, neutral intervals, then bands, each from left to right.
+
+        Where breaks are left :attr:`open` there may be more; the text of the result says so.
+        """
         found = self._found
-        cores: list[AttractingCycle | Bands] = [*found.cycles, *found.bands]
-        return tuple(Attractor(self.line, core) for core in cores)
+        cores: list[AttractingCycle | NeutralIntervals | Bands] = [
+            *found.cycles, *found.neutral, *found.bands,
+        ]  # fmt: skip
+        return FoundAttractors(
+            (Attractor(self.line, core, self.budget) for core in cores), self.open, found.left_out
+        )
 
     @property
     def open(self) -> tuple[sympy.Expr, ...]:
@@ -317,17 +444,17 @@ class Dynamics:
 
     @cached_property
     def absorbing(self) -> sympy.Interval | None:
-        """The smallest interval with all breaks and their images that is mapped into itself.
+        """The smallest closed interval with all breaks, and their images, mapped into itself.
 
-        None if some of their orbits are lost.
+        None if there is none, since some of their orbits are lost, or if there is no break.
         """
-        found = self._found.absorbing
+        found = absorbing_of(self.line)
         return None if found is None else _closed(found)
 
     @cached_property
     def entropy(self) -> Entropy:
         """The topological entropy, exact or between bounds."""
-        return entropy_of(self.line, self._found, self.orders)
+        return entropy_of(self.line, self._found, self.orders, self.budget)
 
     @cached_property
     def kneading(self) -> tuple[Kneading, ...]:
@@ -365,7 +492,7 @@ class Dynamics:
         list of int
             One number for each order from 1 to ``order``.
         """
-        return lap_numbers(self.line, checked_order(order))
+        return lap_numbers(self.line, checked_order(order), self.budget)
 
 
 def dynamics(
@@ -373,6 +500,7 @@ def dynamics(
     values: Mapping[Any, object] | None = None,
     *,
     orders: tuple[int, ...] = ORDERS,
+    budget: Budget | Meter = BUDGET,
 ) -> Dynamics:
     """The long run of a map: attractors, basins, densities, exponents, kneading sequences, entropy.
 
@@ -386,6 +514,9 @@ def dynamics(
     orders
         Up to which the graph of laps is made, one after the other, until the entropy is known to
         1e-12; higher ones are closer.
+    budget
+        What each question about the result may take: where it ends attractors are incomplete,
+        bounds wide, basins parts of the whole, and densities missing.
 
     Returns
     -------
@@ -409,7 +540,7 @@ def dynamics(
     """
     for order in orders:
         checked_order(order)
-    return Dynamics(line_of(map_, values), tuple(orders))
+    return Dynamics(line_of(map_, values), tuple(orders), budget)
 
 
 EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side
@@ -449,6 +580,12 @@ def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int |
     if start == 0:
         return MinMax((*others, first), 0)
     return MinMax(tuple(others), None if start is None else start - 1)
+
+
+def _bracketed(interval: sympy.Interval) -> str:
+    """An interval with brackets at ends that belong to it, else parentheses."""
+    low, high = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
+    return f"{low}{interval.start}, {interval.end}{high}"
 
 
 def _closed(interval: Interval) -> sympy.Interval:

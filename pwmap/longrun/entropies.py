@@ -14,8 +14,9 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import islice
 
 import mpmath
 import networkx as nx
@@ -29,7 +30,8 @@ from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
 from pwmap.longrun.line import Line
-from pwmap.longrun.numbers import Element, Exact, log_bounds
+from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 Part = tuple[Exact | None, Exact | None]  # an open interval, an end that is None is infinite
 Node = tuple[int, Exact | None, Exact | None]  # the number of a piece, and a part of its interval
@@ -38,6 +40,7 @@ SHARP = 2**52  # rounding of the vector that bounds a spectral radius
 ROUNDS = 4000  # of multiplying that vector, at most
 STILL = 2.0**-50  # change of it, as a part of its largest entry, in one of them
 ORDERS = (12, 24, 48, 96)  # that are tried one after the other
+STEP = 10  # operations to find where the ways from a node lead
 WIDTH = 1e-12  # of bounds that are close enough
 
 
@@ -53,6 +56,8 @@ class Entropy:
         The logarithm of an algebraic number, if it is known exactly; else None.
     order
         Up to which order nodes were found.
+    left_out
+        A sentence if a budget or an interrupt kept bounds from coming closer.
 
     Examples
     --------
@@ -71,6 +76,7 @@ class Entropy:
     high: float
     value: sympy.Expr | None
     order: int
+    left_out: str = ""
 
     @property
     def is_exact(self) -> bool:
@@ -102,7 +108,7 @@ class Laps:
         return self.ways == self.whole
 
 
-def laps_of(line: Line, found: Attractors, order: int) -> Laps:
+def laps_of(line: Line, found: Attractors, order: int, budget: Budget | Meter = BUDGET) -> Laps:
     """The graph of laps up to an order.
 
     Parameters
@@ -111,7 +117,15 @@ def laps_of(line: Line, found: Attractors, order: int) -> Laps:
         The map and its attractors.
     order
         At least 1.
+    budget
+        What that may take.
+
+    Raises
+    ------
+    BudgetError
+        If it takes more.
     """
+    meter = metered(budget)
     cut_off = _without_laps(line, found)
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
               for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
@@ -119,6 +133,7 @@ def laps_of(line: Line, found: Attractors, order: int) -> Laps:
     first = [[number[node] for node in pieces if node[0] == k] for k in range(len(line.branches))]
     leads, newest = list[list[Node]](), list(pieces)
     for _ in range(order):
+        meter.spend(sum(map(_work, newest)))
         onward = [list(_onward(line, node, cut_off)) for node in newest]
         leads += onward
         newest = list(dict.fromkeys(n for nodes in onward for n in nodes if n not in number))
@@ -137,16 +152,15 @@ def laps_of(line: Line, found: Attractors, order: int) -> Laps:
     return Laps(tuple(number)[:known], ways, whole)
 
 
+def _work(node: Node) -> int:
+    """To find where the ways from a node lead."""
+    return STEP + 3 * sum(work_of(end) for end in node[1:] if end is not None)
+
+
 def _without_laps(line: Line, found: Attractors) -> list[Part]:
     """Where the iterates have no further laps, sorted: what is lost, and what cycles draw in."""
     below, above = escapes(line)
-    parts = [
-        (x - reach, x + reach)
-        for cycle in found.cycles
-        for x, reach in zip(cycle.points, cycle.reach, strict=True)
-        if reach is not None
-    ]
-    parts.sort()
+    parts = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
     return [
         *([(None, below)] if below is not None else []),
         *parts,
@@ -157,11 +171,11 @@ def _without_laps(line: Line, found: Attractors) -> list[Part]:
 def _clipped(part: Part, cut_off: Sequence[Part]) -> Iterator[Part]:
     """The parts of an interval outside of others, which are sorted and apart."""
     low, high = part
-    for start, stop in cut_off:
-        if (high is not None and start is not None and start >= high) or (
-            low is not None and stop is not None and stop <= low
-        ):
-            continue
+    last = len(cut_off) - (bool(cut_off) and cut_off[-1][1] is None)  # its upper end is infinite
+    first = 0 if low is None else bisect_right(cut_off, low, hi=last, key=lambda each: each[1])
+    for start, stop in islice(cut_off, first, None):
+        if high is not None and start is not None and start >= high:
+            break
         if start is not None and (low is None or low < start):
             yield low, start
         if stop is None or (high is not None and stop >= high):
@@ -193,7 +207,9 @@ def _cut(line: Line, low: Exact | None, high: Exact | None) -> Iterator[Node]:
         yield first + k, cuts[k], cuts[k + 1]
 
 
-def entropy_of(line: Line, found: Attractors, orders: Sequence[int] = ORDERS) -> Entropy:
+def entropy_of(
+    line: Line, found: Attractors, orders: Sequence[int] = ORDERS, budget: Budget | Meter = BUDGET
+) -> Entropy:
     """The topological entropy of a map.
 
     Parameters
@@ -202,20 +218,24 @@ def entropy_of(line: Line, found: Attractors, orders: Sequence[int] = ORDERS) ->
         The map and its attractors.
     orders
         Up to which nodes are found, one after the other, until that is close enough.
+    budget
+        Where it ends bounds are those of the last order that is finished.
     """
-    best = Entropy(low=0.0, high=math.inf, value=None, order=0)
-    for order in orders:
-        laps = laps_of(line, found, order)
-        if laps.is_finite:
-            growth = growth_of(laps.ways)
-            if growth is not None:
-                return exact_entropy(growth, order)
-        low = max(best.low, _log(spectral_bounds(laps.ways)[0])[0])
-        high = min(best.high, _log(spectral_bounds(laps.whole)[1])[1])
-        best = Entropy(low=low, high=high, value=None, order=order)
-        if laps.is_finite or high - low <= WIDTH:
-            break
-    return best
+    most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
+    best, meter = Entropy(low=0.0, high=most, value=None, order=0), metered(budget)
+    with meter.keeping(orders):
+        for order in meter.each(orders, "orders"):
+            laps = laps_of(line, found, order, meter)
+            if laps.is_finite:
+                growth = growth_of(laps.ways)
+                if growth is not None:
+                    return exact_entropy(growth, order)
+            low = max(best.low, _log(spectral_bounds(laps.ways)[0])[0])
+            high = min(best.high, _log(spectral_bounds(laps.whole)[1])[1])
+            best = Entropy(low=low, high=high, value=None, order=order)
+            if laps.is_finite or high - low <= WIDTH:
+                break
+    return replace(best, left_out=meter.left_out)
 
 
 def exact_entropy(growth: Real, order: int) -> Entropy:
@@ -306,18 +326,19 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
     return best
 
 
-def lap_numbers(line: Line, order: int) -> list[int]:
+def lap_numbers(line: Line, order: int, budget: Budget | Meter = BUDGET) -> list[int]:
     """How many intervals iterates up to an order cut the line into, each affine on every one.
 
     Nodes of the graph of laps are counted with how many paths lead there, so that the cost grows
     with the square of the order, not with the number of laps. An interval that is mapped to a
     point remains one.
     """
-    found = list[int]()
+    found, meter = list[int](), metered(budget)
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
     for _ in range(order):
         found.append(sum(counted.values()) + ended)
+        meter.spend(sum(map(_work, counted)))
         more = dict[Node, int]()
         for node, times in counted.items():
             if not line.branches[node[0]].slope:

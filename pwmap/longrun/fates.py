@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 from sympy import QQ
 
 from pwmap.longrun.line import Branch, Germ, Interval, Line
-from pwmap.longrun.numbers import Exact, key, sign
+from pwmap.longrun.numbers import Exact, key, sign, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
+STEP = 8  # operations of one step
+LONGEST = 10_000  # work of one operation: numbers of an orbit may be some ten thousand bits long
 FIRST = 16  # step at which that is asked for the first time; then at every power of two
 
 
@@ -24,7 +29,7 @@ class Fate(Enum):
     OPEN = "not known"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class AttractingCycle:
     """A cycle to which all orbits close to it come.
 
@@ -66,10 +71,24 @@ class AttractingCycle:
         bool
             False also where it is not known.
         """
-        return any(
-            reach is None or abs_(x - point) < reach
-            for point, reach in zip(self.points, self.reach, strict=True)
-        )
+        if None in self.reach:
+            return True
+        k = bisect_left(self.drawn_in, x, key=lambda each: each[1])
+        return k < len(self.drawn_in) and bool(self.drawn_in[k][0] < x < self.drawn_in[k][1])
+
+    @cached_property
+    def drawn_in(self) -> tuple[Interval, ...]:
+        """Open intervals within its reach, joined, from left to right; none if it is the line."""
+        if None in self.reach:
+            return ()
+        found = list[Interval]()
+        ends = ((x - r, x + r) for x, r in zip(self.points, self.reach, strict=True))
+        for low, high in sorted(ends):
+            if found and low < found[-1][1]:
+                found[-1] = found[-1][0], max(high, found[-1][1])
+            else:
+                found.append((low, high))
+        return tuple(found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,6 +128,11 @@ class Orbit:
         return f"{word}..."
 
 
+def unfollowed(line: Line, germ: Germ) -> Orbit:
+    """The orbit of a germ of which nothing is known."""
+    return Orbit((germ,), (line.letter(germ),), Fate.OPEN)
+
+
 class Fates:
     """Follows orbits, and keeps the attracting cycles that it meets.
 
@@ -118,10 +142,12 @@ class Fates:
         The map.
     steps
         How far an orbit is followed at most.
+    budget
+        What it may take.
     """
 
-    def __init__(self, line: Line, steps: int) -> None:
-        self.line, self.steps = line, steps
+    def __init__(self, line: Line, steps: int, budget: Budget | Meter = BUDGET) -> None:
+        self.line, self.steps, self.meter = line, steps, metered(budget)
         self.lost_below, self.lost_above = escapes(line)
         self.cycles = list[AttractingCycle]()
 
@@ -135,6 +161,9 @@ class Fates:
         """The orbit of a germ until its fate is known."""
         seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
+            self.meter.spend(STEP + 3 * work_of(germ.x))
+            if work_of(germ.x) > LONGEST:
+                break
             place = key(germ.x), germ.side
             if place in seen:
                 self._kept(self._cycle_at(germ, step - seen[place]))
@@ -172,6 +201,8 @@ class Fates:
         """The attracting cycle whose pieces a germ visits."""
         slope, intercept, here = QQ.one, QQ.zero, germ
         for _ in range(period):
+            if not here.side and here.x in self.line.breaks:
+                return None
             branch = self.line.beside(here)
             slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
             here = self.line.image(here)
@@ -205,21 +236,23 @@ class Fates:
             multiplier = multiplier * each
         if not abs_(multiplier) < 1:  # the word was that of pieces in which the point does not lie
             return None
-        reach = tuple(
-            self._reach(points[k:] + points[:k], slopes[k:] + slopes[:k])
-            for k in range(len(points))
-        )
+        reach = self._reach(points, slopes)
         return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
 
-    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> Exact | None:
-        """How close to the first point orbits follow a cycle once round."""
-        found, scale = None, QQ.one
-        for point, slope in zip(points, slopes, strict=True):
-            away = min((abs_(point - x) for x in self.line.breaks), default=None)
-            if away is not None and scale:
-                found = away / scale if found is None else min(found, away / scale)
-            scale = scale * abs_(slope)
-        return found
+    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact | None, ...]:
+        """How close to each point of a cycle orbits follow it once round.
+
+        As close as the nearest break, and as the reach of the next point allows. That follows from
+        the last point back, twice: a second turn asks for less than the first, which is smaller by
+        the multiplier.
+        """
+        away = [min((abs_(x - at) for at in self.line.breaks), default=None) for x in points]
+        found: list[Exact | None] = [None] * len(points)
+        after: Exact | None = None
+        for k in [*reversed(range(len(points)))] * 2:
+            near = after / abs_(slopes[k]) if after is not None and slopes[k] else None
+            after = found[k] = min((x for x in (away[k], near) if x is not None), default=None)
+        return tuple(found)
 
 
 def abs_(x: Exact) -> Exact:
@@ -277,8 +310,3 @@ def _swapped(left: Branch, right: Branch) -> tuple[Exact | None, Exact | None]:
     low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
     high = left(low)
     return low, max(high, right.lower)
-
-
-def hull(intervals: Sequence[Interval]) -> Interval:
-    """The shortest interval that holds all of them."""
-    return min(low for low, _ in intervals), max(high for _, high in intervals)

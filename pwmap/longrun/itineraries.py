@@ -18,8 +18,10 @@ from sympy import QQ
 from pwmap.algebra.roots import Real
 from pwmap.longrun.entropies import growth_of
 from pwmap.longrun.line import Germ, Line
-from pwmap.longrun.numbers import Exact, sign
+from pwmap.longrun.numbers import Exact, sign, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
+WORK = 10  # operations of one step for each step before it, which may begin a word that draws in
 STEPS = 64  # of an itinerary until it is known to the end
 
 
@@ -30,6 +32,7 @@ class Ending(Enum):
     DRAWN = "it follows a word that draws it in"
     OUTWARD = "it moves outward on outer pieces"
     FLAT = "it comes to a flat piece, where laps end"
+    MATCHED = "it meets that of the other side of its break"
     OPEN = "not known"
 
 
@@ -61,7 +64,7 @@ class Itinerary:
         return step + 1 if step + 1 < len(self.pieces) else self.start
 
 
-def itinerary_of(line: Line, germ: Germ, steps: int) -> Itinerary:
+def itinerary_of(line: Line, germ: Germ, steps: int, budget: Budget | Meter = BUDGET) -> Itinerary:
     """The itinerary of a germ, up to the first step after which it is known to the end.
 
     Parameters
@@ -70,11 +73,15 @@ def itinerary_of(line: Line, germ: Germ, steps: int) -> Itinerary:
         A map, and what is followed.
     steps
         How far at most.
+    budget
+        What it may take.
     """
+    meter = metered(budget)
     seen, pieces, places = dict[Germ, int](), list[int](), list[Exact]()
     for step in range(steps):
         if germ in seen:
             return Itinerary(tuple(pieces), seen[germ], Ending.PERIODIC)
+        meter.spend(WORK * (step + 1) + 3 * work_of(germ.x))
         seen[germ] = step
         pieces.append(line.number(germ))
         places.append(germ.x)

@@ -113,7 +113,7 @@ class Line:
 
     def letter(self, germ: Germ) -> str:
         """The letter of the piece that a germ is mapped by; at a break itself that of its value."""
-        return self.beside(germ).letter
+        return self.beside(germ).letter if germ.side else self.piece(germ.x).letter
 
     def parts(self, interval: Interval) -> Iterator[tuple[Branch, Interval]]:
         """An interval, longer than a point, cut at the breaks inside it."""

@@ -18,8 +18,9 @@ import sympy
 from sympy import QQ
 from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 
-from pwmap.algebra.exact import Number, pair, to_float
+from pwmap.algebra.exact import Number, bits, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, real_roots
+from pwmap.maps.budget import cost
 
 Exact = Any  # an element of QQ, or an Element
 
@@ -114,6 +115,14 @@ class Element:
 def key(x: Exact) -> Hashable:
     """What stands for a number in a dictionary: that of a fraction itself takes a division."""
     return x if isinstance(x, Element) else pair(x)
+
+
+def work_of(x: Exact) -> int:
+    """The work of one operation with a number, as :class:`pwmap.Budget` counts it."""
+    if isinstance(x, Element):
+        longest = max(map(bits, x.value), default=0)
+        return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
+    return cost(bits(x))
 
 
 def sign(x: Exact) -> int:

@@ -1,15 +1,69 @@
-"""How much may be computed, and how far a computation is."""
+"""How much may be computed, how far a computation is, and how it ends early.
+
+A *budget* is what a caller allows: limits, which are counts, so that every machine gives the same
+answer, whom to tell, and whether an interrupt keeps what is finished. A call makes a *meter* of it,
+hands that down to whatever loops, and each loop notes its work there before it does it. So no part
+needs limits of its own; where one is reached, the outermost loop keeps the parts that are finished,
+and the result says what is missing. The meter is an argument and no state of the module or of a
+context: a signature says what is metered, a test can hand over a small one, and results that
+compute when they are asked, long after the call, still have theirs.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple
+import time
+from collections.abc import Callable, Iterable, Iterator, Sized
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import NamedTuple, TypeVar
+
+Part = TypeVar("Part")
+
+LOOK = 50_000  # work after which a meter looks at the clock: some hundredths of a second
+INTERRUPTED = "interrupted"  # why a meter stopped at Ctrl-C
+OFTEN = 0.25  # seconds between two calls of ``progress``
+
+
+class Advance(NamedTuple):
+    """How far a call is.
+
+    Attributes
+    ----------
+    what
+        What is counted, such as ``"columns"``; empty before anything is.
+    done
+        How many of them are finished.
+    total
+        How many there are; 0 if that is not known in advance.
+    work
+        That was done so far, as :class:`Budget` counts it.
+
+    Examples
+    --------
+    >>> from pwmap import Budget, PiecewiseLinearMap, tongues
+    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
+    >>> told = []
+    >>> found = tongues(circle, 5, budget=Budget(progress=told.append))
+    >>> told[-1][:3]
+    ('tongues', 11, 11)
+    """
+
+    what: str
+    done: int
+    total: int
+    work: int
+
+
+NOTHING = Advance("", 0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """Limits of a computation; counts, so that they are the same on every machine.
+    """What a call may take, whom it tells how far it is, and what an interrupt does.
+
+    Limits are counts, so that they are the same on every machine. Where one is reached the call
+    returns what is finished, and the result says what is not; if nothing is, or a part of the
+    result would be wrong, it raises :class:`BudgetError`.
 
     Attributes
     ----------
@@ -18,6 +72,16 @@ class Budget:
         about a minute and half a gigabyte.
     letters
         Of a word. What follows a word takes time in proportion to its square.
+    work
+        Exact operations, weighted by the length of their numbers, see :func:`cost`. So many take
+        about a minute.
+    seconds
+        None for no limit; with one, what is finished depends on the machine.
+    progress
+        Is called with an :class:`Advance` at once, some times a second, and after each part.
+    on_interrupt
+        Is called at Ctrl-C, after which what is finished is returned; by default nothing is, and
+        ``KeyboardInterrupt`` is raised.
 
     Examples
     --------
@@ -33,6 +97,18 @@ class Budget:
 
     pieces: int = 500_000
     letters: int = 10_000
+    work: int = 50_000_000
+    seconds: float | None = None
+    progress: Callable[[Advance], None] | None = None
+    on_interrupt: Callable[[], None] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("pieces", "letters", "work"):
+            count = getattr(self, name)
+            if not isinstance(count, int) or count < 1:
+                raise ValueError(f"{name} of a budget must be a positive integer, got {count!r}")
+        if self.seconds is not None and not self.seconds > 0:
+            raise ValueError(f"seconds of a budget must be positive, got {self.seconds!r}")
 
 
 BUDGET = Budget()
@@ -52,6 +128,191 @@ class BudgetError(ValueError):
     the iterate of order 1000000 is too large: each of its pieces would have a word of 1000000
     letters, at most 10000 are allowed
     """
+
+
+def cost(bits: int) -> int:
+    """The work of one operation upon rationals whose parts have together so many bits.
+
+    That of short ones is 1, about a microsecond; long ones take time in proportion to their length,
+    and very long ones, whose common divisors are sought, to its square.
+
+    Examples
+    --------
+    >>> from pwmap.maps.budget import cost
+    >>> [cost(bits) for bits in (10, 1000, 10_000, 100_000)]
+    [1, 9, 440, 38807]
+    """
+    return 1 + bits // 128 + (bits // 512) ** 2
+
+
+class Meter:
+    """What a call has used of a budget.
+
+    A call that is part of another one takes the meter of that one in place of a budget, and both
+    have one limit.
+
+    Parameters
+    ----------
+    budget
+        What is allowed.
+
+    Attributes
+    ----------
+    work
+        That was done so far.
+    stopped
+        Why it ended early, in words; empty while it goes on.
+    left_out
+        A sentence on what was finished, and why not more was; empty if all was.
+
+    Examples
+    --------
+    >>> from pwmap import Budget, Meter
+    >>> meter, squares = Meter(Budget(work=10)), []
+    >>> with meter.keeping(squares):
+    ...     for n in meter.each(range(100), "squares"):
+    ...         meter.spend(4)
+    ...         squares.append(n * n)
+    >>> squares, meter.left_out
+    ([0, 1], 'stopped after 2 of 100 squares: more than 10 units of work are needed')
+    """
+
+    def __init__(self, budget: Budget) -> None:
+        self.budget = budget
+        self.work = 0
+        self.stopped = ""
+        self.left_out = ""
+        self._loops = [NOTHING]  # under way, each within the one before
+        self._began = time.monotonic()
+        self._told = self._began
+        self._next = 0  # work at which to look at limits, the clock, and whom to tell
+        self._tell()
+
+    def spend(self, work: int) -> None:
+        """Take note of work that is about to be done.
+
+        Parameters
+        ----------
+        work
+            As :func:`cost` weighs it.
+
+        Raises
+        ------
+        BudgetError
+            If that is more than is left.
+        """
+        self.work += work
+        if self.work >= self._next:
+            self._look()
+
+    def _look(self) -> None:
+        if self.stopped:
+            raise BudgetError(self.stopped)
+        budget, now = self.budget, time.monotonic()
+        if self.work > budget.work:
+            raise BudgetError(f"more than {budget.work} units of work are needed")
+        if budget.seconds is not None and now - self._began > budget.seconds:
+            raise BudgetError(f"more than {budget.seconds:g} seconds are needed")
+        self._next = min(self.work + LOOK, budget.work + 1)
+        if now - self._told > OFTEN:
+            self._tell()
+
+    @property
+    def _outermost(self) -> Advance:
+        return next((loop for loop in self._loops if loop.what), NOTHING)
+
+    def advance(self, what: str, done: int, total: int = 0) -> None:
+        """Take note of how many parts are finished, and tell it.
+
+        Parameters
+        ----------
+        what, done, total
+            As in an :class:`Advance`.
+        """
+        self._loops[-1] = at = Advance(what, done, total, self.work)
+        if self._outermost is at:
+            self._tell()
+
+    def _tell(self) -> None:
+        self._told = time.monotonic()
+        if self.budget.progress is not None:
+            self.budget.progress(self._outermost._replace(work=self.work))
+
+    def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
+        """One part after the other; of loops within each other the outermost is told.
+
+        Parameters
+        ----------
+        parts
+            Those that a loop goes through.
+        what
+            What they are, in words.
+
+        Returns
+        -------
+        iterator
+            Of these parts.
+        """
+        total = len(parts) if isinstance(parts, Sized) else 0
+        if self._loops[-1].what:  # this one is within another
+            yield from parts
+            return
+        self.advance(what, 0, total)
+        for done, part in enumerate(parts, start=1):
+            yield part
+            self.advance(what, done, total)
+        self._loops[-1] = NOTHING
+
+    @contextmanager
+    def keeping(self, finished: Sized) -> Iterator[None]:
+        """Let a loop end early, at a limit or an interrupt, if it has finished anything.
+
+        Parameters
+        ----------
+        finished
+            The parts so far, to which the loop adds each when it is finished.
+
+        Returns
+        -------
+        context manager
+            Around the loop; behind it :attr:`left_out` says whether it ended early.
+
+        Raises
+        ------
+        BudgetError, KeyboardInterrupt
+            If nothing is finished, or an interrupt is to keep nothing.
+        """
+        self._loops.append(NOTHING)
+        try:
+            yield
+        except BudgetError as error:
+            self._stop(str(error))
+            if not len(finished):
+                raise
+        except KeyboardInterrupt:
+            if self.budget.on_interrupt is None or not len(finished):
+                raise
+            self.budget.on_interrupt()
+            self._stop(INTERRUPTED)
+        else:
+            return
+        finally:
+            what, _, total, _ = self._loops.pop()
+        of = f" of {total}" if total else ""
+        self.left_out = f"stopped after {len(finished)}{of} {what}: {self.stopped}"
+
+    def _stop(self, why: str) -> None:
+        self.stopped, self._next = why, 0  # whatever goes on with this meter ends, too
+
+
+def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
+    """The meter of a call, or of the one that it is part of.
+
+    An ``on_interrupt`` of the call itself goes before that of a budget.
+    """
+    if isinstance(budget, Meter):
+        return budget
+    return Meter(budget if on_interrupt is None else replace(budget, on_interrupt=on_interrupt))
 
 
 class Progress(NamedTuple):

@@ -15,7 +15,7 @@ from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
-from pwmap.maps.budget import BUDGET, Budget, BudgetError
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
 
 
@@ -41,11 +41,15 @@ class Cylinder(NamedTuple):
         return self.lower is not None and self.lower == self.upper and self.lower_closed
 
 
+PIECE = 80  # work of a piece: its own, and what is done with it later
 WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 
 
 def refined(
-    cylinders: Sequence[Cylinder], layout: int, oracle: SignOracle, budget: Budget = BUDGET
+    cylinders: Sequence[Cylinder],
+    layout: int,
+    oracle: SignOracle,
+    budget: Budget | Meter = BUDGET,
 ) -> tuple[Cylinder, ...]:
     """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
 
@@ -54,13 +58,14 @@ def refined(
     BudgetError
         If there are too many.
     """
-    pieces: list[Cylinder] = []
+    pieces, meter = list[Cylinder](), metered(budget)
     for cylinder in cylinders:
+        meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
         pieces += _split(cylinder, layout, oracle)
-        if len(pieces) > budget.pieces:
+        if len(pieces) > meter.budget.pieces:
             raise BudgetError(
                 f"an iterate with words of {len(cylinder.word) + 1} letters has more than "
-                f"{budget.pieces} pieces; one letter less makes {len(cylinders)}"
+                f"{meter.budget.pieces} pieces; one letter less makes {len(cylinders)}"
             )
     return tuple(pieces)
 
@@ -144,6 +149,18 @@ def above_diagonal(oracle: SignOracle, word: Word, cut: Cut) -> int:
     return oracle.slope(prefix) * oracle.sign(CriticalOrbit(cut.k, rest + prefix, cut.k))
 
 
+Sides = tuple[int, int]
+
+
+def sides_of(cylinder: Cylinder, oracle: SignOracle) -> Sides:
+    """Signs of A_word(x) - x at both ends of a cylinder, 0 where these are infinite."""
+    word, (lower, upper) = cylinder.word, cylinder[1:3]
+    first = 0 if lower is None else above_diagonal(oracle, word, lower)
+    if upper == lower:
+        return first, first
+    return first, 0 if upper is None else above_diagonal(oracle, word, upper)
+
+
 class Inclusion(Enum):
     """Whether the fixed point of a word's affine map lies in its cylinder, and where."""
 
@@ -174,18 +191,30 @@ class Iterate:
     crossings: tuple[Crossing, ...]
 
 
-def inclusion_of(cylinder: Cylinder, oracle: SignOracle) -> Inclusion:
-    """Whether the fixed point of a cylinder's affine map lies in it, and where."""
+def iterate_of(cylinders: tuple[Cylinder, ...], oracle: SignOracle) -> Iterate:
+    """All that an iterate shows, with every sign that it depends on."""
+    sides = [None if each.is_point else sides_of(each, oracle) for each in cylinders]
+    inclusion = tuple(
+        inclusion_of(cylinder, oracle, known)
+        for cylinder, known in zip(cylinders, sides, strict=True)
+    )
+    stable = tuple(is_stable(cylinders, i, each, oracle) for i, each in enumerate(inclusion))
+    return Iterate(cylinders, inclusion, stable, tuple(crossings(cylinders, oracle, sides)))
+
+
+def inclusion_of(cylinder: Cylinder, oracle: SignOracle, known: Sides | None = None) -> Inclusion:
+    """Whether the fixed point of a cylinder's affine map lies in it, and where.
+
+    The signs of its sides may be known.
+    """
     word = cylinder.word
     steepness = oracle.multiplier(word, 1)
     if steepness == 0:
         if oracle.sign(Offset(word)) != 0:
             return Inclusion.NONE
         return Inclusion.POINT if cylinder.is_point else Inclusion.BAND
-    sides = [
-        0 if cut is None else -steepness * above_diagonal(oracle, word, cut)
-        for cut in (cylinder.lower, cylinder.upper)
-    ]  # sign of (fixed point - end)
+    # signs of (fixed point - end)
+    sides = [-steepness * side for side in known or sides_of(cylinder, oracle)]
     if cylinder.is_point:
         return Inclusion.POINT if sides[0] == 0 else Inclusion.VIRTUAL
     if cylinder.lower is not None and sides[0] <= 0:
@@ -195,14 +224,22 @@ def inclusion_of(cylinder: Cylinder, oracle: SignOracle) -> Inclusion:
     return Inclusion.INSIDE
 
 
-def crossings(cylinders: Sequence[Cylinder], oracle: SignOracle) -> Iterator[Crossing]:
-    """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal."""
-    for left, right in pairwise(c for c in cylinders if not c.is_point):
-        cut = right.lower
-        assert cut is not None
-        sides = [above_diagonal(oracle, c.word, cut) for c in (left, right)]
-        if sides[0] * sides[1] < 0:
-            yield Crossing(cut, left.word, right.word)
+def crossings(
+    cylinders: Sequence[Cylinder],
+    oracle: SignOracle,
+    known: Sequence[Sides | None] | None = None,
+) -> Iterator[Crossing]:
+    """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal.
+
+    The signs of the sides of all cylinders but points may be known.
+    """
+    known = known or [None if each.is_point else sides_of(each, oracle) for each in cylinders]
+    pairs = zip(cylinders, known, strict=True)
+    intervals = [(each, sides) for each, sides in pairs if sides is not None]
+    for (left, (_, before)), (right, (after, _)) in pairwise(intervals):
+        if before * after < 0:
+            assert right.lower is not None
+            yield Crossing(right.lower, left.word, right.word)
 
 
 def minimal_period(word: Word, unit: int = 1) -> int:

@@ -30,7 +30,7 @@ from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.terms import own_name, shortened
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import cylinders as cyl
-from pwmap.maps.budget import checked_size
+from pwmap.maps.budget import BUDGET, Meter, checked_size
 from pwmap.maps.cylinders import Crossing, Cut, Cylinder, Inclusion, Iterate, minimal_period
 from pwmap.maps.reading import Definition, read, read_formula
 from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
@@ -509,8 +509,9 @@ class PiecewiseLinearMap:
         """The pieces in combinatorial form, from left to right."""
         chain, known = self._chain, self._known
         start = next(n for n in range(len(chain), -1, -1) if chain[:n] in known)
+        meter = Meter(BUDGET)
         for n in range(start, len(chain)):
-            known[chain[: n + 1]] = cyl.refined(known[chain[:n]], chain[n], self.oracle)
+            known[chain[: n + 1]] = cyl.refined(known[chain[:n]], chain[n], self.oracle, meter)
         return known[chain]
 
     @cached_property

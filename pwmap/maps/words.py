@@ -21,10 +21,13 @@ from itertools import islice
 from math import lcm, prod
 from typing import NamedTuple
 
+from sympy.polys.rings import PolyElement
+
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
     Packed,
+    bits,
     constant,
     is_constant,
     packed,
@@ -32,6 +35,7 @@ from pwmap.algebra.exact import (
     ring_of,
     unpacked,
 )
+from pwmap.maps.budget import cost
 
 Word = tuple[int, ...]
 
@@ -82,9 +86,19 @@ class Table:
             denominator,
         )
 
+    def numbers(self) -> tuple[Number, ...]:
+        """All of its numbers: slopes, intercepts, breaks, one and the denominator."""
+        return (*self.slopes, *self.intercepts, *self.breaks, self.one, self.denominator)
+
     def __reduce__(self) -> tuple[Callable[..., Table], tuple[object, ...]]:
-        numbers = (*self.slopes, *self.intercepts, *self.breaks, self.one, self.denominator)
-        return _table, (packed(ring_of(self.one), numbers), len(self.slopes), self.layouts)
+        packed_ = packed(ring_of(self.one), self.numbers())
+        return _table, (packed_, len(self.slopes), self.layouts)
+
+
+def _bits(number: Number) -> int:
+    """Of the longest coefficient."""
+    parts = number.values() if isinstance(number, PolyElement) else (number,)
+    return max(map(bits, parts), default=1)
 
 
 def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
@@ -171,6 +185,7 @@ class Orbits:
         self.table = table
         zero = table.one - table.one
         self._plain = table.denominator == table.one
+        self._bits = max(map(_bits, table.numbers()))
         self._powers: list[Number] = [table.one]
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
@@ -180,6 +195,10 @@ class Orbits:
 
     def __reduce__(self) -> tuple[type[Orbits], tuple[Table]]:
         return Orbits, (self.table,)
+
+    def work(self, letters: int) -> int:
+        """The work of one operation with what follows so many letters: a polynomial."""
+        return (1 + letters) * cost(letters * self._bits)
 
     def power(self, n: int) -> Number:
         """D**n."""
@@ -314,6 +333,10 @@ class IntegerOrbits:
 
     def __reduce__(self) -> tuple[type[IntegerOrbits], tuple[Table]]:
         return IntegerOrbits, (self.table,)
+
+    def work(self, letters: int) -> int:
+        """The work of one operation with what follows so many letters."""
+        return cost(letters * self._unit.bit_length())
 
     def polynomial(self, decision: Decision) -> int:
         """An integer with the sign that makes a decision."""

@@ -21,7 +21,7 @@ from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.record import PROGRAM
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Progress, Report
+from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
@@ -57,7 +57,7 @@ def bifurcation_diagram(
     orders: Iterable[int] = (1, 2),
     sample: Mapping[Any, object] | None = None,
     *,
-    budget: Budget = BUDGET,
+    budget: Budget | Meter = BUDGET,
     progress: Report | None = None,
     on_interrupt: Callable[[], None] | None = None,
 ) -> Diagram:
@@ -84,7 +84,7 @@ def bifurcation_diagram(
     progress
         Called with every order that is completed.
     on_interrupt
-        Called at Ctrl-C, after which the completed orders are returned; by default nothing is.
+        Called at Ctrl-C, after which the completed orders are returned, as that of the budget.
 
     Returns
     -------
@@ -112,10 +112,11 @@ def bifurcation_diagram(
     J1 jump 0 Interval.open(0, 1)
     F2 fixed-point 3*p/2 - 3/2 Interval.Lopen(1, 2)
     """
-    orders = checked_orders(orders, budget)
+    meter = metered(budget, on_interrupt)
+    orders = checked_orders(orders, meter.budget)
     studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
     limits: Span = (None, None) if span is None else checked_span(span)
-    watch = _Watch(orders, progress, on_interrupt)
+    watch = _Watch(orders, progress, meter)
 
     def build(axis: Axis, cells: list[Cell]) -> Diagram:
         if span is None:
@@ -135,7 +136,7 @@ def bifurcation_diagram(
         limits,
         sample,
         with_ends=True,
-        budget=budget,
+        budget=meter,
         follow=watch,
     )
 
@@ -149,36 +150,26 @@ class _Watch:
         A sentence on the orders that are missing, if any are.
     """
 
-    def __init__(
-        self,
-        orders: tuple[int, ...],
-        progress: Report | None,
-        on_interrupt: Callable[[], None] | None,
-    ) -> None:
+    def __init__(self, orders: tuple[int, ...], progress: Report | None, meter: Meter) -> None:
         self.left_out: tuple[str, ...] = ()
         self._orders = orders
         self._progress = progress
-        self._on_interrupt = on_interrupt
+        self._meter = meter
 
     def __call__(self, found: Iterator[Stage]) -> list[Cell]:
         """The cells of the last order that was completed."""
         self.left_out = ()
         cells: list[Cell] = []
-        done: list[int] = []
-        try:
+        done: list[int] = []  # of those that were asked for
+        with self._meter.keeping(done):
+            self._meter.advance("orders", 0, len(self._orders))
             for order, cells, pieces in found:
-                done = [wanted for wanted in self._orders if wanted <= order]
+                done += [order] * (order in self._orders)
+                self._meter.advance("orders", len(done), len(self._orders))
                 if self._progress is not None:
                     self._progress(Progress(order, len(cells), pieces))
-        except BudgetError as error:
-            if not done:
-                raise
-            self._leave_out(done, str(error))
-        except KeyboardInterrupt:
-            if not done or self._on_interrupt is None:
-                raise
-            self._on_interrupt()
-            self._leave_out(done, "interrupted")
+        if self._meter.left_out:
+            self._leave_out(done, self._meter.stopped)
         return cells
 
     def _leave_out(self, done: Sequence[int], reason: str) -> None:

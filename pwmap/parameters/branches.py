@@ -209,11 +209,15 @@ class Continuation:
         A fixed point that is a cylinder of its own has no slope, and is named by its cut too. But
         at an edge, where it belongs to a branch of the cells beside, it has that branch's key.
         """
-        found = [dict(self._keys(cell)) for cell in self.cells]
+        same = dict[BranchKey, BranchKey]()  # one object for each: then dictionaries need no ==
+        found = [
+            {same.setdefault(key, key): where for key, where in self._keys(cell)}
+            for cell in self.cells
+        ]
         for i, keys in enumerate(found):
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
             for key in [key for key, location in keys.items() if location and location.is_isolated]:
-                plain = BranchKey(key.kind, key.words)
+                plain = same.get(plain := BranchKey(key.kind, key.words), plain)
                 if any(plain in others for others in beside):
                     keys[plain] = keys.pop(key)
         return found
@@ -327,9 +331,9 @@ class Continuation:
         A fixed point inside its cylinder has none near; it must lie on a border. A jump that
         crosses the diagonal has none beside, but its break can be a fixed point.
         """
+        order = len(key.word)
         for i in stretch[1:-1]:
-            reached = self._is_on_border(key, i) or (i, len(key.word)) in borders
-            if self.cells[i].is_edge and reached:
+            if self.cells[i].is_edge and ((i, order) in borders or self._is_on_border(key, i)):
                 yield i
 
     def _is_on_border(self, key: BranchKey, i: int) -> bool:

@@ -24,15 +24,13 @@ import sympy
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Number
 from pwmap.algebra.terms import own_name, shortened
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, checked_size
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.cylinders import (
     WHOLE_LINE,
     Cylinder,
     Inclusion,
     Iterate,
-    crossings,
-    inclusion_of,
-    is_stable,
+    iterate_of,
     refined,
 )
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -111,17 +109,20 @@ class Cell:
 
 
 def grown(
-    study: Study, chain: tuple[int, ...], order: int, *, shown: bool, budget: Budget = BUDGET
+    study: Study,
+    chain: tuple[int, ...],
+    order: int,
+    *,
+    shown: bool,
+    budget: Budget | Meter = BUDGET,
 ) -> Study:
     """A study of one order more, with every sign that its fixed points depend on if it is shown."""
     oracle, current, iterates = study.oracle, study.cylinders, study.iterates
+    meter = metered(budget)
     for layout in chain:
-        current = refined(current, layout, oracle, budget)
+        current = refined(current, layout, oracle, meter)
     if shown:
-        inclusion = tuple(inclusion_of(cylinder, oracle) for cylinder in current)
-        stable = tuple(is_stable(current, i, each, oracle) for i, each in enumerate(inclusion))
-        found = Iterate(current, inclusion, stable, tuple(crossings(current, oracle)))
-        iterates = {**iterates, order: found}
+        iterates = {**iterates, order: iterate_of(current, oracle)}
     return Study(oracle, iterates, current)
 
 
@@ -138,7 +139,7 @@ def stages(
     chain: tuple[int, ...],
     orders: Sequence[int],
     cells: list[Cell],
-    budget: Budget = BUDGET,
+    budget: Budget | Meter = BUDGET,
 ) -> Iterator[Stage]:
     """Cut cells of which nothing is known into cells and edges, order by order.
 
@@ -155,14 +156,16 @@ def stages(
     BudgetError
         If an order takes more pieces than there are left.
     """
-    pieces = 0
+    pieces, meter = 0, metered(budget)
 
     def grow(study: Study) -> Study:
         nonlocal pieces
-        more = grown(study, chain, order, shown=order in orders, budget=budget)
+        more = grown(study, chain, order, shown=order in orders, budget=meter)
         pieces += len(more.cylinders)
-        if pieces > budget.pieces:
-            raise BudgetError(f"order {order} takes more than {budget.pieces} pieces in all cells")
+        if pieces > meter.budget.pieces:
+            raise BudgetError(
+                f"order {order} takes more than {meter.budget.pieces} pieces in all cells"
+            )
         return more
 
     for order in range(1, max(orders) + 1):
@@ -356,6 +359,8 @@ def parameter_cells(
     orders: Iterable[int] = (1,),
     span: tuple[object, object] | None = None,
     sample: Mapping[Any, object] | None = None,
+    *,
+    budget: Budget | Meter = BUDGET,
 ) -> ParameterCells:
     """Cut a parameter into cells on which the iterates keep their words, and their edges.
 
@@ -372,6 +377,8 @@ def parameter_cells(
     sample
         Values of the symbolic parameters around which the list is to hold; by default one that
         the map's assumptions admit.
+    budget
+        How much may be computed.
 
     Returns
     -------
@@ -382,7 +389,7 @@ def parameter_cells(
     ------
     ValueError
         If the parameter is unknown, or with two or more other parameters symbolic a decision is not
-        of degree one in it.
+        of degree one in it. A ``BudgetError`` if it takes more than is allowed.
 
     Examples
     --------
@@ -393,7 +400,8 @@ def parameter_cells(
     >>> parameter_cells(p1, "r", orders=(1, 2, 3)).edges
     (0, 2, 2*a**2/(a**2 - a + 1), 2*a/(a - 1))
     """
-    orders = checked_orders(orders)
+    meter = metered(budget)
+    orders = checked_orders(orders, meter.budget)
     return with_cells(
         lambda axis, cells: shown_cells(map_, orders, axis, cells),
         map_,
@@ -401,6 +409,7 @@ def parameter_cells(
         orders,
         (None, None) if span is None else checked_span(span),
         sample,
+        budget=meter,
     )
 
 
@@ -436,7 +445,7 @@ def with_cells(
     sample: Mapping[Any, object] | None,
     *,
     with_ends: bool = False,
-    budget: Budget = BUDGET,
+    budget: Budget | Meter = BUDGET,
     follow: Callable[[Iterator[Stage]], list[Cell]] = last,
 ) -> Result:
     """Build something from the cells of a parameter, at the first sample that is generic.
@@ -450,14 +459,15 @@ def with_cells(
     names = [str(s) for s in map_.parameters]
     if name not in names:
         raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
-    checked_size(max(orders), len(map_.chain), budget)
+    meter = metered(budget)
+    checked_size(max(orders), len(map_.chain), meter.budget)
     tried: list[Mapping[str, Number]] = []
     for values in samples(map_, name, span, sample):
         tried.append(values)
         axis = axis_of(map_.definition, name, values)
         try:
             found = admitted_intervals(axis, span)
-            cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), budget))
+            cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), meter))
             close(axis, cells)
             return build(axis, cells)
         except ResampleError:

@@ -22,6 +22,7 @@ from pwmap.algebra.roots import Real, real_roots
 from pwmap.diagrams.diagram import PointKind
 from pwmap.longrun.crises import Crisis, Study, attractor_diagram, meeting_polynomial
 from pwmap.longrun.numbers import algebraic
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axes import axis_of
 from pwmap.plane.marks import Event
@@ -48,6 +49,7 @@ def with_crises(
     order: int = 2,
     columns: int = 12,
     *,
+    budget: Budget | Meter = BUDGET,
     progress: Callable[[int], None] | None = None,
 ) -> ParameterPlane:
     """The same plane with the curves of merging, expansion and final crises.
@@ -60,6 +62,9 @@ def with_crises(
         As of :func:`pwmap.attractor_diagram`.
     columns
         At how many values of the parameter across crises are looked for.
+    budget
+        Its limits hold for what attracts at each value; where it or an interrupt ends the search,
+        the curves that are finished are returned, and ``left_out`` says so.
     progress
         Is told after each how many are done.
 
@@ -87,27 +92,32 @@ def with_crises(
     search = _Search(plane, order)
     low, high = plane.across_span
     found = dict[_Family, None]()
-    for n in range(columns):
-        value = low + (high - low) * QQ(2 * n + 1, 2 * columns)
-        found.update(dict.fromkeys(search.families(value)))
-        if progress is not None:
-            progress(n + 1)
+    meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()
+    with meter.keeping(done):
+        for n in meter.each(range(columns), "columns"):
+            value = low + (high - low) * QQ(2 * n + 1, 2 * columns)
+            found.update(dict.fromkeys(search.families(value)))
+            done.append(n)
+            if progress is not None:
+                progress(len(done))
     many = columns * FINER
     values = [low + (high - low) * QQ(n, many) for n in range(many + 1)]
-    curves = list[PlaneCurve]()
-    for family in found:
-        for arc in search.arcs(family, values):
-            count = sum(curve.kind is family.event.kind for curve in curves) + 1
-            curves.append(
-                PlaneCurve(
-                    id=f"{family.event.kind}{count}",
-                    **family.event._asdict(),
-                    polynomial=to_sympy(family.polynomial),
-                    arcs=(arc,),
-                    ends=("", ""),
+    with meter.keeping(done):
+        for family in meter.each(found, "curves of crises"):
+            meter.spend(1)
+            for arc in search.arcs(family, values):
+                count = sum(curve.kind is family.event.kind for curve in curves) + 1
+                curves.append(
+                    PlaneCurve(
+                        id=f"{family.event.kind}{count}",
+                        **family.event._asdict(),
+                        polynomial=to_sympy(family.polynomial),
+                        arcs=(arc,),
+                        ends=("", ""),
+                    )
                 )
-            )
-    return replace(plane, curves=(*plane.curves, *curves))
+    left_out = "; ".join(filter(None, (plane.left_out, meter.left_out)))
+    return replace(plane, curves=(*plane.curves, *curves), left_out=left_out)
 
 
 class _Search:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 
 from pwmap.algebra.exact import Number
+from pwmap.algebra.roots import real_to_sympy
 from pwmap.algebra.terms import own_name
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
-from pwmap.maps.budget import BUDGET, Budget
+from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.cells import checked_orders, checked_span
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
@@ -39,6 +40,8 @@ class ParameterPlane:
         On which cycles of the orders that were looked at bifurcate.
     points
         Of codimension two, in which curves meet or end.
+    left_out
+        A sentence on the part of the rectangle that was not finished; empty if all was.
 
     Examples
     --------
@@ -59,9 +62,10 @@ class ParameterPlane:
     strips: tuple[Strip, ...]
     curves: tuple[PlaneCurve, ...]
     points: tuple[CodimensionTwo, ...]
+    left_out: str = ""
 
     def __repr__(self) -> str:
-        """Both parameters with their spans, and how much was found."""
+        """Both parameters with their spans, how much was found, and what was not finished."""
         spans = (
             f"{name} in [{low}, {high}]"
             for name, (low, high) in (
@@ -74,7 +78,8 @@ class ParameterPlane:
                 (self.curves, "curve"), (self.points, "point"), (self.strips, "strip"),
             )
         )  # fmt: skip
-        return f"ParameterPlane({', '.join(spans)}: {', '.join(sizes)})"
+        rest = f"; {self.left_out}" if self.left_out else ""
+        return f"ParameterPlane({', '.join(spans)}: {', '.join(sizes)}{rest})"
 
     def at(self, across: object, along: object) -> Dynamics:
         """The long run at a point, exactly; see :func:`pwmap.dynamics`.
@@ -155,7 +160,7 @@ def parameter_plane(
     along_span: tuple[object, object],
     orders: Iterable[int] = (1, 2),
     *,
-    budget: Budget = BUDGET,
+    budget: Budget | Meter = BUDGET,
 ) -> ParameterPlane:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
 
@@ -170,7 +175,8 @@ def parameter_plane(
     orders
         The iterates to look at; those of orders that divide them are, too.
     budget
-        How many pieces may be computed in all strips together.
+        How many pieces may be computed in a strip, and how much work in all of them. What is left
+        of the first strip that is not finished is returned, as a smaller rectangle.
 
     Returns
     -------
@@ -180,7 +186,8 @@ def parameter_plane(
     Raises
     ------
     ValueError
-        If the map has other parameters. A ``BudgetError`` if it takes more pieces than allowed.
+        If the map has other parameters. A ``BudgetError`` if not even the leftmost strip is
+        finished.
 
     Examples
     --------
@@ -196,16 +203,24 @@ def parameter_plane(
     names = {str(symbol): symbol for symbol in map_.parameters}
     if set(names) != {str(across), str(along)} or len(names) != 2:
         raise ValueError(f"expected a map of {across} and {along}, this one has {list(names)}")
+    meter = metered(budget)
     rectangle = Rectangle(
         map=map_,
         across=str(across),
         along=str(along),
-        orders=checked_orders(orders, budget),
+        orders=checked_orders(orders, meter.budget),
         across_span=checked_span(across_span),
         along_span=checked_span(along_span),
-        budget=budget,
+        meter=meter,
     )
     strips = rectangle.strips()
+    left_out = ""
+    if meter.left_out:
+        if not strips:
+            raise KeyboardInterrupt if meter.stopped == INTERRUPTED else BudgetError(meter.stopped)
+        end = strips[-1].column.high
+        left_out = f"stopped at {across} = {real_to_sympy(end)}: {meter.stopped}"
+        rectangle = replace(rectangle, across_span=(rectangle.across_span[0], end))
     curves, points = network(rectangle, strips)
     return ParameterPlane(
         map=map_,
@@ -216,4 +231,5 @@ def parameter_plane(
         strips=tuple(strips),
         curves=curves,
         points=points,
+        left_out=left_out,
     )

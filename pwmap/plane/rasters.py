@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,11 +16,13 @@ from pwmap.algebra.roots import Real, bounds, spread
 from pwmap.diagrams.diagram import FloatArray
 from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropies import entropy_of
-from pwmap.longrun.line import line_of
+from pwmap.longrun.line import Line, line_of
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.plane.network import Arc
 from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
+RASTER = Budget(work=40 * BUDGET.work)  # some minutes
 ORDER = 24  # up to which the graph of laps is made for a colour: its bounds differ by a hundredth
 
 
@@ -39,6 +42,8 @@ class PlaneRaster:
         A double below the topological entropy.
     open
         Whether something is not known there.
+    left_out
+        A sentence on columns that were not finished; empty if all were.
 
     Examples
     --------
@@ -57,6 +62,13 @@ class PlaneRaster:
     bands: IntArray
     entropy: FloatArray
     open: npt.NDArray[np.bool_]
+    left_out: str = ""
+
+    def __repr__(self) -> str:
+        """How many points, how many of them are open, and what was not finished."""
+        rows, columns = self.open.shape
+        rest = f"; {self.left_out}" if self.left_out else ""
+        return f"PlaneRaster({columns} x {rows} points, {self.open.sum()} open{rest})"
 
 
 def plane_raster(
@@ -64,6 +76,7 @@ def plane_raster(
     columns: int = 48,
     rows: int = 36,
     *,
+    budget: Budget | Meter = RASTER,
     progress: Callable[[int], None] | None = None,
 ) -> PlaneRaster:
     """What attracts at the points of a raster, each decided exactly.
@@ -74,6 +87,9 @@ def plane_raster(
         Its map and rectangle.
     columns, rows
         How many values of the parameter across, and of the one along.
+    budget
+        How much may be computed, by default forty times as much as in one call at a point; what
+        is left out then is open, and ``left_out`` says so.
     progress
         Is told after each column how many are done.
 
@@ -102,22 +118,48 @@ def plane_raster(
         _middles(*span, n)
         for span, n in zip((plane.across_span, plane.along_span), (columns, rows), strict=True)
     )
-    periods, bands = np.zeros((2, rows, columns), dtype=np.int64)
-    entropy = np.zeros((rows, columns))
-    is_open = np.zeros((rows, columns), dtype=bool)
-    for i, p in enumerate(across):
-        map_ = plane.map.at({plane.across: QQ.to_sympy(p)})
-        for j, q in enumerate(along):
-            line = line_of(map_, {plane.along: QQ.to_sympy(q)})
-            found = attractors_of(line)
-            periods[j, i] = min((len(cycle.points) for cycle in found.cycles), default=0)
-            bands[j, i] = sum(map(len, found.bands))
-            entropy[j, i] = entropy_of(line, found, (ORDER,)).low
-            is_open[j, i] = bool(found.open)
-        if progress is not None:
-            progress(i + 1)
+    meter, finished = metered(budget), list[_Column]()
+    with meter.keeping(finished):
+        for p in meter.each(across, "columns"):
+            map_ = plane.map.at({plane.across: QQ.to_sympy(p)})
+            column = [_at(line_of(map_, {plane.along: QQ.to_sympy(q)}), meter) for q in along]
+            if meter.stopped:  # while a part of it was computed, which says less than it might
+                raise BudgetError(meter.stopped)
+            finished.append(column)
+            if progress is not None:
+                progress(len(finished))
+    finished += [[_OPEN] * rows] * (columns - len(finished))
     return PlaneRaster(
-        across=across, along=along, periods=periods, bands=bands, entropy=entropy, open=is_open
+        across=across,
+        along=along,
+        periods=np.array([[point.period for point in column] for column in finished]).T,
+        bands=np.array([[point.bands for point in column] for column in finished]).T,
+        entropy=np.array([[point.entropy for point in column] for column in finished]).T,
+        open=np.array([[point.is_open for point in column] for column in finished]).T,
+        left_out=meter.left_out,
+    )
+
+
+class _Point(NamedTuple):
+    """What is known at a point, as in a raster."""
+
+    period: int
+    bands: int
+    entropy: float
+    is_open: bool
+
+
+_Column = list[_Point]
+_OPEN = _Point(0, 0, 0.0, True)
+
+
+def _at(line: Line, meter: Meter) -> _Point:
+    found = attractors_of(line, budget=meter)
+    return _Point(
+        min((len(cycle.points) for cycle in found.cycles), default=0),
+        sum(map(len, found.bands)),
+        entropy_of(line, found, (ORDER,), meter).low,
+        bool(found.open),
     )
 
 

@@ -10,8 +10,8 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.rootfunctions import Column, Root
-from pwmap.algebra.roots import Real, integers, real_to_sympy, simplest_between
-from pwmap.maps.budget import BUDGET, Budget
+from pwmap.algebra.roots import Real, RealRoot, integers, real_to_sympy, simplest_between
+from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.cells import Cell, ParameterCells, merged, shown_cells, with_cells
@@ -72,7 +72,7 @@ class Rectangle:
     across_span: tuple[Any, Any]
     along_span: tuple[Any, Any]
     orders: tuple[int, ...]
-    budget: Budget = BUDGET
+    meter: Meter
 
     @property
     def index(self) -> int:
@@ -86,26 +86,40 @@ class Rectangle:
         return tuple(sorted(divisors))
 
     def strips(self) -> list[Strip]:
-        """From left to right; between two of them edges meet, or the whole picture changes."""
+        """From left to right; between two of them edges meet, or the whole picture changes.
+
+        They are found from left to right, too: where the budget ends the search, those up to the
+        first gap are kept.
+        """
         found: list[Strip] = []
         waiting: list[tuple[Real, Real]] = [self.across_span]
-        while waiting:
-            left, right = waiting.pop()
-            sample = simplest_between(left, right)
-            self._check(sample)
-            try:
-                strip = self._strip(sample)
-            except ResampleError:  # edges meet here: it is no strip, but lies between two
-                waiting += [(left, sample), (sample, right)]
-                continue
-            low, high = strip.column.low, strip.column.high
-            start = left if low is None or not left < low else low
-            stop = right if high is None or not high < right else high
-            column = replace(strip.column, low=start, high=stop)
-            found.append(replace(strip, column=column))
-            waiting += [(left, start)] if start is not left else []
-            waiting += [(stop, right)] if stop is not right else []
-        return sorted(found, key=lambda strip: strip.column.sample)
+        with self.meter.keeping(waiting):
+            while waiting:
+                self.meter.advance("strips", len(found))
+                left, right = waiting[-1]
+                sample = simplest_between(left, right)
+                self._check(sample)
+                try:
+                    strip = self._strip(sample)
+                except ResampleError:  # edges meet here: it is no strip, but lies between two
+                    waiting[-1:] = [(sample, right), (left, sample)]
+                    continue
+                low, high = strip.column.low, strip.column.high
+                start = left if low is None or not left < low else low
+                stop = right if high is None or not high < right else high
+                column = replace(strip.column, low=start, high=stop)
+                found.append(replace(strip, column=column))
+                beside = ((stop, right), (left, start))
+                waiting[-1:] = [(a, b) for a, b in beside if a is not b]
+        if waiting:
+            end = waiting[-1][0]
+            found = [strip for strip in found if not end < strip.column.high]
+        found.sort(key=lambda strip: strip.column.sample)
+        if found and isinstance(found[-1].column.high, RealRoot):  # a rectangle has rational ends
+            column = found[-1].column
+            end = simplest_between(column.sample, column.high)
+            found[-1] = replace(found[-1], column=replace(column, high=end))
+        return found
 
     def _check(self, sample: Any) -> None:
         broken = self.map.definition.region.contains({self.across: sample})
@@ -122,7 +136,7 @@ class Rectangle:
             self.along_span,
             {self.across: sample},
             with_ends=True,
-            budget=self.budget,
+            budget=self.meter,
         )
 
     def _built(self, axis: Axis, cells: list[Cell]) -> Strip:

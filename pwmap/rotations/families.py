@@ -14,6 +14,7 @@ letter whose slope is positive comes a point on another side of a break: the run
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import reduce
@@ -21,24 +22,27 @@ from typing import Any, NamedTuple
 
 import sympy
 from sympy import QQ
-from sympy.polys.fields import FracField
+from sympy.polys.fields import FracElement, FracField
 from sympy.polys.orderings import lex
 
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
+    bits,
     cancelled,
     fraction_to_sympy,
     quotient_to_sympy,
     to_sympy,
 )
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, letter_bounds
 from pwmap.maps.words import Layout, Word
 from pwmap.rotations.patterns import Run, read_pattern
 from pwmap.rotations.pieces import checked_map
 from pwmap.rotations.words import checked_count
 
+LONG = 64  # bits of a number that are as much work as a term
 Element = Any  # of the field of quotients in the parameters, n and the powers
 Affine = tuple[Element, Element]  # slope and intercept
 
@@ -157,7 +161,7 @@ class WordFamily:
             tuple(letter for run in self._runs for letter in run.word * run.count(count))
         )
 
-    def at(self, n: int) -> FamilyCycle:
+    def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
         """The cycle for a value of n, from the formulas that hold for every n.
 
         It agrees with ``map_.cycle(word)``, of whose conditions it has those that bind.
@@ -166,6 +170,8 @@ class WordFamily:
         ----------
         n
             A value of the exponent, an integer of at least :attr:`least`.
+        budget
+            How much may be computed, and how long the word may be.
 
         Returns
         -------
@@ -175,14 +181,22 @@ class WordFamily:
         Raises
         ------
         ValueError
-            If n is no integer of at least :attr:`least`, or the multiplier is 1 for this n.
+            If n is no integer of at least :attr:`least`, or the multiplier is 1 for this n. A
+            ``BudgetError`` if the word or the formulas are too long.
         """
-        count, word = self._checked(n), self.word(n)
-        x, multiplier = (self._powers.at(element, count) for element in self._form)
+        count, meter = self._checked(n), metered(budget)
+        letters = sum(len(run.word) * run.count(count) for run in self._runs)
+        if letters > meter.budget.letters:
+            raise BudgetError(
+                f"the word for {self.n} = {count} has {letters} letters, at most "
+                f"{meter.budget.letters} are allowed"
+            )
+        word = self.word(count)
+        x, multiplier = (self._powers.at(element, count, meter) for element in self._form)
         if x is None or multiplier is None:
             raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
         bounds = [c._bound for c in self.conditions if c.since <= count]
-        found = [self._powers.relation_at(bound, count) for bound in bounds]
+        found = [self._powers.relation_at(bound, count, meter) for bound in bounds]
         return FamilyCycle(
             word=word,
             x=fraction_to_sympy(x),
@@ -336,12 +350,14 @@ class _Powers:
         }
         return sympy.factor(element.as_expr()).xreplace(powers)
 
-    def at(self, element: Element, n: int) -> Fraction_ | None:
+    def at(self, element: Element, n: int, meter: Meter) -> Fraction_ | None:
         """The value for one n as a quotient of the map's ring; None if it has none."""
-        powers = [self._quotient(base) ** n for base in self._bases]
-        top, bottom = (self._value(part, n, powers) for part in (element.numer, element.denom))
+        powers = [self._power(self._quotient(base), n, meter) for base in self._bases]
+        parts = element.numer, element.denom
+        top, bottom = (self._value(part, n, powers, meter) for part in parts)
         if not bottom:
             return None
+        meter.spend(_size(top) * _size(bottom))
         value = top / bottom
         ring = self.map_.definition.ring
         if ring is None:
@@ -352,14 +368,25 @@ class _Powers:
         top, bottom = fraction
         return self._ground(top) / self._ground(bottom)
 
-    def _value(self, polynomial: Number, n: int, powers: list[Number]) -> Number:
+    @staticmethod
+    def _power(base: Number, n: int, meter: Meter) -> Number:
+        """A power; that of a sum is refused before it is multiplied out."""
+        parts = (base.numer, base.denom) if isinstance(base, FracElement) else ()
+        meter.spend(n * _size(base))
+        meter.spend(sum(math.comb(n + len(part) - 1, n) ** 2 for part in parts if len(part) > 1))
+        return base**n
+
+    def _value(self, polynomial: Number, n: int, powers: list[Number], meter: Meter) -> Number:
         known = len(self.map_.parameters)
         values = [*getattr(self._ground, "gens", ())[:known], self._ground(n), *powers]
         total = self._ground(0)
         for exponents, coefficient in polynomial.terms():
             term = self._ground(coefficient)
             for value, exponent in zip(values, exponents, strict=True):
-                term = term * value**exponent
+                power = self._power(value, exponent, meter)
+                meter.spend(_size(term) * _size(power))
+                term = term * power
+            meter.spend(_size(total) * _size(term))
             total = total + term
         return total
 
@@ -376,9 +403,9 @@ class _Powers:
             parts[degree] += self.field.ring.from_dict({rest: coefficient})
         return self.to_sympy(self.field(-parts[0]) / self.field(parts[1])) if parts[1] else None
 
-    def relation_at(self, bound: _Bound, n: int) -> sympy.Basic:
+    def relation_at(self, bound: _Bound, n: int, meter: Meter) -> sympy.Basic:
         """A condition for one n."""
-        point = self.at(bound.point, n)
+        point = self.at(bound.point, n, meter)
         assert point is not None  # x has a value
         at = quotient_to_sympy(self.map_.orbits.preimage(bound.k, ()))
         return bound.relation(fraction_to_sympy(point), at)
@@ -506,6 +533,14 @@ class _Builder:
                 aims[i] = 1 if after > letter else -1
                 kept.add(j)
         return aims
+
+
+def _size(number: Number) -> int:
+    """How long a quotient is: the terms, degrees and bits of its parts."""
+    if not isinstance(number, FracElement):
+        return 1 + bits(number) // LONG
+    parts = number.numer, number.denom
+    return sum(1 + len(part) + sum(part.degrees()) for part in parts if part)
 
 
 def _then(first: Affine, second: Affine) -> Affine:

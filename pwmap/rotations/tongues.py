@@ -13,8 +13,10 @@ whether the pieces overlap. For contracted rotations, x -> a x + d mod 1, the to
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 
 import sympy
 
@@ -27,17 +29,19 @@ from pwmap.algebra.roots import (
     real_to_sympy,
     sign_at,
 )
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import Cycle, PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, increasing_pieces
 from pwmap.rotations.words import checked_count, farey, rotational_word
 
+LETTER = 4  # work that a letter of a word takes
 Piece_ = tuple[Real | None, Real | None]  # of the axis of the parameter; see gaps_and_roots
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Tongue:
-    """Where a cycle of one rotation number exists.
+    """Where a cycle of one rotation number exists; its formulas are computed when they are asked.
 
     Attributes
     ----------
@@ -45,13 +49,6 @@ class Tongue:
         The rotation number p/q.
     word
         The rotational word, which begins at the leftmost point.
-    cycle
-        The cycle, with all its conditions.
-    borders
-        The conditions that bind: the largest point on the left of the break is there, and the
-        smallest on the right. A fixed point has one of them only.
-    multiplier
-        Of the cycle.
 
     Examples
     --------
@@ -64,11 +61,39 @@ class Tongue:
 
     rotation: Fraction
     word: str
-    cycle: Cycle
-    borders: tuple[sympy.Basic, ...]
-    multiplier: sympy.Expr
-    _margins: tuple[tuple[Fraction_, bool], ...] = field(repr=False)
-    _map: PiecewiseLinearMap = field(repr=False)
+    _pieces: TwoPieces = field(repr=False)
+
+    @cached_property
+    def cycle(self) -> Cycle:
+        """The cycle, with all its conditions."""
+        return self._map.cycle(self.word)
+
+    @property
+    def multiplier(self) -> sympy.Expr:
+        """Of the cycle."""
+        return quotient_to_sympy(self._map.orbits.slope(self._pieces.read(self.word)))
+
+    @cached_property
+    def borders(self) -> tuple[sympy.Basic, ...]:
+        """The conditions that bind.
+
+        The largest point on the left of the break is there, and the smallest on the right. A fixed
+        point has one of them only.
+        """
+        return tuple(_border(self._pieces, word) for word in self._nearest())
+
+    @property
+    def _map(self) -> PiecewiseLinearMap:
+        return self._pieces.map_
+
+    @cached_property
+    def _margins(self) -> tuple[tuple[Fraction_, bool], ...]:
+        return tuple(map(self._pieces.margin, self._nearest()))
+
+    def _nearest(self) -> Iterator[Word]:
+        """The word, begun at each of the points that are nearest to the break."""
+        word = self._pieces.read(self.word)
+        return (word[k:] + word[:k] for k in _nearest(self.rotation))
 
     @property
     def values(self) -> sympy.Set:
@@ -82,7 +107,7 @@ class Tongue:
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")
-        return _as_set([piece for piece in self._pieces() if self._holds(inside(piece))])
+        return _as_set([piece for piece in self._axis_pieces() if self._holds(inside(piece))])
 
     @property
     def lower(self) -> sympy.Expr:
@@ -100,7 +125,7 @@ class Tongue:
             raise ValueError(f"the cycle {self.word} exists for no admitted value of the parameter")
         return values
 
-    def _pieces(self) -> list[Piece_]:
+    def _axis_pieces(self) -> list[Piece_]:
         """The axis cut where a margin, or an inequality that is assumed, changes its sign."""
         numbers = [number for margin, _ in self._margins for number in margin]
         numbers += [c.polynomial for c in self._map.definition.region.constraints]
@@ -119,7 +144,9 @@ class Tongue:
         )
 
 
-def tongues(map_: PiecewiseLinearMap, q_max: int) -> tuple[Tongue, ...]:
+def tongues(
+    map_: PiecewiseLinearMap, q_max: int, *, budget: Budget | Meter = BUDGET
+) -> tuple[Tongue, ...]:
     """The tongues of all rotation numbers from 0/1 to 1/1 with denominators up to ``q_max``.
 
     Parameters
@@ -128,6 +155,8 @@ def tongues(map_: PiecewiseLinearMap, q_max: int) -> tuple[Tongue, ...]:
         A map of two pieces that increase, invertible or not, with any parameters.
     q_max
         The largest denominator, which is the largest period.
+    budget
+        How much may be computed.
 
     Returns
     -------
@@ -139,7 +168,7 @@ def tongues(map_: PiecewiseLinearMap, q_max: int) -> tuple[Tongue, ...]:
     ------
     TypeError, ValueError
         If the map has not two increasing pieces and one break, or if ``q_max`` is no integer of at
-        least 1.
+        least 1. A ``BudgetError`` if all words together are too long.
     UndecidedError
         If the assumptions do not say whether the pieces increase.
 
@@ -153,30 +182,23 @@ def tongues(map_: PiecewiseLinearMap, q_max: int) -> tuple[Tongue, ...]:
     1/2 LR Interval.Ropen(2/3, 5/6)
     2/3 LRR Interval.Ropen(6/7, 13/14)
     """
-    pieces = increasing_pieces(map_)
+    pieces, meter = increasing_pieces(map_), metered(budget)
     letters = "".join(map_.letters)
     found = []
-    for rotation in farey(checked_count(q_max, "the largest denominator")):
-        text = rotational_word(rotation, letters)
-        top, bottom = map_.orbits.slope(pieces.read(text))
+    last = checked_count(q_max, "the largest denominator")
+    work = LETTER * last**3 // 5  # the words have about 2/pi**2 q_max**3 letters
+    if work > meter.budget.work:
+        raise BudgetError(
+            f"tongues up to the denominator {last} take about {work:.3g} units of work, at most "
+            f"{meter.budget.work} are allowed"
+        )
+    for rotation in meter.each(farey(last), "tongues"):
+        meter.spend(LETTER * rotation.denominator)
+        word = rotational_word(rotation, letters)
+        top, bottom = map_.orbits.slope(pieces.read(word))
         if top != bottom:
-            found.append(_tongue(pieces, rotation, text))
+            found.append(Tongue(rotation=rotation, word=word, _pieces=pieces))
     return tuple(found)
-
-
-def _tongue(pieces: TwoPieces, rotation: Fraction, text: str) -> Tongue:
-    word = pieces.read(text)
-    turned = [word[k:] + word[:k] for k in _nearest(rotation)]
-    cycle = pieces.map_.cycle(text)
-    return Tongue(
-        rotation=rotation,
-        word=text,
-        cycle=cycle,
-        borders=tuple(_border(pieces, one) for one in turned),
-        multiplier=cycle.multiplier,
-        _margins=tuple(map(pieces.margin, turned)),
-        _map=pieces.map_,
-    )
 
 
 def _nearest(rotation: Fraction) -> tuple[int, ...]:

@@ -90,7 +90,7 @@ def test_points_of_cycles_solve_their_words_and_come_back() -> None:
     """x = m x + c along the word, in fractions; then the map itself goes round once."""
     for map_, found in places():
         for each in found.attractors:
-            if each.is_chaotic:
+            if not each.points:
                 continue
             m, c = Fraction(1), Fraction(0)
             for letter in each.word:
@@ -186,14 +186,14 @@ def is_lost(map_: Paper, x: Fraction) -> bool:
 
 
 def holds(map_: Paper, each: Attractor, x: Fraction) -> bool:
-    """Whether a point lies in bands, or follows the word of a cycle twice from some point of it on.
+    """Whether a point lies in bands, or follows a word of what attracts twice from some letter on.
 
-    What does so is drawn in: see :mod:`pwmap.longrun.itineraries`.
+    What does so is drawn into a cycle, see :mod:`pwmap.longrun.itineraries`, or is neutral.
     """
     if each.is_chaotic:
         return any(low <= x <= high for low, high in bands_of(each))
     letters = ""
-    for _ in range(2 * each.period):
+    for _ in range(2 * len(each.word)):
         letters += "L" if x <= 0 else "R"
         x = map_(x)
-    return any(letters == 2 * (each.word[k:] + each.word[:k]) for k in range(each.period))
+    return any(letters == 2 * (each.word[k:] + each.word[:k]) for k in range(len(each.word)))

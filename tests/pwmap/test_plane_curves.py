@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import pickle
+import time
 from fractions import Fraction
 
 import pytest
 import sympy
 from sympy import Rational, sqrt
 
+import pwmap
 from pwmap import (
     ParameterPlane,
     PiecewiseLinearMap,
@@ -209,3 +211,62 @@ def test_crises_of_the_skew_tent_map_over_both_slopes() -> None:
             assert counts in ([1, 2], [2, 4])
     with pytest.raises(ValueError, match="at one value at least, got 0"):
         with_crises(plane, 2, 0)
+
+
+def test_a_cycle_that_meets_an_interval_which_persists_has_its_curve() -> None:
+    """R has slope -1 everywhere: all its points have period two. L R maps x < -1 to p + 1 - a.
+
+    So that cycle exists where p + 1 - a < -1, and is born at a = p + 2, at the end -1 of the
+    interval of R R.
+    """
+    p, a = sympy.symbols("p a")
+    map_ = PiecewiseLinearMap([("a - 1", "x < -1"), ("p - x", "x >= -1")])
+    for axes, spans in (
+        ((p, a), ((-2, 2), ("1/4", "7/4"))),
+        ((a, p), (("1/4", "7/4"), (-2, 2))),
+    ):
+        plane = parameter_plane(map_, *axes, *spans, (1, 2))
+        found = {(c.kind, c.words): c.polynomial for c in plane.curves}
+        birth = found[PointKind.BC, ("LR",)]
+        assert sympy.expand(birth - (a - p - 2)) == 0
+        (curve,) = (c for c in plane.curves if c.words == ("LR",))
+        assert curve.note == "fold at a branch on the border"
+
+
+def test_an_interval_at_one_place_is_told_by_the_cycle_it_doubles() -> None:
+    """At b = -1 the points of period two round R are an interval, and L R is born at its end."""
+    spans = ("1/4", "3/4"), (-5, "-1/2")
+    plane = parameter_plane(SKEW, "a", "b", *spans, (1, 2))
+    assert [(c.kind, c.words) for c in plane.curves] == [
+        (PointKind.PD, ("LR",)), (PointKind.PD, ("R",)),
+    ]  # fmt: skip
+
+
+def test_curves_of_an_iterate_are_those_of_its_own_cycles() -> None:
+    """For the second iterate R R and L R are words of fixed points, and no doubled ones."""
+    spans = ("1/4", "3/4"), (-5, "-1/2")
+    plane = parameter_plane(SKEW.iterate(2), "a", "b", *spans, (1,))
+    flips = {c.words: c.polynomial for c in plane.curves if c.kind is PointKind.PD}
+    assert flips == {("LR",): A * B + 1, ("RL",): A * B + 1}
+    assert {c.words for c in plane.curves if c.kind is PointKind.LP} == {("RR",)}
+
+
+def test_a_raster_near_slope_one_takes_time_in_proportion_to_periods() -> None:
+    """P1^L falls from r - 2 by -a x + r once round its fixed point: one superstable cycle.
+
+    Its period is counted here from the closed form x* + (r - 2 - x*) (-a)^n; one point of period
+    376 took seconds.
+    """
+    map_ = P1L.at({"a": Rational(241, 240)})
+    for r in (Rational(106, 50), Rational(253, 50)):
+        found = pwmap.dynamics(map_, {"r": r})
+        (cycle,) = found.attractors
+        a, fixed, n, x = Rational(241, 240), r / Rational(481, 240), 1, r - 2
+        while x > 0:
+            x, n = fixed + (x - fixed) * -a, n + 1
+        assert (cycle.period, cycle.multiplier) == (n, 0)
+    plane = parameter_plane(P1L, "a", "r", (1, "121/120"), (5, "128/25"), (1,))
+    began = time.process_time()
+    raster = plane_raster(plane, 1, 1)  # in the middle, at the second of these points
+    assert (raster.periods.item(), raster.open.item()) == (n, False)
+    assert time.process_time() - began < 2.0  # 0.2 s; before 4 s

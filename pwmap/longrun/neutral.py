@@ -1,0 +1,171 @@
+"""Neutral intervals: words of slope 1 or -1 that points of a whole interval follow for ever.
+
+A word of slope 1 that takes one point back takes back all points beside it which follow it: they
+are all periodic, and neither attract nor repel. With slope -1 the word turns an interval about its
+middle, and twice the word takes all of it back. The largest such interval reaches to a break, or an
+image of it does. So it is found from a germ at a break that comes back to itself with slope 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from sympy import QQ
+
+from pwmap.longrun.fates import Fate, Orbit, abs_
+from pwmap.longrun.line import Germ, Line
+from pwmap.longrun.numbers import Exact
+from pwmap.longrun.pointsets import Part, PointSet, point_set
+
+End = Exact | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NeutralIntervals:
+    """Intervals that a map permutes, and all of whose points are periodic.
+
+    Orbits that come to them end in a cycle there, each in one of its own.
+
+    Attributes
+    ----------
+    intervals
+        The ends of each, an infinite one as None, in the order in which they are visited, from the
+        leftmost on.
+    parts
+        The same with the ends that belong to them.
+    word
+        The letters of the pieces they lie in.
+    multiplier
+        1 if one round takes every point back; -1 if it turns the intervals about their middles, so
+        that two rounds do.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, dynamics
+    >>> turned = PiecewiseLinearMap.from_sympy("Piecewise((3 - x, x < 2), (9 - 3*x, True))")
+    >>> neutral = dynamics(turned).attractors[0].core
+    >>> type(neutral).__name__, neutral.word, neutral.multiplier, neutral.period
+    ('NeutralIntervals', 'L', -1, 2)
+    >>> [(str(low), str(high)) for low, high in neutral.intervals]
+    [('1', '2')]
+    """
+
+    intervals: tuple[tuple[End, End], ...]
+    parts: tuple[Part, ...]
+    word: str
+    multiplier: int
+
+    def __len__(self) -> int:
+        """How many intervals."""
+        return len(self.intervals)
+
+    @property
+    def region(self) -> PointSet:
+        """All of them as a set."""
+        return point_set(self.parts)
+
+    @property
+    def period(self) -> int:
+        """Of all points, but for the middles of turned intervals, which have half of it."""
+        return len(self.intervals) * (1 if self.multiplier > 0 else 2)
+
+
+def neutral_intervals(line: Line, orbits: Iterable[Orbit]) -> tuple[NeutralIntervals, ...]:
+    """All neutral intervals at which orbits of germs end, from left to right.
+
+    Parameters
+    ----------
+    line, orbits
+        A map, and the orbits of all germs at its breaks.
+    """
+    if not line.breaks:
+        return _of_one_piece(line)
+    found = dict[tuple[End, End], NeutralIntervals]()
+    for orbit in orbits:
+        if is_neutral(line, orbit):
+            each = _around(line, orbit.germs[orbit.start :])
+            found.setdefault(each.intervals[0], each)
+    return tuple(sorted(found.values(), key=lambda each: _leftmost(each.intervals[0])))
+
+
+def is_neutral(line: Line, orbit: Orbit) -> bool:
+    """Whether a germ comes back to itself, or to another, that follows a word of slope 1."""
+    if orbit.fate is not Fate.FINITE:
+        return False
+    size = QQ.one
+    for germ in orbit.germs[orbit.start :]:
+        size = size * abs_(line.beside(germ).slope) if germ.side else QQ.zero
+    return bool(size == 1)
+
+
+def _around(line: Line, germs: tuple[Germ, ...]) -> NeutralIntervals:
+    """The intervals beside the points of a cycle of germs of slope 1 that follow them."""
+    ahead, behind = (_room(line, germs, way) for way in (1, -1))
+    visited, letters, scale = list[tuple[End, End]](), list[str](), QQ.one
+    for germ in germs:
+        far, back = (
+            None if room is None else germ.x + way * germ.side * scale * room
+            for way, room in ((1, ahead), (-1, behind))
+        )
+        part = (back, far) if germ.side > 0 else (far, back)
+        if part in visited:
+            break
+        visited.append(part)
+        letters.append(line.letter(germ))
+        scale = scale * abs_(line.beside(germ).slope)
+    first = min(range(len(visited)), key=lambda k: _leftmost(visited[k]))
+    intervals = tuple(visited[first:] + visited[:first])
+    return NeutralIntervals(
+        intervals=intervals,
+        parts=_with_ends(line, intervals, len(germs)),
+        word="".join(letters[first:] + letters[:first]),
+        multiplier=1 if len(germs) == len(visited) else -1,
+    )
+
+
+def _room(line: Line, germs: tuple[Germ, ...], way: int) -> End:
+    """How far beside the first germ points follow all of them, on its side or on the other one."""
+    found: End = None
+    scale = QQ.one
+    for germ in germs:
+        branch = line.beside(germ)
+        end = branch.upper if way * germ.side > 0 else branch.lower
+        if end is not None:
+            room = abs_(end - germ.x) / scale
+            found = room if found is None else min(found, room)
+        scale = scale * abs_(branch.slope)
+    return found
+
+
+def _with_ends(line: Line, intervals: tuple[tuple[End, End], ...], period: int) -> tuple[Part, ...]:
+    """Intervals with those ends that follow the same pieces as points beside them."""
+
+    def belongs(x: Exact, side: int) -> bool:
+        germ = Germ(x, side)
+        for _ in range(period):
+            if line.piece(germ.x).letter != line.letter(germ):
+                return False
+            germ = line.image(germ)
+        return True
+
+    return tuple(
+        (None if low is None else (low, -1 if belongs(low, 1) else 1),
+         None if high is None else (high, 1 if belongs(high, -1) else -1))
+        for low, high in intervals
+    )  # fmt: skip
+
+
+def _of_one_piece(line: Line) -> tuple[NeutralIntervals, ...]:
+    """The whole line, if one affine map takes all of it back at once, or turns it."""
+    (branch,) = line.branches
+    if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):
+        whole = ((None, None),)
+        return (NeutralIntervals(whole, whole, branch.letter, int(branch.slope)),)
+    return ()
+
+
+def _leftmost(part: tuple[End, End]) -> tuple[bool, Any]:
+    """A key by which intervals come from left to right; an infinite end is first."""
+    return part[0] is not None, part[0]
