@@ -23,7 +23,7 @@ from pwmap.algebra.exact import pair
 from pwmap.longrun.numbers import Exact
 
 Part = tuple[Fraction, Fraction]
-MAPS, STARTS, STEPS = 1000, 8, 200
+MAPS, STARTS, STEPS = 1000, 6, 200
 SHORT = 200  # bits of a start
 
 
