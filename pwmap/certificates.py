@@ -238,7 +238,7 @@ class _Recorder(Place):
 
     def sign(self, f: Poly) -> int:
         """The sign at the sample."""
-        self.asked.add(primitive(f))
+        self.asked.add(primitive(self.work, f))
         return super().sign(f)
 
 
@@ -255,7 +255,7 @@ def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Rea
         low, high = cells.pop()
         place = _Recorder(simplest_between(low, high))
         for order in orders:
-            parts = Study(map_, place, order)
+            parts = Study(map_._replace(work=place.work), place, order)
             _ = parts.fixed, parts.bands, parts.crossings
         inner: set[Real] = set()
         for poly in place.asked:
@@ -355,7 +355,7 @@ class _DiagramWriter:
         ends = {end for _, stretch in own for end in self._ends(stretch)}
         if len(ends) < 2:
             _fail("the diagram has no branch over an interval of the parameter")
-        map_read = read_map(self._map, parametric=True)[0]
+        map_read = read_map(self._map, Work(), parametric=True)[0]
         self._edges = _closed(map_read, ends, self._orders)
         self._index = {edge: i for i, edge in enumerate(self._edges)}
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 from pwmap.checking.iterates import Study
 from pwmap.checking.lists import period
-from pwmap.checking.places import Number, Place, effort
-from pwmap.checking.polynomials import Poly, Quotient, plus, power, sign_near, times
+from pwmap.checking.places import Number, Place
+from pwmap.checking.polynomials import Poly, Quotient, plus, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
-from pwmap.checking.refusing import ORDER, ROWS, Work, refuse
+from pwmap.checking.refusing import ORDER, ROWS, STEP, Work, refuse
 
 
 class Stretch(NamedTuple):
@@ -79,7 +80,7 @@ KINDS = {"fixed points": ("x", "slope"), "intervals": (), "crossings": ("x", "le
 
 
 def read_stretches(
-    certificate: Mapping[str, Any], orders: Sequence[int], last: int
+    certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: Work
 ) -> list[Stretch]:
     """All claims of a diagram that something exists."""
     found = []
@@ -91,7 +92,7 @@ def read_stretches(
             if whole(order, 1, ORDER) not in orders or not isinstance(word, str) or first > stop:
                 refuse(f"one of the orders, a word and two places were expected, got {shown(row)}")
             values = {
-                name: None if name == "slope" and value is None else quotient(value)
+                name: None if name == "slope" and value is None else quotient(value, work)
                 for name, value in zip(names, rest, strict=False)
             }
             if more and type(rest[-1]) is not bool:
@@ -105,7 +106,7 @@ class Diagram:
 
     def __init__(self, certificate: Mapping[str, Any]) -> None:
         self.work = work = Work()
-        self.map, self.name, self.map_text = read_map(certificate["map"], parametric=True)
+        self.map, self.name, self.map_text = read_map(certificate["map"], work, parametric=True)
         self.orders = [whole(n, 1, ORDER) for n in listed(certificate["orders"], ORDER)]
         if not self.orders or self.orders != sorted({d for n in self.orders for d in divisors(n)}):
             refuse(f"orders must ascend, with all divisors, got {shown(self.orders)}")
@@ -116,7 +117,7 @@ class Diagram:
         self.places = [
             Place(self.edges[i // 2], self.edges[(i + 1) // 2], work) for i in range(self.last + 1)
         ]
-        self.stretches = read_stretches(certificate, self.orders, self.last)
+        self.stretches = read_stretches(certificate, self.orders, self.last, work)
         self._things: dict[tuple[str, int, str], list[Stretch]] = {}
         for stretch in self.stretches:
             self._things.setdefault(stretch.thing, []).append(stretch)
@@ -145,6 +146,7 @@ class Diagram:
         for n in self.orders:
             stretches = [s for s in self.stretches if s.order == n]
             for i in range(self.last + 1):
+                self.work.spend(STEP * (1 + len(stretches)))
                 own = [s for s in stretches if s.at(i)]
                 if own or 0 < i < self.last:
                     self._verify_at(i, n, own)
@@ -172,7 +174,9 @@ class Diagram:
         if one is None or other is None:
             return one is other
         sign = self.places[i].sign
-        difference = plus(times(one[0], other[1]), times(other[0], one[1]), -1)
+        work = self.work
+        products = times(work, one[0], other[1]), times(work, other[0], one[1])
+        difference = plus(work, *products, -1)
         return sign(difference) == 0 and sign(one[1]) != 0 and sign(other[1]) != 0
 
     def found(self, i: int, n: int, kind: str) -> dict[str, Any]:
@@ -188,6 +192,7 @@ class Diagram:
         """
         if edge not in self._ends:
             things = self._things.values()
+            self.work.spend(5 * STEP * len(self.stretches))
             ends = [end for same in things for end in ends_of(same, edge)]
             self._ends[edge] = [end for end in ends if not end.passes or self._is_bent(end, edge)]
         return self._ends[edge]
@@ -222,21 +227,23 @@ class Diagram:
 
     def compare(self, quotient: Quotient, edge: int, x: Number) -> int:
         """The sign of a finite quotient at an edge minus a number."""
-        (top, bottom), sign = quotient, self.places[2 * edge].sign
-        low, high = (
-            sign(bottom)
-            * sign(plus(times((end.denominator,), top), times((end.numerator,), bottom), -1))
-            for end in (x.low, x.high)
-        )
+        (top, bottom), sign, work = quotient, self.places[2 * edge].sign, self.work
+
+        def above(x: Fraction) -> int:
+            """The sign of the quotient minus a rational number."""
+            over = times(work, (x.denominator,), top), times(work, (x.numerator,), bottom)
+            return sign(bottom) * sign(plus(work, *over, -1))
+
+        low, high = above(x.low), above(x.high)
         if not x.is_root or low <= 0 or high >= 0:
             return low if not x.is_root else -1 if low <= 0 else 1
-        self.work.spend(effort([x.poly, top, bottom]))
-        value: Poly = ()
-        degree = len(x.poly) - 1
-        for i, c in enumerate(x.poly):
-            value = plus(value, times((c,), times(power(top, i), power(bottom, degree - i))))
-        unit = sign(bottom) if degree % 2 else 1
-        return sign(value) * unit * sign_near(x.poly, x.high)
+        value: Poly = ()  # of the polynomial at the quotient, by Horner's rule
+        scale: Poly = (1,)
+        for c in reversed(x.poly):
+            value = plus(work, times(work, value, top), times(work, (c,), scale))
+            scale = times(work, scale, bottom)
+        unit = sign(bottom) if len(x.poly) % 2 == 0 else 1
+        return sign(value) * unit * sign_near(work, x.poly, x.high)
 
     def where(self, i: int) -> str:
         """A place in words, for refusals."""

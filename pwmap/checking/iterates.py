@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, Quotient, plus, power, times
-from pwmap.checking.refusing import ATOMS, WORK_ATOM, refuse
+from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, Work, refuse
 
 
 class Value(NamedTuple):
@@ -44,20 +44,21 @@ class Map(NamedTuple):
     intercepts: Mapping[str, Poly]
     breaks: tuple[Poly, ...]
     unit: Poly
+    work: Work
 
     def follow(self, value: Value, word: str) -> Value:
         """A value after some more letters."""
         top, n = value
         for letter in word:
-            shift = times(self.intercepts[letter], power(self.unit, n))
-            top, n = plus(times(self.slopes[letter], top), shift), n + 1
+            shift = self._times(self.intercepts[letter], self._power(n))
+            top, n = plus(self.work, self._times(self.slopes[letter], top), shift), n + 1
         return Value(top, n)
 
     def slope(self, word: str) -> Poly:
         """The slope of a word of n letters, over the n-th power of the denominator."""
         found: Poly = (1,)
         for letter in word:
-            found = times(found, self.slopes[letter])
+            found = self._times(found, self.slopes[letter])
         return found
 
     def offset(self, word: str) -> Value:
@@ -66,24 +67,31 @@ class Map(NamedTuple):
 
     def over(self, value: Value, k: int) -> Poly:
         """The numerator of a value minus a break."""
-        return plus(value.top, times(self.breaks[k], power(self.unit, value.power - 1)), -1)
+        at = self._times(self.breaks[k], self._power(value.power - 1))
+        return plus(self.work, value.top, at, -1)
 
     def preimage(self, k: int, word: str) -> Quotient:
         """The x that the affine map of a word takes to a break."""
         over = self.over(self.offset(word), k)
-        return tuple(-c for c in over), times(self.slope(word), self.unit)
+        return tuple(-c for c in over), self._times(self.slope(word), self.unit)
 
     def fixed(self, word: str) -> Quotient:
         """The x that the affine map of a word takes to itself."""
-        return self.offset(word).top, times(self.unit, self.excess(word, -1))
+        return self.offset(word).top, self._times(self.unit, self.excess(word, -1))
 
     def excess(self, word: str, unit: int) -> Poly:
         """The numerator of 1 plus a unit, 1 or -1, times the slope of a word."""
-        return plus(power(self.unit, len(word)), self.slope(word), unit)
+        return plus(self.work, self._power(len(word)), self.slope(word), unit)
+
+    def _times(self, f: Poly, g: Poly) -> Poly:
+        return times(self.work, f, g)
+
+    def _power(self, n: int) -> Poly:
+        return power(self.work, self.unit, n)
 
     def ratio(self, value: Value) -> Quotient:
         """A value as a quotient."""
-        return value.top, power(self.unit, value.power)
+        return value.top, self._power(value.power)
 
 
 class Fixed(NamedTuple):
@@ -114,9 +122,9 @@ class Study:
     """An iterate at a place, composed from the map alone, and all that lies on its diagonal."""
 
     def __init__(self, map_: Map, place: Place, order: int) -> None:
-        self.map, self.place, self.order = map_, place, order
+        self.map, self.place, self.order, self.work = map_, place, order, place.work
         if place.sign(map_.unit) <= 0 or any(
-            place.sign(plus(b, a, -1)) <= 0 for a, b in pairwise(map_.breaks)
+            place.sign(plus(self.work, b, a, -1)) <= 0 for a, b in pairwise(map_.breaks)
         ):
             refuse("the denominator of the map must be positive and its breaks ascend")
         self.atoms = [Atom("", None, None)]
@@ -129,7 +137,7 @@ class Study:
         for atom in self.atoms:
             for new in self._split(atom):
                 size += 1
-                self.place.work.spend(WORK_ATOM * len(new.word))
+                self.work.keep(new.word, *(value.top for value in new[1:3] if value is not None))
                 if size > ATOMS:
                     refuse(f"an iterate has more than {ATOMS} pieces, too many to be checked")
                 yield new
@@ -199,7 +207,7 @@ class Study:
 
     def slope(self, word: str) -> Quotient:
         """The slope of a word."""
-        return self.map.slope(word), power(self.map.unit, len(word))
+        return self.map.slope(word), power(self.work, self.map.unit, len(word))
 
     def excess(self, word: str, unit: int) -> int:
         """The sign of 1 minus (unit = -1) or plus (unit = 1) the slope of a word."""
@@ -208,6 +216,7 @@ class Study:
     @cached_property
     def beside(self) -> list[tuple[Atom | None, Atom, Atom | None]]:
         """Each atom with its neighbours."""
+        self.work.spend(BYTE * OBJECT * len(self.atoms))
         line = [None, *self.atoms, None]
         return [(line[i - 1], a, line[i + 1]) for i, a in enumerate(self.atoms, start=1)]
 
@@ -221,6 +230,7 @@ class Study:
                 left, right = (end and self.x(end) for end in (low, high))
                 closed = (end is not None and end.word == atom.word for end in (low, high))
                 found[atom.word] = Band((left, right), (next(closed), next(closed)))
+                self._keep(left, right)
         return found
 
     @cached_property
@@ -242,7 +252,13 @@ class Study:
                 ):
                     stable = steepness > 0 and self.excess(word, 1) > 0
                     found[word] = Fixed(self.map.fixed(word), self.slope(word), stable, False)
+            if word in found:
+                self._keep(found[word].x, found[word].slope)
         return found
+
+    def _keep(self, *quotients: Quotient | None) -> None:
+        """Pay for quotients that are kept."""
+        self.work.keep(*(part for each in quotients if each is not None for part in each))
 
     def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> Fixed:
         """A fixed point with an interval on either side.
@@ -269,4 +285,5 @@ class Study:
             if self.side(atom, left) * self.side(atom, right) < 0:
                 limits = self.map.ratio(left), self.map.ratio(right)
                 found[f"{low.word}|{high.word}"] = Crossing(self.x(atom), *limits)
+                self._keep(self.x(atom), *limits)
         return found

@@ -9,9 +9,11 @@ from typing import Any
 
 from pwmap.checking.iterates import Study
 from pwmap.checking.places import Number, Place
-from pwmap.checking.polynomials import Quotient
+from pwmap.checking.polynomials import Quotient, primitive
 from pwmap.checking.reading import canonical, read_map, shown, whole
 from pwmap.checking.refusing import ORDER, Work, digits, refuse
+
+COPIES = 3  # of a text: in a list, in its JSON, and in the statement
 
 
 def count(n: int, what: str) -> str:
@@ -20,12 +22,17 @@ def count(n: int, what: str) -> str:
     return f"{n or 'no'} {what if n == 1 else plural}".replace("stretchs", "stretches")
 
 
-def rational_text(value: Quotient | None) -> str | None:
+def rational_text(work: Work, value: Quotient | None) -> str | None:
     """A quotient of constants as text, None if it is None."""
     if value is None:
         return None
+    primitive(work, [c for part in value for c in part])  # as much work as to cancel it
     top, bottom = value
-    return digits(Fraction(*(part[0] if part else 0 for part in (top, bottom))))
+    found = digits(Fraction(*(part[0] if part else 0 for part in (top, bottom))))
+    work.spend(len(found) ** 2)
+    for _ in range(COPIES):
+        work.keep(found)
+    return found
 
 
 def period(word: str) -> int:
@@ -36,18 +43,23 @@ def period(word: str) -> int:
 
 def claims_of(study: Study) -> dict[str, list[dict[str, Any]]]:
     """All that lies on the diagonal of an iterate of a map without a parameter."""
+    work = study.work
     fixed = [
-        {"word": word, "x": rational_text(each.x), "slope": rational_text(each.slope),
+        {"word": word, "x": rational_text(work, each.x), "slope": rational_text(work, each.slope),
          "period": period(word), "stable": each.stable}
         for word, each in study.fixed.items()
     ]  # fmt: skip
     bands = [
-        {"word": word, "ends": list(map(rational_text, each.ends)), "closed": list(each.closed)}
+        {
+            "word": word,
+            "ends": [rational_text(work, end) for end in each.ends],
+            "closed": list(each.closed),
+        }
         for word, each in study.bands.items()
-    ]
+    ]  # fmt: skip
     crossings = [
-        {"word": word, "x": rational_text(each.x), "left": rational_text(each.left),
-         "right": rational_text(each.right)}
+        {"word": word, "x": rational_text(work, each.x), "left": rational_text(work, each.left),
+         "right": rational_text(work, each.right)}
         for word, each in study.crossings.items()
     ]  # fmt: skip
     return {"fixed points": fixed, "intervals": bands, "crossings": crossings}
@@ -55,10 +67,11 @@ def claims_of(study: Study) -> dict[str, list[dict[str, Any]]]:
 
 def fixed_points_statement(certificate: Mapping[str, Any]) -> str:
     """Verify that lists are those of an iterate; the sentence that says so."""
-    map_, _, name = read_map(certificate["map"], parametric=False)
+    work = Work()
+    map_, _, name = read_map(certificate["map"], work, parametric=False)
     order = whole(certificate["order"], 1, ORDER)
     zero = Number((), Fraction(0), Fraction(0))
-    found = claims_of(Study(map_, Place(zero, zero, Work()), order))
+    found = claims_of(Study(map_, Place(zero, zero, work), order))
     for key, rows in found.items():
         if canonical(certificate[key]) != canonical(rows):
             refuse(f"the {key} of P_{order} are {shown(rows)}, not {shown(certificate[key])}")

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
-from itertools import chain
 from typing import NamedTuple
 
-from pwmap.checking.polynomials import Poly, changes, primitive, query, sign_near, sturm, text
-from pwmap.checking.refusing import Work, brief, refuse
+from pwmap.checking.polynomials import (
+    Poly,
+    changes,
+    length,
+    primitive,
+    query,
+    sign_near,
+    sturm,
+    text,
+)
+from pwmap.checking.refusing import STEP, Work, brief, refuse
 
 
 class Number(NamedTuple):
@@ -23,11 +30,11 @@ class Number(NamedTuple):
         """Whether it lies strictly inside of its interval."""
         return self.low < self.high
 
-    def sign(self, f: Poly) -> int:
+    def sign(self, work: Work, f: Poly) -> int:
         """The sign of a polynomial at the number."""
         if not self.is_root or len(f) < 2:
-            return sign_near(f, self.low)
-        return query(self.poly, f, self.low, self.high)
+            return sign_near(work, f, self.low)
+        return query(work, self.poly, f, self.low, self.high)
 
     def __str__(self) -> str:
         if not self.is_root:
@@ -41,14 +48,6 @@ class Number(NamedTuple):
         if not self.is_root:
             return low
         return f"the root of {brief(text(self.poly, 't'))} between {low} and {high}"
-
-
-def effort(polynomials: Sequence[Poly], numbers: Sequence[Fraction] = ()) -> int:
-    """About how many steps Sturm's sequence takes of a product of polynomials, at some numbers."""
-    degree = sum(map(len, polynomials))
-    parts = (part for x in numbers for part in (x.numerator, x.denominator))
-    bits = max(c.bit_length() for c in (*chain.from_iterable(polynomials), *parts))
-    return degree**3 * (1 + degree * bits // 500)
 
 
 def between(low: Number, high: Number) -> Fraction:
@@ -77,28 +76,29 @@ class Place:
 
     def sign(self, f: Poly) -> int:
         """The sign of a polynomial: at the edge, or all over the open interval."""
+        self.work.spend(STEP + len(f) * (60 + length(f) // 16))  # to look it up
         if f not in self._known:
-            self._known[f] = self._sign(primitive(f))
+            found = self._sign(primitive(self.work, f))
+            self.work.keep(f)
+            self._known[f] = found
         return self._known[f]
 
     def _sign(self, f: Poly) -> int:
         if len(f) < 2:
-            return sign_near(f, self.sample)
-        ends = (self.low, self.high)
-        numbers = [x for end in ends for x in (end.low, end.high)]
-        self.work.spend(effort([f, *(end.poly for end in ends)], numbers))
+            return sign_near(self.work, f, self.sample)
         if self.is_edge:
-            return self.low.sign(f)
+            return self.low.sign(self.work, f)
         if self._roots(f):
             where = f"between the edges {self.low.brief} and {self.high.brief}"
             refuse(f"{brief(text(f, 'p'))} has a root {where}")
-        return sign_near(f, self.sample)
+        return sign_near(self.work, f, self.sample)
 
     def _roots(self, f: Poly) -> int:
         """How many roots a polynomial has in the open interval; 0 is sure."""
-        sequence, (low, high) = sturm(f), (self.low, self.high)
-        outer = [changes(sign_near(h, x) for h in sequence) for x in (low.low, high.high)]
+        work, (low, high) = self.work, (self.low, self.high)
+        sequence = sturm(work, f)
+        outer = [changes(sign_near(work, h, x) for h in sequence) for x in (low.low, high.high)]
         if outer[0] == outer[1]:
             return 0
-        ends = [changes(end.sign(h) for h in sequence) for end in (low, high)]
-        return ends[0] - ends[1] - (high.sign(f) == 0)
+        ends = [changes(end.sign(work, h) for h in sequence) for end in (low, high)]
+        return ends[0] - ends[1] - (high.sign(work, f) == 0)

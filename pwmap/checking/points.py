@@ -7,11 +7,11 @@ from typing import Any
 
 from pwmap.checking.branches import KINDS, Diagram, End
 from pwmap.checking.iterates import Study
-from pwmap.checking.lists import count
+from pwmap.checking.lists import COPIES, count
 from pwmap.checking.places import Number
 from pwmap.checking.polynomials import derivative, primitive
 from pwmap.checking.reading import canonical, fields, listed, number, shown, whole
-from pwmap.checking.refusing import ROWS, digits, refuse
+from pwmap.checking.refusing import ROWS, STEP, digits, refuse
 
 
 class Point:
@@ -119,6 +119,7 @@ class Point:
             polynomials = [self.diagram.map.excess(word, 1 if code == "PD" else -1)]
         else:
             study = self._study(end)
+            self.diagram.work.spend(STEP * len(study.atoms))
             rows = [row for row in study.beside if row[1].word == word and row[1].cut is None]
             polynomials = [
                 study.above(border, value)
@@ -127,7 +128,7 @@ class Point:
                 if border is not None and value is not None
             ]
         sign = self.place.sign
-        vanishing = [primitive(f) for f in polynomials if f and sign(f) == 0]
+        vanishing = [primitive(self.diagram.work, f) for f in polynomials if f and sign(f) == 0]
         simple = [sign(derivative(f)) != 0 for f in vanishing]
         vanishing_text = [[digits(c) for c in f] for f in vanishing]
         return {"word": word, "side": end.side, "vanishing": vanishing_text, "simple": simple}
@@ -144,6 +145,7 @@ class Point:
         stretch = self.beside[kinds.index(True)].stretch
         words = self.beside[kinds.index(False)].stretch.word
         study = self.diagram.study(2 * self.edge, self.order)
+        self.diagram.work.spend(STEP * len(study.atoms))
         for low, atom, high in study.beside:
             if atom.cut is None or low is None or high is None:
                 continue
@@ -179,6 +181,7 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
         i = whole(edge, 1, len(diagram.edges) - 2)
         side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
         x = side or number(at, diagram.work)
+        diagram.work.spend(STEP * len(diagram.ends(i)))
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
         fixed = {(i, end.name) for end in ends if end.is_fixed}
         where = f"{diagram.where(2 * i)} and x = {x.brief if isinstance(x, Number) else at}"
@@ -193,6 +196,8 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
         parts = [true["code"], true["note"], "" if simple else "a zero that is not simple"]
         where = f"at {diagram.name} = {diagram.edges[i]} and x = {at if side else x}"
         texts.append(f"{', '.join(filter(None, parts))}, {where}")
+        for _ in range(COPIES):
+            diagram.work.keep(texts[-1])
     if left:
         i, name = min(left)
         refuse(f"fixed points {name[1]} end {diagram.where(2 * i)}, but no point is listed there")

@@ -1,21 +1,33 @@
 """Polynomials with integer coefficients, and the signs that they have at roots of others.
 
 All signs come from sequences of signed remainders: Sturm's theorem, and that of Tarski on the signs
-of one polynomial at the roots of another [BasuPollackRoy2006, Section 2.2].
+of one polynomial at the roots of another [BasuPollackRoy2006, Section 2.2]. Whatever multiplies
+says first what it takes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from functools import lru_cache
 from itertools import pairwise, zip_longest
 from math import gcd
+from typing import TypeVar
 
-from pwmap.checking.refusing import BITS, DEGREE, digits, refuse
+from pwmap.checking.refusing import BITS, DEGREE, STEP, Work, digits, refuse
 
 Poly = tuple[int, ...]  # lowest degree first, the last coefficient is not zero
 Quotient = tuple[Poly, Poly]
+Kept = TypeVar("Kept")
+
+
+def length(f: Sequence[int]) -> int:
+    """Bits of the longest coefficient."""
+    return max((c.bit_length() for c in f), default=0)
+
+
+def multiplying(bits: int, more: int) -> int:
+    """About the work of multiplying, or dividing, two integers of so many bits."""
+    return 60 + (bits + more) // 16 + bits * more // 1000
 
 
 def trimmed(coefficients: Sequence[int]) -> Poly:
@@ -23,18 +35,20 @@ def trimmed(coefficients: Sequence[int]) -> Poly:
     size = len(coefficients)
     while size and not coefficients[size - 1]:
         size -= 1
-    if size > DEGREE or any(c.bit_length() > BITS for c in coefficients):
+    if size > DEGREE or length(coefficients) > BITS:
         refuse("the polynomials that decide become too large to be checked")
     return tuple(coefficients[:size])
 
 
-def plus(f: Poly, g: Poly, sign: int = 1) -> Poly:
+def plus(work: Work, f: Poly, g: Poly, sign: int = 1) -> Poly:
     """The sum, or the difference, of two polynomials."""
+    work.spend(STEP + (len(f) + len(g)) * multiplying(max(length(f), length(g)), 1))
     return trimmed([a + sign * b for a, b in zip_longest(f, g, fillvalue=0)])
 
 
-def times(f: Poly, g: Poly) -> Poly:
+def times(work: Work, f: Poly, g: Poly) -> Poly:
     """The product of two polynomials."""
+    work.spend(STEP + len(f) * len(g) * 2 * multiplying(length(f), length(g)))
     found = [0] * (len(f) + len(g))
     for i, a in enumerate(f):
         for k, b in enumerate(g):
@@ -42,10 +56,27 @@ def times(f: Poly, g: Poly) -> Poly:
     return trimmed(found)
 
 
-@lru_cache(maxsize=4096)
-def power(f: Poly, n: int) -> Poly:
+def power(work: Work, f: Poly, n: int) -> Poly:
     """The n-th power."""
-    return times(power(f, n - 1), f) if n else (1,)
+    powers = known(work, ("powers", f), _no_power)
+    while len(powers) <= n:
+        powers.append(times(work, powers[-1], f))
+        work.keep(powers[-1])
+    return powers[n]
+
+
+def _no_power() -> list[Poly]:
+    return [(1,)]
+
+
+def known(work: Work, key: tuple[str, *tuple[Poly, ...]], compute: Callable[[], Kept]) -> Kept:
+    """What was computed before, or is now and is kept."""
+    work.spend(STEP + sum(len(f) * (60 + length(f) // 16) for f in key[1:]))  # to look it up
+    if key not in work.known:
+        found = compute()
+        work.keep(*key[1:])
+        work.known[key] = found
+    return work.known[key]  # type: ignore[no-any-return]
 
 
 def derivative(f: Poly) -> Poly:
@@ -53,24 +84,29 @@ def derivative(f: Poly) -> Poly:
     return tuple(n * c for n, c in enumerate(f))[1:]
 
 
-def primitive(f: Sequence[int]) -> Poly:
+def primitive(work: Work, f: Sequence[int]) -> Poly:
     """A polynomial divided by the greatest common divisor of its coefficients."""
+    bits = length(f)
+    work.spend(STEP + len(f) * (multiplying(bits, bits) + bits * bits // 500))
     common = gcd(*f) or 1
     return trimmed([c // common for c in f])
 
 
-def divided(f: Poly, g: Poly) -> tuple[Poly, Poly]:
+def divided(work: Work, f: Poly, g: Poly) -> tuple[Poly, Poly]:
     """Positive multiples of the quotient and of the remainder of f by g."""
     rest, quotient = list(f), [0] * len(f)
     lead, scale = (1 if g[-1] > 0 else -1), abs(g[-1])
     while len(rest) >= len(g):
+        bits = max(length(rest), length(quotient))
+        work.spend(STEP + 3 * len(f) * multiplying(bits, length(g)))
         factor, shift = lead * rest[-1], len(rest) - len(g)
         rest, quotient = [scale * c for c in rest], [scale * c for c in quotient]
         quotient[shift] += factor
         for i, c in enumerate(g):
             rest[shift + i] -= factor * c
         rest = list(trimmed(rest))
-    return primitive(quotient), primitive(rest)
+        trimmed(quotient)
+    return primitive(work, quotient), primitive(work, rest)
 
 
 def sign_of(number: Fraction | int) -> int:
@@ -78,8 +114,12 @@ def sign_of(number: Fraction | int) -> int:
     return (number > 0) - (number < 0)
 
 
-def sign_near(f: Poly, x: Fraction) -> int:
+def sign_near(work: Work, f: Poly, x: Fraction) -> int:
     """The sign of a polynomial at a rational number."""
+    bits = max(length((x.numerator,)), length((x.denominator,)))
+    most = length(f) + len(f) * bits  # of the value, in the end
+    steps = 2 * multiplying(most, bits) + multiplying(length(f), len(f) * bits)
+    work.spend(STEP + len(f) * steps)
     value, scale = 0, 1
     for c in reversed(f):
         value = value * x.numerator + c * scale
@@ -87,21 +127,28 @@ def sign_near(f: Poly, x: Fraction) -> int:
     return sign_of(value)
 
 
-@lru_cache(maxsize=4096)
-def chain(f: Poly, g: Poly) -> tuple[Poly, ...]:
+def chain(work: Work, f: Poly, g: Poly) -> tuple[Poly, ...]:
     """The sequence of signed remainders of two polynomials, up to positive factors."""
-    found = [f, g]
-    while found[-1]:
-        rest = divided(found[-2], found[-1])[1]
-        found.append(tuple(-c for c in rest))
-    return tuple(found[:-1])
+
+    def compute() -> tuple[Poly, ...]:
+        found = [f, g]
+        while found[-1]:
+            rest = divided(work, found[-2], found[-1])[1]
+            found.append(tuple(-c for c in rest))
+            work.keep(rest)
+        return tuple(found[:-1])
+
+    return known(work, ("chain", f, g), compute)
 
 
-@lru_cache(maxsize=4096)
-def sturm(f: Poly) -> tuple[Poly, ...]:
+def sturm(work: Work, f: Poly) -> tuple[Poly, ...]:
     """Sturm's sequence of the polynomial that has each root of another one once."""
-    simple = divided(f, chain(f, derivative(f))[-1])[0]
-    return chain(simple, derivative(simple))
+
+    def compute() -> tuple[Poly, ...]:
+        simple = divided(work, f, chain(work, f, derivative(f))[-1])[0]
+        return chain(work, simple, derivative(simple))
+
+    return known(work, ("sturm", f), compute)
 
 
 def changes(signs: Iterable[int]) -> int:
@@ -109,10 +156,10 @@ def changes(signs: Iterable[int]) -> int:
     return sum(one != other for one, other in pairwise(filter(None, signs)))
 
 
-def query(f: Poly, g: Poly, low: Fraction, high: Fraction) -> int:
+def query(work: Work, f: Poly, g: Poly, low: Fraction, high: Fraction) -> int:
     """The sum of the signs of g at the roots of f between two numbers that are no roots of f."""
-    sequence = chain(f, times(derivative(f), g))
-    ends = [changes(sign_near(h, x) for h in sequence) for x in (low, high)]
+    sequence = chain(work, f, times(work, derivative(f), g))
+    ends = [changes(sign_near(work, h, x) for h in sequence) for x in (low, high)]
     return ends[0] - ends[1]
 
 

@@ -11,9 +11,27 @@ from math import lcm
 from typing import Any
 
 from pwmap.checking.iterates import Map
-from pwmap.checking.places import Number, effort
-from pwmap.checking.polynomials import Poly, Quotient, query, sign_near, text, trimmed
-from pwmap.checking.refusing import BITS, DEGREE, DIGITS, LETTERS, TERMS, Work, brief, refuse
+from pwmap.checking.places import Number
+from pwmap.checking.polynomials import (
+    Poly,
+    Quotient,
+    multiplying,
+    query,
+    sign_near,
+    text,
+    trimmed,
+)
+from pwmap.checking.refusing import (
+    BITS,
+    DEGREE,
+    DIGITS,
+    LETTERS,
+    STEP,
+    TERMS,
+    Work,
+    brief,
+    refuse,
+)
 
 
 def fields(value: object, *names: str) -> list[Any]:
@@ -68,19 +86,25 @@ def coefficients(value: object, most: int = TERMS) -> list[Fraction]:
     return found
 
 
-def over_one(parts: Sequence[Sequence[Fraction]]) -> tuple[list[Poly], int]:
+def over_one(work: Work, parts: Sequence[Sequence[Fraction]]) -> tuple[list[Poly], int]:
     """Polynomials times their common denominator, and this."""
     unit = 1
     for c in chain.from_iterable(parts):
+        work.spend(STEP + 4 * multiplying(unit.bit_length(), c.denominator.bit_length()))
         unit = lcm(unit, c.denominator)
         if unit.bit_length() > BITS:
             refuse("the common denominator of some numbers is too large")
-    return [trimmed([int(c * unit) for c in part]) for part in parts], unit
+    found = []
+    for part in parts:
+        work.spend(STEP + len(part) * 4 * multiplying(unit.bit_length(), 4 * DIGITS))
+        found.append(trimmed([int(c * unit) for c in part]))
+        work.keep(found[-1])
+    return found, unit
 
 
-def quotient(value: object) -> Quotient:
+def quotient(value: object, work: Work) -> Quotient:
     """A quotient of two polynomials."""
-    top, bottom = over_one([coefficients(part, DEGREE) for part in pair(value)])[0]
+    top, bottom = over_one(work, [coefficients(part, DEGREE) for part in pair(value)])[0]
     if not bottom:
         refuse("the denominator of a quotient must not be zero")
     return top, bottom
@@ -103,12 +127,12 @@ def number(value: object, work: Work) -> Number:
         x = rational(value)
         return Number((), x, x)
     polynomial, interval = fields(value, "polynomial", "interval")
-    (poly,), unit = over_one([coefficients(polynomial, DEGREE)])
+    (poly,), unit = over_one(work, [coefficients(polynomial, DEGREE)])
     low, high = map(rational, pair(interval))
     if unit != 1 or len(poly) < 2 or not low < high:
         refuse(f"an integer polynomial and an interval were expected, got {shown(value)}")
-    work.spend(effort([poly, poly], [low, high]))
-    if sign_near(poly, low) * sign_near(poly, high) >= 0 or query(poly, (1,), low, high) != 1:
+    signs = sign_near(work, poly, low) * sign_near(work, poly, high)
+    if signs >= 0 or query(work, poly, (1,), low, high) != 1:
         what = f"{brief(text(poly, 't'))} does not change its sign at just one root"
         refuse(f"{what} between {brief(str(low))} and {brief(str(high))}")
     return Number(poly, low, high)
@@ -117,7 +141,7 @@ def number(value: object, work: Work) -> Number:
 NAME = re.compile(r"[^\W\d]\w{0,39}")
 
 
-def read_map(value: object, *, parametric: bool) -> tuple[Map, str, str]:
+def read_map(value: object, work: Work, *, parametric: bool) -> tuple[Map, str, str]:
     """A map, the name of its parameter, and the map as text."""
     names = ("variable", "parameter", "slots", "pieces", "breaks", "denominator")
     x, p, slots, pieces, breaks, unit = fields(value, *names)
@@ -132,9 +156,9 @@ def read_map(value: object, *, parametric: bool) -> tuple[Map, str, str]:
     parts = [coefficients(each if parametric else [each] * (each != "0")) for each in numbers]
     if not parts[-1]:
         refuse("the denominator of a map must not be zero")
-    tops, n = over_one(parts)[0], 2 * len(letters)
+    tops, n = over_one(work, parts)[0], 2 * len(letters)
     slopes, intercepts = (dict(zip(letters, tops[i:n:2], strict=True)) for i in (0, 1))
-    map_ = Map(slots, slopes, intercepts, tuple(tops[n:-1]), tops[-1])
+    map_ = Map(slots, slopes, intercepts, tuple(tops[n:-1]), tops[-1], work)
     return map_, p or "", map_text(map_, parts, x, p or "")
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import NoReturn
+from typing import Any, NoReturn
 
 BYTES = 4_000_000  # of a file
 DIGITS = 400  # of a number as text
@@ -13,9 +14,10 @@ LETTERS = 60  # breaks of a map
 ORDER = 32  # of an iterate
 ROWS = 1_000  # of a list
 ATOMS = 20_000  # pieces of an iterate
-WORK_ATOM = 200  # steps for each, and for each letter
-WORK = 2_000_000_000  # steps, roughly
 DEGREE, BITS = 200, 20_000  # of a polynomial that arises
+WORK = 15_000_000_000  # of one check: nanoseconds of a processor of 2025, roughly, and rather more
+BYTE = 100  # work that a byte costs which is kept: so time bounds memory, too, at 150 MB
+STEP = 1_000  # work of any step, whatever it computes with
 
 
 class Refused(ValueError):  # noqa: N818  it is no error of the program
@@ -37,16 +39,42 @@ class Refused(ValueError):  # noqa: N818  it is no error of the program
 
 
 class Work:
-    """How much may still be done for one certificate, in rough numbers of small steps."""
+    """How much may still be done for one certificate.
 
-    def __init__(self, steps: int = WORK) -> None:
-        self.left = steps
+    Whatever computes says what it is going to take before it does, by the number and the length of
+    the integers; whatever is kept for later is paid for by its size. So neither time nor memory has
+    another bound, and every machine refuses the same files.
 
-    def spend(self, steps: int) -> None:
+    Attributes
+    ----------
+    left
+        Of the work that is allowed.
+    known
+        Results that are asked for again and again; they are kept as everything is.
+    """
+
+    def __init__(self, work: int = WORK) -> None:
+        self.left = work
+        self.known: dict[object, Any] = {}
+
+    def spend(self, work: int) -> None:
         """Refuse to do more than is left."""
-        self.left -= steps
+        self.left -= work
         if self.left < 0:
             refuse("this takes more work than a check may")
+
+    def keep(self, *rows: Sequence[int] | str) -> None:
+        """Pay for polynomials or texts that are kept."""
+        size = sum(len(row) if isinstance(row, str) else _bytes(row) for row in rows)
+        self.spend(BYTE * (OBJECT + size))
+
+
+OBJECT = 200  # bytes of what holds them
+
+
+def _bytes(poly: Sequence[int]) -> int:
+    """About how many bytes a polynomial takes."""
+    return sum(40 + c.bit_length() // 7 for c in poly)
 
 
 def digits(number: int | Fraction) -> str:

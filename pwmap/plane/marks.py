@@ -12,7 +12,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.bifurcations import classify, lowest
-from pwmap.parameters.branches import Continuation, Junction
+from pwmap.parameters.branches import Continuation, End, Junction
 from pwmap.parameters.cells import Cell
 from pwmap.parameters.curves import connected
 
@@ -46,10 +46,12 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]
     """All bifurcations of cycles along an axis, from left to right, each cycle once.
 
     Where jumps alone end nothing happens to a cycle; that is left out. So is what happens to
-    intervals of points of twice a period right where a multiplier is -1: the cycle itself says it.
+    intervals of points of twice a period at the one place where a multiplier is -1: the cycle
+    itself says it. Where the multiplier is -1 all along, such an interval persists, and other
+    cycles that meet it count.
     """
-    ends = cells[0].lower, cells[-1].upper
-    continuation = Continuation(axis, cells, len(map_.chain), ends)
+    ends, step = (cells[0].lower, cells[-1].upper), len(map_.chain)
+    continuation = Continuation(axis, cells, step, ends)
     segments = continuation.segments()
     stops = continuation.stops
     found: dict[tuple[Any, tuple[str, ...]], list[tuple[PointKind, str]]] = defaultdict(list)
@@ -58,8 +60,9 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]
             continue
         kind, note = classify(junction, at_span_end=False)
         own = _own(junction)
-        if kind is not PointKind.EP and all(minimal_period(word) == len(word) for word in own):
-            words = {_first_turn(word, len(map_.chain)) for word in own}
+        words = {_first_turn(end.segment.key.word, step) for end in own if not _doubles(end, step)}
+        says_more = any(_doubles(end, step) and end.segment.band is not None for end in own)
+        if kind is not PointKind.EP and words and not says_more:
             spelled = tuple(sorted(map(map_.spelled, words)))
             found[junction.place, spelled].append((kind, note))
     return [
@@ -76,10 +79,16 @@ def _joined(happening: Sequence[tuple[PointKind, str]]) -> tuple[PointKind, str]
     return kind, " and ".join(sorted(notes))
 
 
-def _own(junction: Junction) -> set[Word]:
-    """Words of the periodic points of lowest order that a junction joins."""
+def _own(junction: Junction) -> list[End]:
+    """Ends of branches of the periodic points of lowest order that a junction joins."""
     order = lowest(junction.ends)
-    return {end.segment.key.word for end in junction.ends if end.is_fixed and end.length == order}
+    return [end for end in junction.ends if end.is_fixed and end.length == order]
+
+
+def _doubles(end: End, step: int) -> bool:
+    """Whether points of a branch have twice the period of a point whose multiplier is -1."""
+    word = end.segment.key.word
+    return step * minimal_period(word, step) < len(word)
 
 
 def _first_turn(word: Word, step: int) -> Word:
