@@ -236,13 +236,15 @@ def cycles(
     return FoundCycles(cycles=tuple(kept), order=done, words=searched, left_out=left_out)
 
 
-def repelling_words(line: Line, order: int) -> Iterator[tuple[int, ...]]:
-    """Words, as numbers of branches, of all points of repelling cycles that lie on no break."""
+def closed_words(line: Line, order: int) -> Iterator[tuple[tuple[int, ...], Exact]]:
+    """Words of cycles that lie on no break, as numbers of branches, with their multipliers.
+
+    Each once, from the leftmost point on; by period.
+    """
     for _, level in zip(range(order), _levels(line), strict=False):
         for start in level:
-            if abs_(start.slope) > 1 and _closed(start) is not None:
-                word = start.word
-                yield from (word[i:] + word[:i] for i in range(len(word)))
+            if _closed(start) is not None:
+                yield start.word, start.slope
 
 
 def _levels(line: Line) -> Iterator[list[_Start]]:
