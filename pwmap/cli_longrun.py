@@ -12,7 +12,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import PictureFormat, write_figure, write_table
 from pwmap.longrun.bands import with_attractors
 from pwmap.longrun.constant import EntropyIntervals, constant_entropy
-from pwmap.longrun.crises import AttractorDiagram, attractor_diagram
+from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
@@ -94,13 +94,14 @@ class LongRun:
     def _write_cells(self, path: Path) -> None:
         assert self.found is not None
         rows = [
-            (cell.lower, cell.upper, cell.sample, " ".join(cell.cycles), number, low, high)
+            (cell.lower, cell.upper, cell.sample, " ".join(cell.cycles), number, low, high,
+             "open" if cell.is_open else "")
             for cell in self.found.cells
             for number, (low, high) in enumerate(
                 [band for bands in cell.bands for band in bands] or [("", "")]
             )
-        ]
-        header = ("lower", "upper", "sample", "cycles", "band", "from", "to")
+        ]  # fmt: skip
+        header = ("lower", "upper", "sample", "cycles", "band", "from", "to", "open")
         write_table(path, header, ([str(each) for each in row] for row in rows))
 
     def _write_crises(self, path: Path) -> None:
@@ -142,6 +143,8 @@ class LongRun:
                 exact = str(c.parameter) if not c.width else f"open, within {c.width:.0e}"
                 cycle = c.cycles[0] if c.cycles else ""
                 table.add_row(c.kind.label, f"{float(c.parameter):.12g}", exact, bands, cycle)
+            if self.found.open or self.found.left_out:
+                table.caption = "; ".join(filter(None, (self.found.summary, self.found.left_out)))
             yield table
         if self.at:
             table = Table(self._parameter, "attractors", "entropy", "Lyapunov exponent", "kneading")

@@ -17,7 +17,7 @@ from sympy import QQ
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.diagram import Diagram, FloatArray, PointKind
 from pwmap.longrun.constant import EntropyIntervals, constant_entropy
-from pwmap.longrun.crises import AttractorDiagram
+from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap

@@ -405,6 +405,18 @@ def _shifted(polynomial: Sequence[int], x: int) -> list[int]:
     return rest
 
 
+def roots_between(polynomial: Dense, low: Real, high: Real) -> tuple[Real, ...]:
+    """The distinct roots of a polynomial strictly between two numbers, from left to right.
+
+    It is factored only if it may have any there.
+    """
+    first, last = bounds(low)[0], bounds(high)[1]
+    ends = to_float(first), to_float(last)
+    if not may_vanish(polynomial, *ends) or not most_roots(polynomial, first, last):
+        return ()
+    return tuple(root for root in real_roots(polynomial) if low < root < high)
+
+
 @cache
 def _real_roots(dense: Dense) -> tuple[Real, ...]:
     found: list[Real] = []

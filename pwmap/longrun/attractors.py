@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import gcd
 
@@ -134,9 +134,9 @@ def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGE
     orbits, open_, bands = list[Orbit](), set(line.breaks), list[Bands]()
     with meter.keeping(line.branches):
         for germ in meter.each(line.germs, "orbits of breaks"):
-            orbits.append(fates.orbit(germ))
+            orbits.append(_like_the_last(line, germ, orbits) or fates.orbit(germ))
         for k, orbit in enumerate(orbits):  # the cycles are all known only now
-            if orbit.fate is Fate.OPEN:
+            if orbit.fate is Fate.OPEN and fates.cycles:
                 orbits[k] = fates.orbit(orbit.germs[0])
         if not line.breaks:
             fates.orbit(
@@ -174,10 +174,21 @@ def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGE
     )  # fmt: skip
 
 
+def _like_the_last(line: Line, germ: Germ, orbits: Sequence[Orbit]) -> Orbit | None:
+    """The orbit of a germ with the image of the one before: both sides of a continuous break."""
+    last = orbits[-1] if orbits else None
+    if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
+        return None
+    letters = line.letter(germ), *last.letters[1:]
+    return replace(last, germs=(germ, *last.germs[1:]), letters=letters)
+
+
 def _beside(fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]) -> set[Intervals] | None:
     """What grows from the sides of a break, () where that settles; None if it is open."""
     found = set[Intervals]()
-    for orbit in sides:
+    image = sides[0].germs[1:2]
+    same = image and image == sides[1].germs[1:2]  # then the same grows from both
+    for orbit in sides[:1] if same else sides:
         if _ends_at_a_break(fates.line, orbit, fates):
             return None
         each = () if _is_settled(fates.line, orbit, fates) else growth.candidate(orbit.germs[0])

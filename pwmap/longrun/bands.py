@@ -26,7 +26,8 @@ from pwmap.diagrams.diagram import (
     SpecialPoint,
     Stretch,
 )
-from pwmap.longrun.crises import AttractorCell, AttractorDiagram, Crisis, meeting_x
+from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram, Crisis
+from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import dynamics
 from pwmap.longrun.numbers import algebraic
 

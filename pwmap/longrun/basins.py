@@ -37,6 +37,9 @@ PARTS = 64  # of a whole basin at most
 STEPS = 100  # of an orbit of a break
 MOST = 16  # intervals of which iterates are looked at until all have come back
 FEW = 4  # iterates that are looked at beside an end of a preimage
+LONGEST = (
+    60  # work of one operation with an end: beside one with thousands of bits nothing is sought
+)
 STEP = 20  # operations of one step of an iterate, with what is asked about it
 End = Exact | None
 Open = tuple[End, End]  # an interval; None is infinite
@@ -220,7 +223,7 @@ def _extended(
     Iterates up to some order are looked at.
     """
     end = known[k][side > 0]
-    if end is None:
+    if end is None or work_of(end) > LONGEST:
         return known[k]
     best: End = end
     for piece in _pieces(line, end, side, orders, meter):

@@ -319,7 +319,7 @@ class _Study:
         if Ending.OPEN in endings:
             expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
             return GapCause.EXPANDS if expands else GapCause.OPEN
-        grown = growth_by_kneading if Ending.MATCHED in endings else growth_at
+        grown = growth_by_kneading if None in endings else growth_at
         growth = grown(line, itineraries)
         if growth is None:
             return GapCause.LARGE

@@ -236,15 +236,17 @@ def cycles(
     )  # fmt: skip
 
 
-def repelling_words(
+def closed_words(
     line: Line, order: int, budget: Budget | Meter = BUDGET
-) -> Iterator[tuple[int, ...]]:
-    """Words, as numbers of branches, of all points of repelling cycles that lie on no break."""
+) -> Iterator[tuple[tuple[int, ...], Exact]]:
+    """Words of cycles that lie on no break, as numbers of branches, with their multipliers.
+
+    Each once, from the leftmost point on; by period.
+    """
     for level in islice(_levels(line, metered(budget)), order):
         for start in level:
-            if abs_(start.slope) > 1 and _closed(start) is not None:
-                word = start.word
-                yield from (word[i:] + word[:i] for i in range(len(word)))
+            if _closed(start) is not None:
+                yield start.word, start.slope
 
 
 def _levels(line: Line, meter: Meter) -> Iterator[list[_Start]]:

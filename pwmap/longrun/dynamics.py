@@ -209,7 +209,8 @@ class Attractor:
     def period(self) -> int:
         """Of a cycle, or of all points of neutral intervals but the middles of turned ones.
 
-        For bands it is the greatest common divisor of the times of return: some iterate of that order, and none of a lower one, mixes in each part [Block1980].
+        For bands it is the greatest common divisor of the times of return: some iterate of that
+        order, and none of a lower one, mixes in each part [Block1980].
         """
         if isinstance(self.core, AttractingCycle):
             return len(self.core.points)

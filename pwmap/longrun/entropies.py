@@ -235,7 +235,9 @@ def entropy_of(
             best = Entropy(low=low, high=high, value=None, order=order)
             if laps.is_finite or high - low <= WIDTH:
                 break
-    return replace(best, left_out=meter.left_out)
+    if meter.stopped:
+        best = replace(best, left_out=f"stopped after order {best.order}: {meter.stopped}")
+    return best
 
 
 def exact_entropy(growth: Real, order: int) -> Entropy:

@@ -32,7 +32,6 @@ class Ending(Enum):
     DRAWN = "it follows a word that draws it in"
     OUTWARD = "it moves outward on outer pieces"
     FLAT = "it comes to a flat piece, where laps end"
-    MATCHED = "it meets that of the other side of its break"
     OPEN = "not known"
 
 
@@ -47,12 +46,12 @@ class Itinerary:
     start
         After so many steps.
     ending
-        Why.
+        Why; None if it is that of one side of a break up to where it matches the other one.
     """
 
     pieces: tuple[int, ...]
     start: int
-    ending: Ending
+    ending: Ending | None
 
     @property
     def word(self) -> tuple[int, ...]:

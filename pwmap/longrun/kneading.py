@@ -22,7 +22,7 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyElement, ring
 
 from pwmap.algebra.roots import Real, real_roots
-from pwmap.longrun.itineraries import Ending, Itinerary
+from pwmap.longrun.itineraries import Itinerary
 from pwmap.longrun.line import Germ, Line
 from pwmap.longrun.numbers import sign, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
@@ -58,7 +58,7 @@ def matched(
         if not left.side or not right.side:
             return None
         if left == Germ(right.x, -right.side):
-            one, other = (Itinerary(tuple(w), len(w), Ending.MATCHED) for w in pieces)
+            one, other = (Itinerary(tuple(w), len(w), None) for w in pieces)
             return one, other
     return None
 

@@ -20,11 +20,12 @@ from pwmap.algebra.exact import Number, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, real_roots
 from pwmap.diagrams.diagram import PointKind
-from pwmap.longrun.crises import Crisis, Study, attractor_diagram, meeting_polynomial
+from pwmap.longrun.crises.diagram import Crisis, attractor_diagram
+from pwmap.longrun.crises.kinds import kind_at
+from pwmap.longrun.crises.meetings import meeting_polynomial
 from pwmap.longrun.numbers import algebraic
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.axes import axis_of
 from pwmap.plane.marks import Event
 from pwmap.plane.network import Arc, PlaneCurve
 from pwmap.plane.plane import ParameterPlane
@@ -127,7 +128,6 @@ class _Search:
         self.plane, self.order = plane, order
         self.along = str(plane.along)
         self.index = [str(symbol) for symbol in plane.map.parameters].index(self.along)
-        self.studies = dict[Number, Study]()
 
     def map_at(self, value: Number) -> PiecewiseLinearMap:
         """The map over the parameter along."""
@@ -176,12 +176,8 @@ class _Search:
         low, high = self.plane.along_span
         if len(roots) <= family.number or not low < roots[family.number] < high:
             return False
-        if value not in self.studies:
-            map_ = self.map_at(value)
-            axis = axis_of(map_.definition, self.along, {})
-            self.studies[value] = Study(map_, self.along, axis, self.order)
-        place = roots[family.number]
-        kind = self.studies[value].kind_at(place, (high - low) * QQ(1, BESIDE))
+        place, width = roots[family.number], (high - low) * QQ(1, BESIDE)
+        kind = kind_at(self.map_at(value), self.along, self.order, place, width)
         return kind is family.event.kind
 
     def _end(self, family: _Family, inside: Number, outside: Number) -> Number:

@@ -11,6 +11,7 @@ import sympy
 from sympy import QQ, Rational, log, sqrt
 
 from pwmap import (
+    Budget,
     ConstantEntropy,
     EntropyIntervals,
     GapCause,
@@ -22,6 +23,7 @@ from pwmap.algebra.roots import most_roots, real_to_sympy, simplest_between
 from pwmap.longrun import constant
 from pwmap.longrun.entropies import lap_numbers
 from pwmap.longrun.itineraries import Ending, growth_at, itinerary_of
+from pwmap.longrun.kneading import growth_by_kneading
 from pwmap.longrun.line import Line, line_of
 from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Orbits, Return
 
@@ -119,6 +121,59 @@ def test_windows_of_the_paper_s_map_begin_where_its_cycles_do() -> None:
     (window,) = (e for e in found.intervals if e.cycles == ("LRR",))
     assert (window.lower, window.upper) == (Rational(16, 7), Rational(50, 21))
     assert window.entropy.value == 0
+
+
+MATCHING = PiecewiseLinearMap.from_sympy("Piecewise((x + 1, x <= g), (3 - 2*x, True))")
+
+
+def test_where_orbits_of_a_break_match_the_entropy_is_constant() -> None:
+    """After LRLR and RRLL both are at 4 g - 1 with slope 4, for 1/3 < g < 2/3 [Bruin2019]."""
+    found = constant_entropy(MATCHING, "g", ("1/3", "2/3"))
+    (only,) = found.intervals
+    assert (only.lower, only.upper, only.closed) == (Rational(1, 3), Rational(2, 3), (True, True))
+    assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
+    assert found.gaps == ()
+
+
+@pytest.mark.slow
+def test_the_plateau_of_the_golden_mean_is_covered() -> None:
+    """It reaches from 1/6 to 2/3 [Bruin2019]; gaps are left between ever shorter intervals."""
+    found = constant_entropy(MATCHING, "g", ("1/6", "2/3"))
+    assert found.share > 0.99
+    assert {each.entropy.value for each in found.intervals} == {log(Rational(1, 2) + sqrt(5) / 2)}
+    rng = random.Random(11)
+    for each in found.intervals[::9]:
+        place = each.lower + (each.upper - each.lower) * Rational(rng.randint(1, 99), 100)
+        seen = dynamics(MATCHING, {"g": place}).entropy
+        assert seen.low <= each.entropy.high
+        assert each.entropy.low <= seen.high
+        assert seen.high - seen.low < 1e-11
+
+
+@pytest.mark.slow
+def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
+    """Of random maps of two to four pieces, with jumps, whose itineraries are known."""
+    rng, looked = random.Random(12), 0
+    while looked < 25:
+        pieces = [f"({rng.choice((-3, -2, -1, 0, 1, 2, 3))}*x/2 + {rng.randint(-8, 8)}/3, x < {k})"
+                  for k in range(rng.randint(1, 3))]  # fmt: skip
+        text = f"Piecewise({', '.join(pieces)}, ({rng.randint(-3, 3)}*x/2 + 1, True))"
+        line = line_of(PiecewiseLinearMap.from_sympy(text))
+        found = [itinerary_of(line, germ, 24) for germ in line.germs]
+        if any(each.ending is Ending.OPEN for each in found):
+            continue
+        one, other = growth_at(line, found), growth_by_kneading(line, found)
+        if one is None or other is None:
+            continue
+        assert one == other, text
+        looked += one != 1
+
+
+def test_a_budget_leaves_gaps() -> None:
+    found = constant_entropy(HALF, "r", (2, 3), budget=Budget(work=20_000))
+    causes = {cause for gap in found.gaps for cause in gap.causes}
+    assert GapCause.BUDGET in causes
+    assert found.share < constant_entropy(HALF, "r", (2, 3), samples=20).share
 
 
 # --- By another way ------------------------------------------------------------------------------

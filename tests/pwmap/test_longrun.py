@@ -14,12 +14,13 @@ import pytest
 import sympy
 from sympy import Interval, Rational, log, sqrt
 
-from pwmap import Attractor, Extremum, PiecewiseLinearMap, dynamics
+from pwmap import Attractor, Budget, Extremum, PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import pair
 from pwmap.longrun.line import Branch, Line, line_of
 from pwmap.longrun.numbers import Exact, algebraic, exact_to_sympy, to_double
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
 BETA = PiecewiseLinearMap.from_sympy("Piecewise((b*x, x < 1/b), (b*x - 1, True))", given=["b > 1"])
 PAPER = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
 GOLDEN = (1 + sqrt(5)) / 2
@@ -95,12 +96,15 @@ def test_orbits_settle_where_attractors_are() -> None:
             assert any(_holds(each, x, slack) for each in found.attractors), (r, a, b, x)
 
 
+LATE = 20_000  # steps: at r = 53/16, a = 81/32, b = 1/4 one orbit in 40 is not drawn in after 4000
+
+
 def _settled(line: Line, rng: np.random.Generator) -> list[float]:
     """Where orbits of doubles are after many steps; those that run away are left out."""
     slopes, shifts = (np.array([to_double(b[k]) for b in line.branches]) for k in (0, 1))
     breaks = np.array([to_double(x) for x in line.breaks])
     x = rng.uniform(-3.0, 6.0, 40)
-    for _ in range(4000):
+    for _ in range(LATE):
         k = np.searchsorted(breaks, x)
         x = slopes[k] * x + shifts[k]
         x = x[np.abs(x) < 1e6]
@@ -108,13 +112,131 @@ def _settled(line: Line, rng: np.random.Generator) -> list[float]:
 
 
 def _holds(attractor: Attractor, x: float, slack: float) -> bool:
-    """Whether a point lies in bands, or as close to a cycle as 4000 steps bring it at least."""
+    """Whether a point lies in bands, or as close to a cycle as so many steps bring it at least."""
     if attractor.is_chaotic:
         bands = [(float(each.start), float(each.end)) for each in attractor.bands]
         return any(low - slack <= x <= high + slack for low, high in bands)
-    rounds = 4000 // attractor.period
+    rounds = LATE // attractor.period
     close = slack + 10.0 * abs(float(attractor.multiplier or 0)) ** rounds
     return any(abs(x - float(point)) <= close for point in attractor.points)
+
+
+def test_a_word_of_slope_minus_one_makes_a_neutral_interval() -> None:
+    """3 - x turns (1, 2) about 3/2; all beyond comes there, or to the points 0, 3 of slope 3."""
+    found = dynamics(PiecewiseLinearMap.from_sympy("Piecewise((3 - x, x < 2), (9 - 3*x, True))"))
+    (each,) = found.attractors
+    assert str(each) == "1 neutral interval of L: (1, 2)"
+    assert each.neutral == (Interval.open(1, 2),)
+    assert (each.period, each.multiplier, each.exponent) == (2, -1, 0)
+    assert each.is_neutral
+    assert not each.is_chaotic
+    assert each.basin == (Interval.open(1, 2),)
+    assert not each.basin_is_complete  # 9 - 3 x takes (7/3, 8/3) there
+    assert Interval.open(Rational(7, 3), Rational(8, 3)) in each.whole_basin.parts
+    closed = dynamics(PiecewiseLinearMap.from_sympy("Piecewise((3 - x, x <= 2), (9 - 3*x, True))"))
+    assert closed.attractors[0].neutral == (Interval(1, 2),)
+
+
+def test_rotations_by_rationals_are_neutral_everywhere() -> None:
+    """x + 3/7 mod 1 has period 7: each seventh is a cylinder, with its left end."""
+    rotation = "Piecewise((x + 3/7, x < 4/7), (x - 4/7, x < 1), (x/2, True))"
+    (each,) = dynamics(PiecewiseLinearMap.from_sympy(rotation)).attractors
+    assert each.period == 7
+    assert each.neutral == tuple(Interval.Ropen(Rational(k, 7), Rational(k + 1, 7))
+                                 for k in range(7))  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("x/2 + 1", "cycle A through 2"), ("7", "cycle A through 7"), ("-x/3", "cycle A through 0"),
+     ("3 - x", "1 neutral interval of A: (-oo, oo)"), ("x", "1 neutral interval of A: (-oo, oo)"),
+     ("x + 1", ""), ("2*x", ""), ("-2*x", "")],
+)  # fmt: skip
+def test_maps_of_one_piece_have_attractors(text: str, expected: str) -> None:
+    found = dynamics(PiecewiseLinearMap.from_sympy(f"Piecewise(({text}, True))"))
+    assert [str(each) for each in found.attractors] == [expected] * bool(expected)
+    assert all(each.whole_basin.parts == (Interval(-sympy.oo, sympy.oo),)
+               for each in found.attractors)  # fmt: skip
+    assert found.attractors.left_out == ""
+
+
+def test_basins_are_complete_only_where_nothing_comes_from_elsewhere() -> None:
+    text = "Piecewise((x/2, x < 1), (x + 1, x < 10), (-1, True))"
+    (each,) = dynamics(PiecewiseLinearMap.from_sympy(text)).attractors
+    assert each.basin == (Interval.open(-sympy.oo, 1),)
+    assert not each.basin_is_complete
+    assert each.whole_basin.parts == (Interval(-sympy.oo, sympy.oo),)
+    assert each.whole_basin.complete
+    text = "Piecewise((x/5 + 17/30, x < 1/3), (5/3 - 5*x/2, True))"
+    (each,) = dynamics(PiecewiseLinearMap.from_sympy(text)).attractors
+    assert not each.basin_is_complete  # from the right the second piece comes to it, as from 2
+    isolated = "Piecewise((x/2, x < 1), (2*x, x < 5), (0, x <= 5), (2*x, True))"
+    (each,) = dynamics(PiecewiseLinearMap.from_sympy(isolated)).attractors
+    assert each.basin == (Interval.open(-sympy.oo, 1),)
+    assert not each.basin_is_complete
+    assert set(each.whole_basin.parts[1:]) >= {sympy.FiniteSet(Rational(5, 2)), sympy.FiniteSet(5)}
+
+
+def test_bands_are_found_where_they_expand_slowly() -> None:
+    """The 8 bands of the skew tent map merge to 4 at b = -8.239167880405 for a = 1/2."""
+    for b, bands in ((Rational(-33, 4), 4), (Rational(-82392, 10000), 4),
+                     (Rational(-82391, 10000), 8), (Rational(-823682, 100000), 8)):  # fmt: skip
+        (each,) = dynamics(SKEW, {"a": "1/2", "b": b}).attractors
+        assert len(each.bands) == bands
+    assert len(dynamics(TENT, {"a": "26/25"}).attractors[0].bands) == 16
+
+
+def test_bands_are_not_told_where_smaller_ones_may_lie_inside() -> None:
+    """At 1001/1000 there are 512, whose gaps are shorter than the sides from which they grow."""
+    found = dynamics(TENT, {"a": "1001/1000"}).attractors
+    assert found == ()
+    assert repr(found) == "(incomplete: open beside the break 1/2)"
+
+
+def test_long_numbers_take_little_work() -> None:
+    """A slope of 80 digits: 10 million units at most, about a fifth of what is allowed."""
+    a = Rational("1.4" + 8 * "1234567891")
+    (each,) = dynamics(TENT, {"a": a}, budget=Budget(work=10_000_000)).attractors
+    assert len(each.bands) == 2
+    assert each.bands[-1].end == a / 2
+    found = dynamics(TENT, {"a": a}, budget=Budget(work=100_000)).attractors
+    assert found == ()
+    assert found.open == (Rational(1, 2),)
+    assert found.left_out.endswith("they take more than 100000 units of work")
+
+
+def test_a_budget_that_is_used_up_leaves_bounds() -> None:
+    few = dynamics(SKEW, {"a": "1/2", "b": "-7/3"}, budget=Budget(work=200)).entropy
+    assert few.value is None
+    assert few.low == 0.0
+    assert math.log(2) <= few.high < math.nextafter(math.log(2), math.inf) + 1e-15
+    assert few.left_out == "stopped after order 0: they take more than 200 units of work"
+
+
+@pytest.mark.parametrize(
+    ("text", "ends"),
+    [("Piecewise((1/2, x < 1), (1/4, True))", (Rational(1, 4), 1)),
+     ("Piecewise((x/2, x < 1), (5, True))", (0, 5)),
+     ("Piecewise((x/2 - 1, x < 0), (3 - x/2, True))", (-2, 3)),
+     ("Piecewise((-x/2 - 1, x < 0), (3 - x/3, True))", (-1, 3))],
+)  # fmt: skip
+def test_the_absorbing_interval_holds_breaks_and_is_mapped_into_itself(
+    text: str, ends: tuple[object, object]
+) -> None:
+    """Where an outer piece comes ever closer to its fixed point, that is its end."""
+    assert dynamics(PiecewiseLinearMap.from_sympy(text)).absorbing == Interval(*ends)
+
+
+def test_an_enclosed_measure_is_a_double_too() -> None:
+    """At 7/4 the density is not exact; both halves of the band have the measure 1 together."""
+    (each,) = dynamics(TENT, {"a": "7/4"}).attractors
+    density = each.density
+    assert density is not None
+    low, high = density.places[0], density.places[-1]
+    middle = (low + high) / 2
+    halves = [density.measure(*pair) for pair in ((low, middle), (middle, high))]
+    assert abs(sum(map(float, halves)) - 1.0) < 1e-15  # their width, and a rounding of each
+    assert all(abs(half.mid - float(half)) < 2.0**-53 for half in halves)
 
 
 # --- Entropy -------------------------------------------------------------------------------------
@@ -325,6 +447,8 @@ def test_kneading_sequences_of_the_tent_map() -> None:
     assert [(each.letters, each.repeating) for each in found.kneading] == [
         (("L", "R", "L"), 1), (("R", "R", "L"), 1),
     ]  # fmt: skip
+    turned = dynamics(PiecewiseLinearMap.from_sympy("Piecewise((1 - x, x <= 0), (0, True))"))
+    assert [each.word for each in turned.kneading] == ["LR(LR)", "R(LR)"]  # 0 itself is in L
     drawn = dynamics(PAPER, {"r": 3, "a": "5/4", "b": 0}).kneading[1]
     assert (drawn.letters, drawn.repeating) == (("R",), 0)
 

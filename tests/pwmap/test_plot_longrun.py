@@ -77,6 +77,18 @@ def test_long_cycles_are_drawn_where_they_are() -> None:
     assert explained(ax) == ["attracting cycle"]
 
 
+def test_neutral_intervals_are_hatched_where_they_are() -> None:
+    """c - x turns (c - 2, 2) for 1 < c < 4, where 3 x - 9 + c beyond 2 comes back to it."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((c - x, x < 2), (6 + c - 3*x, True))")
+    ax = plot_attractors(attractor_diagram(map_, "c", ("5/2", "7/2"), 1), map_, steps=6).ax
+    (area,) = [each for each in ax.collections if isinstance(each, PolyCollection)]
+    ends = area.get_paths()[0].vertices
+    for c in (2.5, 3.5):
+        x = ends[np.isclose(ends[:, 0], c), 1]
+        assert np.allclose([x.min(), x.max()], [c - 2, 2.0])
+    assert explained(ax) == ["neutral intervals"]
+
+
 def test_a_diagram_over_another_parameter_is_refused() -> None:
     found = attractor_diagram(SKEW.at({"a": 2}), "b", (-2, "-3/2"), 1)
     with pytest.raises(ValueError, match="expected attractors over a, got them over b"):

@@ -53,7 +53,7 @@ def test_random_maps_are_the_same_each_time() -> None:
 def test_costs_and_errors_are_charted(measured: ShortRun) -> None:
     results, folder = measured
     tent = results["crises"]["tent map, 1.1 < a < 2.25"]
-    assert [(row["cells"], row["crises"], row["exact"]) for row in tent] == [(4, 3, 2), (4, 3, 3)]
+    assert [(row["cells"], row["crises"], row["exact"]) for row in tent] == [(4, 3, 3)] * 2
     for name, rows in results["entropy"].items():
         assert [row["order"] for row in rows] == [12, 24]
         assert 0.0 < rows[1]["width"] < rows[0]["width"], name

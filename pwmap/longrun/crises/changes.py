@@ -1,0 +1,333 @@
+"""Where what attracts changes between two samples.
+
+Each sample says where what attracts there may end. A cycle does so exactly where one of its points
+meets a break, or its multiplier is 1 or -1; so it is known to attract up to there. Bands may end,
+or change, where an end of one meets a break or a point of a repelling cycle. Between two samples
+that differ these places are looked at, with samples between neighbouring ones and close to each.
+What happens at one of them happens exactly there if it is what the samples beside it say; what no
+place explains is halved, and what is not settled then is open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise, product
+
+from pwmap.algebra.exact import Number, dense
+from pwmap.algebra.roots import Real, bounds, roots_between, sign_at
+from pwmap.longrun.crises.covering import doubles_of
+from pwmap.longrun.crises.meetings import earliest
+from pwmap.longrun.crises.samples import CLOSER, Image, Sample, Samples
+from pwmap.longrun.cycles import closed_words
+from pwmap.longrun.line import line_at
+from pwmap.longrun.numbers import Exact, to_double
+from pwmap.maps.words import CriticalOrbit, Multiplier, Word
+
+EFFORT = 24  # halvings of an interval in which samples differ, at most
+PLACE = 3  # halvings that a place counts for which does not explain what happens at it
+LONG = 24  # and where a cycle is longer than the order: between two there may be any number
+MANY = 12  # places that are looked at together: of more an interval is halved first
+PERIOD = 8  # of repelling cycles that ends of bands may meet, at least
+NEAR = 1e-9  # of the numbers at hand: closer ones are compared exactly
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Change:
+    """A place at which what attracts changes, or an interval in which it does.
+
+    Attributes
+    ----------
+    low, high
+        Equal if the place is known.
+    before, after
+        Samples beside it: what attracts there does so up to the place.
+    met
+        Ends of bands, and the cycles that they meet.
+    is_open
+        Whether something is not known in the interval: then there may be several changes.
+    """
+
+    low: Real
+    high: Real
+    before: Sample
+    after: Sample
+    met: tuple[tuple[Image, Word], ...] = ()
+    is_open: bool = False
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the place is known."""
+        return bool(self.low == self.high)
+
+    @property
+    def place(self) -> Real:
+        """The place, or the middle."""
+        if self.is_exact:
+            return self.low
+        return (bounds(self.low)[0] + bounds(self.high)[1]) / 2
+
+
+class Changes:
+    """Finds what happens between samples.
+
+    Parameters
+    ----------
+    samples
+        The map over its parameter.
+    order
+        Up to which cycles are told apart whatever it takes.
+    """
+
+    def __init__(self, samples: Samples, order: int) -> None:
+        self.samples, self.order = samples, order
+        self.axis, self.orbits = samples.axis, samples.axis.orbits
+
+    def between(self, left: Sample, right: Sample, effort: int = EFFORT) -> Iterator[Change]:
+        """What happens between two samples that are not open, from left to right."""
+        if self.same(left, right):
+            return
+        if self._are_long(left, right) and self._is_gap(left, right):
+            yield self._open(left, right)
+            return
+        met = self.places(left, right)
+        row = self._row(left, right, sorted(met)) if 0 < len(met) <= MANY else None
+        if row is not None:
+            for place, (x, y) in zip(sorted(met), pairwise(row), strict=True):
+                yield from self._at(place, x, y, effort)
+        elif effort > 0:
+            third = (right.place - left.place) / 3
+            middle = self.samples.between(left.place + third, right.place - third)
+            if middle.is_open:
+                yield self._open(left, right)
+                return
+            yield from self.between(left, middle, effort - 1)
+            yield from self.between(middle, right, effort - 1)
+        elif met or self._are_long(left, right):
+            yield self._open(left, right)
+        else:
+            yield Change(left.place, right.place, left, right)
+
+    def _row(self, left: Sample, right: Sample, places: Sequence[Real]) -> list[Sample] | None:
+        """Samples between neighbouring places; None if one is open."""
+        row = [left, *(self.samples.between(a, b) for a, b in pairwise(places)), right]
+        return None if any(each.is_open for each in row) else row
+
+    def _at(self, place: Real, x: Sample, y: Sample, effort: int) -> Iterator[Change]:
+        """What happens between samples on both sides of a place at which something may."""
+        if self.same(x, y):
+            return
+        near = self._beside(place, x), self._beside(place, y)
+        if any(each.is_open for each in near):
+            yield self._open(x, y)
+            return
+        less = effort - (LONG if self._are_long(x, y) else PLACE)
+        yield from self._further(x, near[0], less)
+        if self._explains(place, *near):
+            yield from self._exactly(place, *near, less)
+        else:
+            yield from self._further(*near, less)
+        yield from self._further(near[1], y, less)
+
+    def _exactly(self, place: Real, x: Sample, y: Sample, effort: int) -> Iterator[Change]:
+        """A change at a place, with what happens between it and samples beside it.
+
+        Where a cycle begins or ends bands may merge without an end, closer and closer to it: what
+        attracts must be the same still closer, or is open from the last known sample on.
+        """
+        if x.words == y.words:
+            if not self.same(x, y):
+                yield Change(place, place, x, y, met=self.places(x, y).get(place, ()))
+            return
+        close = [
+            self.samples.beside(place, each.place, CLOSER) if each.counts else each
+            for each in (x, y)
+        ]
+        if not close[0].is_open:
+            yield from self._further(x, close[0], effort)
+        is_open = any(
+            each.is_open or not self.same(each, near)
+            for each, near in zip(close, (x, y), strict=True)
+        )
+        if not is_open:
+            met = self.places(*close).get(place, ())
+            yield Change(place, place, close[0], close[1], met=met)
+        else:
+            yield self._open(
+                *(one if other.is_open else other for one, other in zip((x, y), close, strict=True))
+            )
+        if not close[1].is_open:
+            yield from self._further(close[1], y, effort)
+
+    def _further(self, left: Sample, right: Sample, effort: int) -> Iterator[Change]:
+        """What happens between two samples, if there is still effort for that."""
+        if effort > 0 or self.same(left, right):
+            yield from self.between(left, right, effort)
+        else:
+            yield self._open(left, right)
+
+    def _beside(self, place: Real, sample: Sample) -> Sample:
+        """What attracts right beside a place; cycles alone are known to attract up to it."""
+        known = sample.words and not sample.counts
+        return sample if known else self.samples.beside(place, sample.place)
+
+    def _explains(self, place: Real, left: Sample, right: Sample) -> bool:
+        """Whether all that differs between two samples beside a place changes exactly there."""
+        ends = [self.ends_of(word, left.place, right.place) for word in left.words ^ right.words]
+        return all(place in each for each in ends) and (
+            bool(ends) or place in self.places(left, right)
+        )
+
+    def _is_gap(self, left: Sample, right: Sample) -> bool:
+        """Whether cycles at one place end before those at another one begin."""
+        if left.counts or right.counts:
+            return False
+        end = self.reach(left, left.place, right.place, 0)
+        start = self.reach(right, left.place, right.place, -1)
+        return end is not None and start is not None and bool(end < start)
+
+    def _are_long(self, *samples: Sample) -> bool:
+        return any(len(word) > self.order for each in samples for word, _ in each.words)
+
+    def _open(self, left: Sample, right: Sample) -> Change:
+        """An interval of which it is not known what attracts: as far as cycles are not known to."""
+        low, high = left.place, right.place
+        first: Real = low if left.counts else self.reach(left, low, high, 0) or low
+        last: Real = high if right.counts else self.reach(right, low, high, -1) or high
+        if not first < last:
+            first, last = low, high
+        return Change(first, last, left, right, is_open=True)
+
+    def reach(self, sample: Sample, low: Real, high: Real, which: int) -> Real | None:
+        """The first place, or the last, at which a cycle of a sample ends; None if none does."""
+        ends = [found[which] for word in sample.words if (found := self.ends_of(word, low, high))]
+        if not ends:
+            return None
+        return max(ends) if which else min(ends)
+
+    # --- Whether something differs ------------------------------------------------------------
+
+    def same(self, left: Sample, right: Sample) -> bool:
+        """Whether the same attracts at two places and, as far as words say, between them."""
+        if left is right:
+            return True
+        if (left.counts, left.words) != (right.counts, right.words):
+            return False
+        if any(self.ends_of(word, left.place, right.place) for word in left.words):
+            return False
+        return left.ends == right.ends or self._exchanged(left, right)
+
+    def _exchanged(self, left: Sample, right: Sample) -> bool:
+        """Whether other images are the ends of bands because they pass each other in between."""
+        rows = [[ends for bands in each.ends for ends in bands] for each in (left, right)]
+        if len(rows[0]) != len(rows[1]):
+            return False
+        return all(
+            self._passes(one, other, left.place, right.place)
+            for ours, theirs in zip(*rows, strict=True)
+            for one, other in zip(ours, theirs, strict=True)
+            if one != other
+        )
+
+    def _passes(self, one: Image, other: Image, low: Number, high: Number) -> bool:
+        """Whether two images of breaks are in different orders at two places, or always equal."""
+        a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
+        difference = dense(a[0] * b[1] - b[0] * a[1])
+        return not difference or sign_at(difference, low) * sign_at(difference, high) <= 0
+
+    # --- Where something may end --------------------------------------------------------------
+
+    def places(self, left: Sample, right: Sample) -> dict[Real, tuple[tuple[Image, Word], ...]]:
+        """Places between two samples at which what attracts at one of them may end."""
+        low, high = left.place, right.place
+        found = dict[Real, tuple[tuple[Image, Word], ...]]()
+        for word in left.words | right.words:
+            found |= dict.fromkeys(self.ends_of(word, low, high), ())
+        for sample in (left, right):
+            for place, met in self._ends_of_bands(sample, low, high):
+                found[place] = tuple(dict.fromkeys((*found.get(place, ()), *met)))
+        return found
+
+    @cache  # noqa: B019  as long as the changes live
+    def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
+        """Where a cycle, or a neutral interval, may end between two places.
+
+        A cycle does where it meets a break, or has the multiplier 1 or -1; so does an interval that
+        is turned about its middle. Ends of any other one are images of breaks, which meet another.
+        """
+        letters, attracts = word
+        numbers = tuple(map(self.samples.map.letters.index, letters))
+        decisions: list[CriticalOrbit | Multiplier] = [
+            Multiplier(tuple(sorted(numbers)), unit) for unit in (1, -1)
+        ]
+        breaks = self.samples.layout.breaks
+        for k in range(len(letters)):
+            turned = numbers[k:] + numbers[:k]
+            decisions += [CriticalOrbit(b, turned, b) for b in breaks]
+            if not attracts:
+                decisions += [
+                    CriticalOrbit(b, turned[:n], other)
+                    for n in range(len(turned))
+                    for b, other in product(breaks, repeat=2)
+                ]
+        found = set[Real]()
+        for decision in decisions:
+            polynomial = self.orbits.polynomial(decision)
+            self.samples.meter.spend(1 + len(polynomial))
+            if polynomial:
+                found |= set(roots_between(dense(polynomial), low, high))
+        return tuple(sorted(found))
+
+    def _ends_of_bands(
+        self, sample: Sample, low: Number, high: Number
+    ) -> Iterator[tuple[Real, tuple[tuple[Image, Word], ...]]]:
+        """Where an end of a band passes a break or a point of a repelling cycle."""
+        ends = list(dict.fromkeys(end for bands in sample.ends for pair in bands for end in pair))
+        if not ends:
+            return
+        for end in ends:
+            for other in self.samples.layout.breaks:
+                polynomial = dense(self.orbits.polynomial(CriticalOrbit(end.k, end.word, other)))
+                yield from ((root, ()) for root in self._crossings(polynomial, low, high))
+        lines = [doubles_of(line_at(self.samples.map, place)) for place in (low, high)]
+        at = [[to_double(self._value(end, place)) for end in ends] for place in (low, high)]
+        for numbers in self._repelling(sample):
+            word = tuple(self.samples.letters[k] for k in numbers)
+            points = [line.cycle(numbers)[0] for line in lines]
+            for i in range(len(word)):
+                for end, *values in zip(ends, *at, strict=True):
+                    one, other = (y - x[i] for y, x in zip(values, points, strict=True))
+                    size = NEAR * (abs(values[0]) + abs(values[1]))
+                    if one * other > 0.0 and abs(one) > size and abs(other) > size:
+                        continue
+                    image, cycle = earliest(end.word, word[i:] + word[:i])
+                    polynomial = self._difference(Image(end.k, image), cycle)
+                    for root in self._crossings(polynomial, low, high):
+                        yield root, ((Image(end.k, image), cycle),)
+
+    def _difference(self, image: Image, cycle: Word) -> tuple[Number, ...]:
+        value, fixed = self.orbits.value(image.k, image.word), self.orbits.fixed_point(cycle)
+        return dense(value[0] * fixed[1] - fixed[0] * value[1])
+
+    def _crossings(
+        self, polynomial: tuple[Number, ...], low: Number, high: Number
+    ) -> tuple[Real, ...]:
+        """Roots between two places at which a polynomial has different signs."""
+        self.samples.meter.spend(1 + len(polynomial))
+        if not polynomial or sign_at(polynomial, low) * sign_at(polynomial, high) >= 0:
+            return ()
+        return roots_between(polynomial, low, high)
+
+    def _repelling(self, sample: Sample) -> list[tuple[int, ...]]:
+        """Words of repelling cycles at a sample, as numbers of pieces."""
+        return self._repelling_at(sample.place)
+
+    @cache  # noqa: B019  as long as the changes live
+    def _repelling_at(self, place: Number) -> list[tuple[int, ...]]:
+        line = self.samples.at(place).line
+        found = closed_words(line, max(PERIOD, self.order), self.samples.meter)
+        return [word for word, multiplier in found if not -1 <= multiplier <= 1]
+
+    def _value(self, image: Image, place: Number) -> Exact:
+        return self.axis.value(self.orbits.value(image.k, image.word), place)

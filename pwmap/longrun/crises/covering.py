@@ -1,0 +1,159 @@
+"""What surely cannot end bands: meetings with a cycle that lies within what grows from it.
+
+Where the image of a break meets a repelling cycle, what grows beside the break grows along the
+cycle until it comes to a break, and on from there. If an image of that surrounds a point of the
+cycle, then the cycle lies inside of every band that the break may belong to, at that place and
+beside it: no band ends there, none begins, and no two merge. This is decided with doubles, on
+intervals that are made smaller at each step by far more than doubles are wrong; in doubt nothing is
+said.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from pwmap.longrun.line import Line
+from pwmap.longrun.numbers import to_double
+
+STEPS = 24  # images of what grows that are looked at
+PARTS = 24  # of it, at most
+SLACK = 1e-9  # of the numbers at hand: by so much an interval becomes smaller at each step
+
+Part = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class DoubleMap:
+    """A map at one place, in doubles: slopes and intercepts of its pieces, and its breaks."""
+
+    slopes: Sequence[float]
+    intercepts: Sequence[float]
+    breaks: Sequence[float]
+
+    def cycle(self, word: Sequence[int]) -> tuple[list[float], float]:
+        """The points of a cycle, given by the numbers of its pieces, and its multiplier."""
+        slope, intercept = 1.0, 0.0
+        for k in word:
+            slope, intercept = (
+                self.slopes[k] * slope,
+                self.slopes[k] * intercept + self.intercepts[k],
+            )
+        points = [intercept / (1.0 - slope)]
+        for k in word[:-1]:
+            points.append(self.slopes[k] * points[-1] + self.intercepts[k])
+        return points, slope
+
+    def images(self, part: Part) -> Iterator[Part]:
+        """The images of an interval that is cut at breaks, each a bit smaller than it is."""
+        low, high = part
+        first, last = bisect_right(self.breaks, low), bisect_left(self.breaks, high)
+        for k, (a, b) in enumerate(pairwise((low, *self.breaks[first:last], high)), start=first):
+            one, other = (self.slopes[k] * x + self.intercepts[k] for x in (a, b))
+            slack = SLACK * (abs(one) + abs(other) + abs(self.intercepts[k]))
+            one, other = min(one, other) + slack, max(one, other) - slack
+            if one < other:
+                yield one, other
+
+
+def doubles_of(line: Line) -> DoubleMap:
+    """A map in doubles."""
+    slopes, intercepts = ([to_double(branch[k]) for branch in line.branches] for k in (0, 1))
+    return DoubleMap(slopes, intercepts, [to_double(x) for x in line.breaks])
+
+
+def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
+    """Whether what grows from one side of a repelling cycle surrounds a point of it.
+
+    Parameters
+    ----------
+    line
+        The map.
+    word
+        The numbers of the pieces of the cycle.
+    side
+        -1 or 1: the side of its first point.
+    """
+    points, slope = line.cycle(word)
+    first = _first_part(line, word if slope > 0.0 else (*word, *word), points[0], side)
+    if first is None:
+        return False
+    known, new = [first], [first]
+    for _ in range(STEPS):
+        images = [image for part in new for image in line.images(part)]
+        new = []
+        for part in images:
+            joined = _joined(known, part)
+            if joined is not None:
+                new.append(joined)
+        if any(_surrounds(part, x) for part in new for x in points):
+            return True
+        if not new or len(known) > PARTS:
+            return False
+    return False
+
+
+def _first_part(line: DoubleMap, word: Sequence[int], x: float, side: int) -> Part | None:
+    """The first interval from a point of a cycle to a break that what grows from it comes to.
+
+    A short interval beside the cycle grows with each turn, in proportion to the slopes.
+    """
+    nearest, found, scale = math.inf, None, 1.0
+    for k in word:
+        end = k if side > 0 else k - 1
+        if 0 <= end < len(line.breaks):
+            y = line.breaks[end]
+            slack = SLACK * (abs(x) + abs(y))
+            if not (y - x) * side > 2.0 * slack:
+                return None
+            if abs(y - x) / scale < nearest:
+                nearest = abs(y - x) / scale
+                found = min(x, y) + slack, max(x, y) - slack
+        scale *= abs(line.slopes[k])
+        side = side if line.slopes[k] > 0.0 else -side
+        x = line.slopes[k] * x + line.intercepts[k]
+    return found
+
+
+def _joined(known: list[Part], part: Part) -> Part | None:
+    """An interval with those that it overlaps, which it replaces; None if one has all of it."""
+    low, high = part
+    apart = list[Part]()
+    for a, b in known:
+        if a <= low and high <= b:
+            return None
+        if a < high and low < b:
+            low, high = min(low, a), max(high, b)
+        else:
+            apart.append((a, b))
+    known[:] = [*apart, (low, high)]
+    return low, high
+
+
+def _surrounds(part: Part, x: float) -> bool:
+    slack = SLACK * (abs(x) + max(map(abs, part)))
+    return part[0] + slack < x < part[1] - slack
+
+
+def single_root(polynomial: Sequence[float], low: float, high: float) -> float:
+    """A root between two places at which a polynomial has different signs, by halving."""
+    start = value_at(polynomial, low) > 0.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        low, high = (
+            (middle, high) if (value_at(polynomial, middle) > 0.0) == start else (low, middle)
+        )
+    return 0.5 * (low + high)
+
+
+def value_at(polynomial: Iterable[float], x: float) -> float:
+    """A polynomial at a place; coefficients from the highest degree on."""
+    value = 0.0
+    for coefficient in polynomial:
+        value = value * x + coefficient
+    return value

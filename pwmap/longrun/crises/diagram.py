@@ -1,0 +1,449 @@
+"""Attractors over one parameter: cells in which they do not change, and crises between these.
+
+Bands end in images of breaks, and they change where such an image meets a point of a repelling
+cycle [Grebogi1982]: then two bands merge, an attractor becomes larger at once, or it is lost.
+Images and cycles are named by words, so these places are roots of polynomials. The parameter is cut
+where images up to some order meet a break, or a cycle that may end bands there, and what attracts
+is asked once in each part, at a rational place. Where that differs between two parts the place is
+looked for at which a cycle or a band of one of them ends, with words as long as they are there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import sympy
+from sympy import QQ
+
+from pwmap.algebra.exact import Fraction_, Number, quotient_to_sympy
+from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
+from pwmap.algebra.roots import Real, bounds, real_to_sympy
+from pwmap.algebra.terms import own_name, shortened
+from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.shown import counted
+from pwmap.longrun.crises.changes import Change, Changes
+from pwmap.longrun.crises.cuts import Cuts
+from pwmap.longrun.crises.glimpses import Glimpses
+from pwmap.longrun.crises.kinds import kind_of
+from pwmap.longrun.crises.meetings import Meeting, first_turn
+from pwmap.longrun.crises.samples import Sample, Samples
+from pwmap.longrun.dynamics import Dynamics
+from pwmap.longrun.line import Line, line_at
+from pwmap.longrun.numbers import to_double
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.parameters.admitted import admitted_intervals
+from pwmap.parameters.axes import axis_of
+from pwmap.parameters.cells import checked_span
+
+PARTS = 16  # of an interval, in each of which something is asked, and which are finished in turn
+
+
+@dataclass(frozen=True, eq=False)
+class AttractorCell:
+    """An interval of a parameter in which the same words describe all attractors.
+
+    Attributes
+    ----------
+    lower, upper
+        Exact ends; they do not belong to it.
+    sample
+        A rational value inside.
+    cycles
+        Words of the attracting cycles, as long as they are.
+    neutral
+        Words of neutral intervals, whose points are all periodic.
+    bands
+        For each chaotic attractor its bands at the sample, from left to right: formulas for both
+        ends, which hold beside it as long as the same images of breaks are the outermost.
+    line
+        The map at the sample.
+    is_open
+        Whether it is not known what attracts there, or not everywhere: then nothing is said, and
+        there may be any number of changes.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
+    >>> [(str(cell.lower), str(cell.upper), len(cell.bands[0])) for cell in found.cells]
+    [('4/3', 'sqrt(2)', 2), ('sqrt(2)', '3/2', 1)]
+    """
+
+    lower: sympy.Expr
+    upper: sympy.Expr
+    sample: sympy.Rational
+    cycles: tuple[str, ...]
+    bands: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
+    line: Line
+    neutral: tuple[str, ...] = ()
+    is_open: bool = False
+
+    @cached_property
+    def dynamics(self) -> Dynamics:
+        """The long run at the sample."""
+        return Dynamics(self.line)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crisis:
+    """A value of a parameter at which attractors change.
+
+    Attributes
+    ----------
+    parameter
+        Exact; if it is open, the middle of where it lies.
+    kind
+        MC: bands merge; XC: bands become larger at once; FC: bands are lost; BC and PD: bands give
+        way to a cycle that meets a break, or has the multiplier -1 there.
+    bands
+        How many there are on the left and on the right.
+    meetings
+        Images of breaks that meet repelling cycles there.
+    width
+        Of the interval in which it lies; zero if it is exact.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> merging, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
+    >>> print(merging.kind, merging.parameter, merging.bands)  # two bands become one
+    MC sqrt(2) (2, 1)
+    """
+
+    parameter: sympy.Expr
+    kind: PointKind
+    bands: tuple[int, int]
+    meetings: tuple[Meeting, ...]
+    width: float = 0.0
+
+    @property
+    def cycles(self) -> tuple[str, ...]:
+        """Words of the cycles that are met, each from its first letter in the alphabet on."""
+        return tuple(sorted({first_turn(each.cycle) for each in self.meetings}, key=_by_length))
+
+    @property
+    def images(self) -> tuple[str, ...]:
+        """Words along which breaks go to these."""
+        return tuple(sorted({each.image for each in self.meetings}, key=_by_length))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AttractorDiagram:
+    """Attractors over an interval of a parameter.
+
+    Attributes
+    ----------
+    map
+        The map.
+    parameter
+        The symbol.
+    order
+        Up to which images of breaks are compared with breaks and cycles everywhere.
+    cells
+        From left to right.
+    crises
+        Of chaotic attractors, from left to right. Other bifurcations of attracting cycles separate
+        cells, too; they are in :func:`pwmap.bifurcation_diagram`.
+    left_out
+        A sentence on what was not looked at; empty if all was.
+    left_out
+        A sentence on what was not looked at; empty if all was.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
+    >>> [(str(crisis.kind), crisis.parameter) for crisis in found.crises]
+    [('MC', sqrt(2))]
+    >>> [(str(cell.lower), str(cell.upper)) for cell in found.cells]
+    [('4/3', 'sqrt(2)'), ('sqrt(2)', '3/2')]
+    """
+
+    map: PiecewiseLinearMap
+    parameter: sympy.Symbol
+    order: int
+    cells: tuple[AttractorCell, ...]
+    crises: tuple[Crisis, ...]
+    left_out: str = ""
+
+    @property
+    def open(self) -> tuple[AttractorCell, ...]:
+        """The cells of which it is not known what attracts."""
+        return tuple(cell for cell in self.cells if cell.is_open)
+
+    def __repr__(self) -> str:
+        """The interval, how much of it is open, and the crises in it."""
+        low, high = self.cells[0].lower, self.cells[-1].upper
+        crises = shortened(", ".join(f"{c.kind} {c.parameter}" for c in self.crises) or "none", 160)
+        rest = f"; {self.left_out}" if self.left_out else ""
+        return (
+            f"AttractorDiagram({self.parameter} in [{low}, {high}], {self.summary}, "
+            f"crises: {crises}{rest})"
+        )
+
+    @property
+    def summary(self) -> str:
+        """How many cells there are, and how many of them are open."""
+        cells = counted(len(self.cells), "cell")
+        if not self.open:
+            return cells
+        width = sum(float(cell.upper - cell.lower) for cell in self.open)
+        share = width / float(self.cells[-1].upper - self.cells[0].lower)
+        return f"{cells}, {len(self.open)} of them open, {share:.2g} of the interval"
+
+
+def attractor_diagram(
+    map_: PiecewiseLinearMap,
+    parameter: object,
+    span: tuple[object, object],
+    order: int = 5,
+    *,
+    budget: Budget | Meter = BUDGET,
+) -> AttractorDiagram:
+    """Attracting cycles and bands over an interval of a parameter, with their crises, exactly.
+
+    Parameters
+    ----------
+    map_
+        A map whose other parameters have values.
+    parameter
+        Symbol or name.
+    span
+        Two rationals.
+    order
+        Up to which images of breaks are compared with breaks, and with repelling cycles of periods
+        up to that, everywhere. All changes by such words are found; of changes by longer ones those
+        which do not undo each other between two of these places. Where longer cycles attract one
+        after the other, some of them have cells, and what is between these is open.
+    budget
+        What it may take, whom to tell, and what an interrupt keeps: then the parts of the interval
+        that are finished, from the left, and the rest is one open cell.
+
+    Returns
+    -------
+    AttractorDiagram
+        Cells of the parameter from left to right, each with what attracts there, and the crises
+        between them.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters, or is an iterate, or the span is no interval.
+    BudgetError
+        If not even the first sixteenth of the interval is finished within the budget.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> for crisis in attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises:
+    ...     print(crisis.kind, crisis.parameter, crisis.bands)
+    MC sqrt(2) (2, 1)
+    """
+    order = checked_order(order)
+    name = str(own_name(parameter, map_.parameters))
+    names = [str(symbol) for symbol in map_.parameters]
+    if names != [name]:
+        raise ValueError(f"expected a map of {name} alone, this one has {names or 'no parameters'}")
+    if map_.order > 1:
+        raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
+    low, high = checked_span(span)
+    axis = axis_of(map_.definition, name, {})
+    admitted_intervals(axis, (low, high))
+    meter = metered(budget)
+    samples = Samples(map_, axis, meter)
+    sweep = _Sweep(samples, Cuts(samples, order), Changes(samples, order), low, high)
+    ends = [low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)]
+    with meter.keeping(sweep.finished):
+        for end in meter.each(ends[1:], "parts of the interval"):
+            sweep.advance(end)
+    sweep.close()
+    return AttractorDiagram(
+        map=map_,
+        parameter=map_.parameters[0],
+        order=order,
+        cells=tuple(sweep.cells),
+        crises=tuple(sweep.crises),
+        left_out=meter.left_out,
+    )
+
+
+class _Sweep:
+    """Goes over an interval from left to right, and makes cells and crises of what it finds.
+
+    Parameters
+    ----------
+    samples, cuts, changes
+        The map over its parameter.
+    low, high
+        Where it starts and ends.
+    """
+
+    def __init__(
+        self, samples: Samples, cuts: Cuts, changes: Changes, low: Real, high: Real
+    ) -> None:
+        self.samples, self.cuts, self.changes = samples, cuts, changes
+        self.glimpses = Glimpses(samples, low, high, changes.order)
+        self.cells, self.crises = list[AttractorCell](), list[Crisis]()
+        self.finished = list[Real]()  # ends of the parts that are
+        self._high = high
+        self._low = low  # where the cell begins that is not ended yet,
+        self._inside = list[Sample]()  # and the samples of it; none if it is open
+        self._opened = low  # where the last open one begins
+
+    def advance(self, end: Real) -> None:
+        """Go on to the end of another part."""
+        start = self.finished[-1] if self.finished else self._low
+        cuts = self.cuts.between(start, end)
+        found = list[tuple[Real, Real, Sample]]()
+        for low, high in pairwise([start, *cuts, end]):
+            middle = self.samples.between(low, high)
+            beside = (
+                self.samples.beside(cut, middle.place) for cut in (low, high) if cuts.get(cut)
+            )
+            looks = map(self.samples.at, self.glimpses.between(low, high, middle.place))
+            other = [sample for sample in (*beside, *looks) if not sample.is_open]
+            every = sorted([middle, *other], key=lambda each: each.place)
+            found += [(low, high, sample) for sample in every]
+        first, last = found[0][2], found[-1][2]
+        if not self.finished and not first.is_open:
+            found.insert(0, (start, first.place, self.samples.beside(start, first.place)))
+        if end == self._high and not last.is_open:
+            found.append((last.place, end, self.samples.beside(end, last.place)))
+        known = self._inside[-1] if self._inside else None
+        events = list(self._events(found, known))  # if the budget ends it nothing is kept of them
+        for event in events:
+            self._keep(event)
+        self.finished.append(end)
+
+    def _events(
+        self, found: list[tuple[Real, Real, Sample]], before: Sample | None
+    ) -> Iterator[Change | Sample | tuple[Real, Real]]:
+        """Samples, changes between them, and intervals that are open, from left to right."""
+        hidden: tuple[Real, Real] | None = None
+        for low, high, sample in found:
+            if sample.is_open:
+                hidden = (hidden[0] if hidden else low), high
+                continue
+            if before is not None:
+                changes = list(self.changes.between(before, sample))
+                if hidden and not changes:
+                    yield hidden
+                yield from changes
+            else:
+                start = hidden[1] if hidden else self._low
+                begin = self.changes.reach(sample, start, sample.place, -1)
+                if hidden or begin is not None:
+                    yield hidden[0] if hidden else start, start if begin is None else begin
+            yield sample
+            before, hidden = sample, None
+        if hidden:
+            yield hidden
+
+    def _keep(self, event: Change | Sample | tuple[Real, Real]) -> None:
+        """Go on with the cell, or end it."""
+        match event:
+            case Sample():
+                self._inside.append(event)
+            case Change():
+                self._inside.append(event.before)
+                self._cell(event.low)
+                self._open(event.low, event.high)
+                kind = None if event.is_open else kind_of(self.samples, event)
+                if kind is not None:
+                    self.crises.append(self._crisis(event, kind))
+                self._inside = [event.after]
+            case low, high:
+                self._known_up_to(low)
+                self._open(low, high)
+
+    def close(self) -> None:
+        """End the last cell; what is not finished is open."""
+        self._known_up_to(self.finished[-1])
+        self._open(self.finished[-1], self._high)
+
+    def _known_up_to(self, high: Real) -> None:
+        """End a cell where nothing beyond is known: its cycles may end before."""
+        last = self._inside[-1] if self._inside else None
+        end = None if last is None else self.changes.reach(last, last.place, high, 0)
+        self._cell(high if end is None else end)
+        if end is not None:
+            self._open(end, high)
+
+    def _cell(self, high: Real) -> None:
+        """A cell from the end of the last one on, with the simplest of its samples."""
+        low = self._low
+        inside = [each for each in self._inside if low < each.place < high]
+        if inside:
+            sample = min(inside, key=lambda each: QQ.denom(each.place))
+            self.cells.append(self._known(low, high, sample))
+            self._low, self._inside = high, []
+
+    def _open(self, low: Number, high: Number) -> None:
+        """A cell of which nothing is claimed, joined with an open one before it."""
+        low = min(low, self._low)
+        if not low < high:
+            return
+        if self.cells and self.cells[-1].is_open:
+            low = self._opened
+            self.cells.pop()
+        sample = self.samples.axis.between(low, high)
+        self.cells.append(
+            AttractorCell(
+                lower=real_to_sympy(low),
+                upper=real_to_sympy(high),
+                sample=QQ.to_sympy(sample),
+                cycles=(),
+                bands=(),
+                line=line_at(self.samples.map, sample),
+                is_open=True,
+            )
+        )
+        self._opened, self._low, self._inside = low, high, []
+
+    def _known(self, low: Real, high: Real, sample: Sample) -> AttractorCell:
+        value = self.samples.axis.orbits.value
+        return AttractorCell(
+            lower=real_to_sympy(low),
+            upper=real_to_sympy(high),
+            sample=QQ.to_sympy(sample.place),
+            cycles=sample.cycles,
+            bands=tuple(
+                tuple(
+                    (_expression(value(a.k, a.word)), _expression(value(b.k, b.word)))
+                    for a, b in bands
+                )
+                for bands in sample.ends
+            ),
+            line=sample.line,
+            neutral=sample.neutral,
+        )
+
+    def _crisis(self, change: Change, kind: PointKind) -> Crisis:
+        spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
+        width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
+        return Crisis(
+            parameter=real_to_sympy(change.place),
+            kind=kind,
+            bands=(sum(change.before.counts), sum(change.after.counts)),
+            meetings=tuple(
+                Meeting(breaks.index(image.k), spelled(image.word), spelled(cycle))
+                for image, cycle in change.met
+            ),
+            width=0.0 if change.is_exact else width,
+        )
+
+
+def _expression(fraction: Fraction_) -> sympy.Expr:
+    return quotient_to_sympy(fraction) if fraction[1] == 1 else shown_fraction(fraction)
+
+
+def _by_length(word: str) -> tuple[int, str]:
+    return len(word), word

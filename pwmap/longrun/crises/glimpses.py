@@ -1,0 +1,109 @@
+"""Where to look for what attracts in a short interval only: orbits in doubles, at many places.
+
+What these orbits do is compared with what they do at an exact sample. Where it differs another
+exact sample is taken, which says what attracts; so doubles choose places, and decide nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.algebra.exact import Number, dense, floor, to_float
+from pwmap.algebra.roots import Real, bounds, simplest_between
+from pwmap.longrun.crises.samples import Samples
+
+PLACES = 256  # in the whole interval
+LOOKS = 3  # exact samples between two cuts, at most
+SETTLED, SEEN = 400, 512  # steps before an orbit is looked at, and steps that are
+FAR = 1e9  # times the breaks and their images: there orbits are lost
+SAME = 1e-9  # of what an orbit spans: closer points are one
+GAP = 10.0  # times the mean distance of its points: more is a gap between bands
+
+Floats = npt.NDArray[np.float64]
+
+
+class Glimpses:
+    """Chooses places at which something else may attract.
+
+    Parameters
+    ----------
+    samples
+        The map over its parameter.
+    low, high
+        The interval that is looked at.
+    order
+        Longer cycles are not looked for.
+    """
+
+    def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:
+        table, layout = samples.axis.orbits.table, samples.layout
+        self._bottom = _doubles(table.denominator)
+        self._pieces = [
+            (_doubles(table.slopes[k]), _doubles(table.intercepts[k])) for k in samples.letters
+        ]
+        self._breaks = [_doubles(table.breaks[k]) for k in layout.breaks]
+        self._order = order
+        self._low, self._step = low, (high - low) / PLACES
+        self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
+        samples.meter.spend(len(self._breaks) * (SETTLED + SEEN))
+        places = np.array([to_float(x) for x in self._places])
+        self._kinds = self.kinds(places) if self._breaks else [(0,)] * PLACES
+
+    def between(self, low: Real, high: Real, place: Number) -> list[Number]:
+        """Simple places of an interval where orbits look otherwise than at the place of a sample.
+
+        Two neighbours must do so: near a merging, and by chance, numbers of bands are wrong.
+        """
+        kind = self._kinds[min(PLACES - 1, floor((place - self._low) / self._step))]
+        start = max(0, floor((bounds(low)[1] - self._low) / self._step))
+        found, inside = list[Number](), False
+        for k in range(start, PLACES - 1):
+            x, y = self._places[k : k + 2]
+            if not y < bounds(high)[0] or len(found) == LOOKS:
+                break
+            both = self._kinds[k : k + 2]
+            differ = low < x and kind not in both and max(map(max, both)) <= 1 + self._order
+            if differ and not inside:
+                found.append(simplest_between(x, y))
+            inside = differ
+        return found
+
+    def kinds(self, places: Floats) -> list[tuple[int, ...]]:
+        """For each place, how many points or bands the orbits of both sides of breaks come to.
+
+        As 1 + the number of points of a cycle, as minus the number of bands, as 0 what is lost.
+        """
+        bottom = np.polyval(self._bottom, places)
+        slopes, intercepts = (
+            np.array([np.polyval(piece[i], places) / bottom for piece in self._pieces])
+            for i in (0, 1)
+        )
+        breaks = np.array([np.polyval(each, places) / bottom for each in self._breaks])
+        sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]
+        x = np.array([slopes[k] * breaks[b] + intercepts[k] for b, k in sides])
+        far = FAR * (1.0 + np.abs(breaks).max() + np.abs(x).max())
+        orbit = np.empty((SEEN, *x.shape))
+        for step in range(-SETTLED, SEEN):
+            if step >= 0:
+                orbit[step] = x
+            piece = (x[None] > breaks[:, None]).sum(axis=0)
+            x = np.take_along_axis(slopes, piece, 0) * x + np.take_along_axis(intercepts, piece, 0)
+            np.clip(x, -far, far, out=x)
+        return [tuple(row) for row in _counted(np.sort(orbit, axis=0), far).T.tolist()]
+
+
+def _counted(points: Floats, far: float) -> npt.NDArray[np.int64]:
+    """Numbers of points or bands, from sorted points."""
+    span = points[-1] - points[0]
+    steps = np.diff(points, axis=0)
+    cycle = 1 + (steps > SAME * (np.abs(points).max(axis=0) + span)).sum(axis=0)
+    bands = 1 + (steps > GAP * span / SEEN).sum(axis=0)
+    lost = np.abs(points[-1]) + np.abs(points[0]) >= far
+    return np.where(lost, 0, np.where(cycle < SEEN // 4, 1 + cycle, -bands))
+
+
+def _doubles(number: Number) -> Sequence[float]:
+    return [to_float(c) for c in dense(number)] or [0.0]

@@ -1,0 +1,131 @@
+"""Images of breaks that are points of cycles: two words, and so a polynomial in all parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import sympy
+
+from pwmap.algebra.exact import Number, to_sympy
+from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.words import Word
+
+
+class Meeting(NamedTuple):
+    """A break's image that is a point of a cycle, as :func:`meeting_curve` takes it.
+
+    Attributes
+    ----------
+    number
+        Which break, counted from the left.
+    image
+        The word along which it goes.
+    cycle
+        The word of the cycle from that point on.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram, meeting_curve
+    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    >>> crisis, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
+    >>> meeting = crisis.meetings[0]
+    >>> meeting.image, meeting.cycle
+    ('LRL', 'R')
+    """
+
+    number: int
+    image: str
+    cycle: str
+
+
+def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int = 0) -> sympy.Expr:
+    """The polynomial in a map's parameters that is zero where a break's image meets a cycle.
+
+    Where a crisis is known at one value, this is its curve in more parameters.
+
+    Parameters
+    ----------
+    map_
+        The map; all of its parameters may be free.
+    image
+        The word along which the break goes, as :attr:`Crisis.images` has it.
+    cycle
+        A word of the cycle, whose point it is at which the word starts.
+    number
+        Which break, counted from the left.
+
+    Returns
+    -------
+    sympy.Expr
+        With integer factors left out, factored.
+
+    Raises
+    ------
+    ValueError
+        If a word is empty or has an unknown letter, or there is no such break.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, meeting_curve
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> meeting_curve(skew, "LRL", "R")
+    a*b**2 - a + b
+    """
+    polynomial = meeting_polynomial(map_, Meeting(number, image, cycle))
+    _, factors = sympy.factor_list(to_sympy(polynomial))
+    return sympy.Mul(*(factor for factor, _ in factors)) if factors else sympy.Integer(0)
+
+
+def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
+    """A polynomial in a map's parameters that is zero where a break's image meets a cycle."""
+    breaks = map_.definition.table.layouts[map_.chain[0]].breaks
+    number = meeting.number
+    if not 0 <= number < len(breaks):
+        raise ValueError(f"number must name one of {len(breaks)} breaks, from 0 on, got {number}")
+    along, around = (numbers_of(map_, word) for word in (meeting.image, meeting.cycle))
+    value = map_.orbits.value(breaks[number], along)
+    fixed = map_.orbits.fixed_point(around)
+    return value[0] * fixed[1] - fixed[0] * value[1]
+
+
+def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
+    """Where an image of a break meets a cycle: the point of the cycle as a formula."""
+    return shown_fraction(map_.orbits.fixed_point(numbers_of(map_, meeting.cycle)))
+
+
+def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
+    """The letters of a word as numbers.
+
+    Raises
+    ------
+    ValueError
+        If it is empty, or has an unknown letter.
+    """
+    return tuple(_numbers(map_, word))
+
+
+def _numbers(map_: PiecewiseLinearMap, word: str) -> Iterator[int]:
+    if not word:
+        raise ValueError("a word must have at least one letter")
+    for letter in word:
+        if letter not in map_.letters:
+            raise ValueError(f"{letter!r} is no piece of this map, it has {map_.letters}")
+        yield map_.letters.index(letter)
+
+
+def first_turn(word: str) -> str:
+    """The first of the words of a cycle in the alphabet."""
+    return min(word[i:] + word[:i] for i in range(len(word)))
+
+
+def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:
+    """The shortest image of a break, along a word, that meets a cycle where a longer one does.
+
+    As long as the last letter before the meeting is that of the cycle, the image before lies on the
+    cycle, too; but a word keeps one letter: the break itself is no image.
+    """
+    while len(image) > 1 and image[-1] == cycle[-1]:
+        image, cycle = image[:-1], cycle[-1:] + cycle[:-1]
+    return image, cycle

@@ -1,0 +1,181 @@
+"""What attracts at rational places of one parameter, with words for all that can be named."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+from pwmap.algebra.exact import Number
+from pwmap.algebra.roots import Real, bounds, simplest_between
+from pwmap.longrun.attractors import Attractors, attractors_of
+from pwmap.longrun.crises.meetings import first_turn
+from pwmap.longrun.fates import Fate, Orbit
+from pwmap.longrun.line import Line, line_at
+from pwmap.longrun.numbers import key
+from pwmap.maps.budget import BUDGET, Budget, Meter
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.words import CriticalOrbit, Return, Word
+from pwmap.parameters.axis import Axis
+
+THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval in which a sample is looked for, in turn
+WORK = BUDGET.work // 10  # that is done at one place, at most
+LETTERS = 48  # of a cycle whose ends are looked for, at most
+OPENED = 2  # samples, not special, after which an interval is open
+CLOSE = (3, 1)  # halvings of a distance: so close to a place lies what is beside it
+CLOSER = (6,)  # and so close what must be the same where a cycle ends
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """An image of a break: its number, and the word along which it went."""
+
+    k: int
+    word: Word
+
+
+Ends = tuple[Image, Image]  # of a band
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """What attracts at a place.
+
+    Attributes
+    ----------
+    ends
+        Of the bands of each chaotic attractor, as images of breaks.
+    cycles, neutral
+        Words of attracting cycles and of neutral intervals, each from its first letter in the
+        alphabet on.
+    is_special
+        Whether images of breaks meet there that do not meet beside it: then something else may
+        attract beside it.
+    """
+
+    place: Number
+    line: Line
+    found: Attractors
+    ends: tuple[tuple[Ends, ...], ...]
+    cycles: tuple[str, ...]
+    neutral: tuple[str, ...]
+    is_special: bool
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """How many bands each chaotic attractor has."""
+        return tuple(sorted(map(len, self.found.bands)))
+
+    @property
+    def words(self) -> frozenset[tuple[str, bool]]:
+        """All words, with whether they attract."""
+        return frozenset([(w, True) for w in self.cycles] + [(w, False) for w in self.neutral])
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it does not say what attracts beside it."""
+        too_long = any(len(word) > LETTERS for word, _ in self.words)
+        return self.is_special or too_long or bool(self.found.open)
+
+
+class Samples:
+    """What attracts at places of a parameter, each asked once.
+
+    Parameters
+    ----------
+    map_, axis
+        The map, and its only parameter.
+    meter
+        Where the work is noted.
+    """
+
+    def __init__(self, map_: PiecewiseLinearMap, axis: Axis, meter: Meter) -> None:
+        self.map, self.axis, self.meter = map_, axis, meter
+        self.layout = map_.definition.table.layouts[map_.chain[0]]
+        self.letters = self.layout.slots[::2]
+        self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
+        self._numbers = {map_.letters[letter]: letter for letter in self.letters}
+        self._known = dict[Hashable, Sample]()
+
+    def at(self, place: Number) -> Sample:
+        """What attracts at a rational place."""
+        found = self._known.get(key(place))
+        if found is None:
+            found = self._known[key(place)] = self._at(place)
+        return found
+
+    def _at(self, place: Number) -> Sample:
+        line = line_at(self.map, place)
+        left = self.meter.budget.work - self.meter.work
+        meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
+        found = attractors_of(line, budget=meter)
+        self.meter.spend(meter.work)
+        if len(found.orbits) < len(self.germs):
+            return Sample(place, line, found, (), (), (), is_special=False)
+        words = [self.word(orbit) for orbit in found.orbits]
+        names = dict[Hashable, Image]()
+        needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}
+        for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True):
+            for n, germ in enumerate(orbit.germs if needed else ()):
+                if (name := key(germ.x)) in needed:
+                    names.setdefault(name, Image(k, word[:n]))
+        ends = tuple(
+            tuple(
+                (names[key(a)], names[key(b)])
+                for a, b in bands.intervals
+                if key(a) in names and key(b) in names
+            )
+            for bands in found.bands
+        )
+        cycles = tuple(sorted(first_turn(cycle.word) for cycle in found.cycles))
+        neutral = tuple(sorted(first_turn(each.word) for each in found.neutral))
+        special = any(
+            self._is_special(line, orbit, k, word)
+            for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True)
+        )
+        return Sample(place, line, found, ends, cycles, neutral, special)
+
+    def word(self, orbit: Orbit) -> Word:
+        """The letters of an orbit."""
+        return tuple(map(self._numbers.__getitem__, orbit.letters))
+
+    def _is_special(self, line: Line, orbit: Orbit, k: int, word: Word) -> bool:
+        """Whether an orbit meets a break, or comes back, but not so at all places."""
+        polynomial = self.axis.orbits.polynomial
+        if orbit.fate is Fate.FINITE and polynomial(Return(k, word, orbit.start)):
+            return True
+        met = (
+            CriticalOrbit(k, word[:n], self.layout.breaks[line.breaks.index(germ.x)])
+            for n, germ in enumerate(orbit.germs)
+            if n and germ.x in line.breaks
+        )
+        return any(polynomial(decision) for decision in met)
+
+    def between(self, low: Real, high: Real) -> Sample:
+        """What attracts at a simple place of an interval; at another one if it is special or open.
+
+        The simplest places are just those at which cycles flip or collide.
+        """
+        first, last = bounds(low)[1], bounds(high)[0]
+        third = (last - first) / 3
+        opened = 0
+        for start, end in THIRDS:
+            found = self.at(
+                simplest_between(
+                    first + third * start if start else low,
+                    first + third * end if end < 3 else high,
+                )
+            )
+            opened += not found.is_special
+            if not found.is_open or opened == OPENED:
+                break
+        return found
+
+    def beside(self, place: Real, other: Number, closeness: tuple[int, ...] = CLOSE) -> Sample:
+        """What attracts right beside a place, on the side of another one; farther if it is open."""
+        end = bounds(place)[0 if other < place else 1]
+        for halvings in closeness:
+            near = end + (other - end) / (1 << halvings)
+            found = self.between(*sorted((place, near)))
+            if not found.is_open:
+                break
+        return found
