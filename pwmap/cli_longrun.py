@@ -56,7 +56,8 @@ class LongRun:
         self.at: dict[str, Dynamics] = {p: dynamics(map_, {parameter: p}) for p in density}
         for value, seen in self.at.items():
             if all(each.density is None for each in seen.attractors):
-                raise ValueError(f"at {parameter} = {value} no chaotic attractor has a density")
+                what = f"at {parameter} = {value} no chaotic attractor has a density"
+                raise ValueError("; ".join(filter(None, (what, seen.attractors.left_out))))
 
     def added(self, diagram: Diagram) -> Diagram:
         """A diagram with the bands and crises that were found."""

@@ -206,6 +206,16 @@ def test_intervals_of_symbols_are_no_markup(tmp_path: Path) -> None:
     assert f"wrote {tmp_path / '[b]' / 'diagram.png'}, " in text
 
 
+@pytest.mark.slow
+def test_the_table_says_which_attractors_are_missing(tmp_path: Path) -> None:
+    """Right of 10 all points go to 10, through which no neighbour comes: that is open."""
+    map_ = "Piecewise((a*x, x <= 1/2), (a*(1 - x), x < 10), (10, True))"
+    code, text = run(map_, "--parameter", "a", "--density", "7/4", "--orders", "1", out=tmp_path)
+    assert code == 0
+    assert "1 band: [7/32, 7/8]" in text
+    assert "incomplete: open beside the break 10" in text
+
+
 def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:
     tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
     code, text = run(tent, "--parameter", "a", "--orders", "1", "--entropy", out=tmp_path / "new")
