@@ -188,6 +188,7 @@ def check_entry(entry: Entry) -> None:
         _slice(entry[SLICE])
         return
     _curves(entry)
+    checked_type(entry[COST], int)
 
 
 def _slice(data: Entry) -> Seen:

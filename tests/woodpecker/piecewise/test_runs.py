@@ -46,7 +46,7 @@ from woodpecker.piecewise.checkpoint import (
     read_record,
     restore,
 )
-from woodpecker.piecewise.explorer import Explorer, Finished
+from woodpecker.piecewise.explorer import Explorer, Finished, Kept
 from woodpecker.piecewise.formulas import FormulaPiece
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.pieces import Image
@@ -210,6 +210,8 @@ def collided(curve: Any) -> Any:
         ("done", lambda e: e.update(done=None)),
         ("done", lambda e: e.update(starts=1.5)),
         ("done", lambda e: e.pop("starts")),
+        ("done", lambda e: e.pop("evaluations")),
+        ("curves", lambda e: e.update(evaluations="7")),
         ("slice", lambda e: e["slice"].update(p="0.5")),
         ("slice", lambda e: e["slice"].update(new=[True])),
         ("slice", lambda e: e["slice"].update(left=[1.0])),
@@ -270,7 +272,7 @@ def test_entries_of_no_kind_are_refused(entry: Entry) -> None:
 
 def test_entries_follow_from_one_another(entries: list[Entry]) -> None:
     with pytest.raises(ValueError, match=r"run\.jsonl, line 2: nothing is left to follow at 0.5"):
-        restore(Network(SETTINGS), [{"done": 0.5, "starts": 0}], "run.jsonl")
+        restore(Network(SETTINGS), [{"done": 0.5, "starts": 0, "evaluations": 0}], "run.jsonl")
     other = copy.deepcopy(entries)
     of_kind(other, "done")["done"] = 0.5
     with pytest.raises(ValueError, match=r"line \d+: nothing is left to follow at 0.5"):
@@ -287,10 +289,10 @@ def test_steps_that_a_search_does_not_take_are_refused(entries: list[Entry]) -> 
     """What is taken over must be what this run would have come to."""
     until = next(n for n, entry in enumerate(entries) if "slice" in entry)
     steps = past_of(Network(SETTINGS), entries[:until], "run.jsonl", paper()).since
-    assert {type(step) for step in steps} == {tuple, Finished}
+    assert {type(step) for step in steps} == {Kept, Finished}
     for wrong, sentence in (
-        ((Finished(0.5), *steps), "expected a run with one branch more"),
-        ((*steps[:1], Finished(0.5)), "expected a run that goes on at"),
+        ((Finished(0.5, 0), *steps), "expected a run with one branch more"),
+        ((*steps[:1], Finished(0.5, 0)), "expected a run that goes on at"),
     ):
         explorer = Explorer(paper(), Serial(Worker(paper(), SETTINGS)), SETTINGS, (1, 2))
         with pytest.raises(ValueError, match=sentence):
