@@ -202,7 +202,7 @@ def test_long_numbers_take_little_work() -> None:
     found = dynamics(TENT, {"a": a}, budget=Budget(work=100_000)).attractors
     assert not len(found)
     assert found.open == (Rational(1, 2),)
-    assert found.left_out.endswith("they take more than 100000 units of work")
+    assert found.left_out.endswith("more than 100000 units of work are needed")
 
 
 def test_a_budget_that_is_used_up_leaves_bounds() -> None:
@@ -210,7 +210,7 @@ def test_a_budget_that_is_used_up_leaves_bounds() -> None:
     assert few.value is None
     assert few.low == 0.0
     assert math.log(2) <= few.high < math.nextafter(math.log(2), math.inf) + 1e-15
-    assert few.left_out == "stopped after order 0: they take more than 200 units of work"
+    assert few.left_out == "stopped after order 0: more than 200 units of work are needed"
 
 
 @pytest.mark.parametrize(
