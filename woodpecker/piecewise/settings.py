@@ -408,7 +408,7 @@ class Settings:
     max_turn: float = 0.1
     hairpin: float = 1e-6
     max_samples: int = 20_000
-    max_evaluations: int = 1_000_000
+    max_evaluations: int = 600_000
     max_pieces: int = 10_000
     newton: int = 12
     converged: float = 2.0**-48
