@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from pwmap.diagrams.files import PictureFormat
+from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import (
@@ -127,8 +128,8 @@ def diagram(
         found = _searched(search, parameter, target / RUN)
         _write(toy, found, shows, target)
     if found.stopped:
-        kept = f"{len(found.diagram.branches)} branches are kept"
-        complain(f"{found.stopped}: {kept}, as tables; go on with --resume")
+        kept = counted(len(found.diagram.branches), "branch")
+        complain(f"{found.stopped}: kept {kept}, as tables; go on with --resume")
         raise typer.Exit(found.status)
 
 

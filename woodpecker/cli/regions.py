@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pwmap.diagrams.files import PictureFormat, in_format
+from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import FILES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.diagram import orders_of
@@ -97,7 +98,8 @@ def _keep(curves: list[Curve], target: Path) -> None:
         raise KeyboardInterrupt
     write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, target)
     report(target, *CURVES[1:])
-    complain(f"Interrupted: {len(curves)} curves are kept, as tables; no regions between them")
+    kept = counted(len(curves), "curve")
+    complain(f"Interrupted: kept {kept}, as tables; no regions between them")
 
 
 def _write(found: Regions, target: Path, files: Sequence[str]) -> None:

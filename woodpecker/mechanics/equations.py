@@ -179,46 +179,6 @@ def jam_limit(toy: Toy) -> float:
     return float(lambda_t / lambda_n) if lambda_n > 0.0 else math.inf
 
 
-def jam_range(toy: Toy) -> tuple[float, float]:
-    """Interval of phi_S [rad] in which returns end, and so all points of cycles lie.
-
-    A return ends at a minimum of phi_S while contact 2 sticks: not above the equilibrium, and where
-    mu_2 lambda_N2 - lambda_T2 is not negative. On the jammed sleeve that is linear in phi_S. The
-    lower end is above the upper one if the toy never returns, as for mu_2 = 0.
-
-    Parameters
-    ----------
-    toy
-        The toy.
-
-    Returns
-    -------
-    low, high
-        Angles [rad]; ``low`` may be minus infinity.
-
-    Raises
-    ------
-    ValueError
-        If they overflow.
-    """
-    high = equilibrium(toy).phi_s
-    inertia = toy.j_s + toy.m_s * toy.l_g * toy.l_g
-    per_swing = toy.m_s * toy.l_g  # of lambda_T2, in the acceleration of phi_S
-    along = per_swing * (toy.l_m - toy.r_m) + inertia
-    weight, torque, _ = force_at_rest(toy)
-    torque -= toy.m_s * toy.g * toy.l_g
-    held = toy.mu_2 * (toy.r_m * weight - torque) / toy.h_m + weight
-    rate = toy.mu_2 * along / toy.h_m - per_swing
-    if not (math.isfinite(held) and math.isfinite(rate)):
-        raise unsound(toy)
-    if held >= 0.0 and rate >= 0.0:
-        return -math.inf, high
-    if held < 0.0 and rate <= 0.0:
-        return math.inf, high
-    turn = high + held / rate * inertia / toy.c_phi  # d = -acceleration * inertia / c_phi
-    return (turn, high) if held >= 0.0 else (-math.inf, turn)
-
-
 def free_frequency(toy: Toy) -> float:
     """Eigenfrequency [Hz] of sleeve, spring and bird without contact.
 

@@ -15,12 +15,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
     EPS,
     EPSILONS,
+    FORCE,
     LIMIT,
+    SOUND,
     STEP,
     Numbers,
     model,
@@ -64,6 +67,8 @@ class _Room:
         for k, name in enumerate(EPSILONS):
             self._numbers[CONTACT + k, EPS] = getattr(toy, name)
         refill(parameters_of(toy) + 1j * steps, self._numbers, self._rates)
+        if not self._numbers[FORCE, SOUND]:
+            self._reason = str(unsound(toy))
 
 
 class _Cache:
@@ -116,6 +121,11 @@ class ToyLine:
         if room is None:
             room = self._cache.room = _Room(self)
         return room.follower, room.obstacle(x, p)
+
+    @property
+    def evaluations(self) -> int:
+        """How many returns have been computed, found or followed."""
+        return 0 if self._cache.room is None else self._cache.room.follower.evaluations
 
     def carried(self, piece: Piece) -> ToyPiece:
         """Returns of these toys along the path of a piece of others."""

@@ -21,6 +21,7 @@ from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
 import woodpecker
+from pwmap.diagrams.shown import counted
 from woodpecker import Curve, Stage, Toy, load_diagram, return_map, saved_diagram
 from woodpecker.base import linking
 from woodpecker.base.lost import WorkerLostError
@@ -95,7 +96,8 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
         text, complaint = ended(process, number)
     assert process.returncode == 130
     kept = load_diagram(tmp_path / "diagram.json")
-    assert f"Interrupted: {len(kept.branches)} branches are kept, as tables; go on" in complaint
+    count = counted(len(kept.branches), "branch")
+    assert f"Interrupted: kept {count}, as tables; go on" in complaint
     assert len(kept.branches) == len(saved_diagram(run).branches) > 0
     assert "points.csv" in text
     assert not list(tmp_path.glob("*.png"))  # pictures would take their time
@@ -225,7 +227,7 @@ def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.Mon
     near = ("--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6", "-0.45")
     result = CliRunner().invoke(app, ["regions", *near, "--out", str(tmp_path)])
     assert result.exit_code == 130
-    assert "Interrupted: 1 curves are kept, as tables; no regions between them" in result.output
+    assert "Interrupted: kept 1 curve, as tables; no regions between them" in result.output
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {*curves_command.FILES[1:], "about_regions.json"}
 
