@@ -73,8 +73,8 @@ def test_pwmap_knows_nothing_of_the_toy() -> None:
     assert not [target for target in targets if target.startswith("woodpecker")]
 
 
-def test_maps_of_the_line_know_nothing_of_the_toy() -> None:
-    folder = "woodpecker.piecewise"
+@pytest.mark.parametrize("folder", ["woodpecker.piecewise", "woodpecker.engine"])
+def test_maps_know_nothing_of_the_toy(folder: str) -> None:
     for module, target in imports("woodpecker").edges:
         if module.startswith(folder) and target.startswith("woodpecker"):
             assert target.startswith((folder, "woodpecker.base")), (module, target)

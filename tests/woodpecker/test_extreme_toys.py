@@ -254,7 +254,7 @@ def test_a_toy_that_never_jams_is_known_at_once() -> None:
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_returns_end_below_the_equilibrium() -> None:
-    """Random toys: a jammed sleeve holds up to its equilibrium, and some returns end close to it."""
+    """Random toys: a jammed sleeve holds up to its equilibrium; some returns end close to it."""
     rng, count, closest = random.Random(5), 0, math.inf
     for _ in range(150):
         try:
