@@ -34,12 +34,11 @@ from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 ROUNDS = 40  # of extending all intervals on both sides, and of preimages
 PARTS = 64  # of a whole basin at most
+SHOWN = 4  # of them in its text
 STEPS = 100  # of an orbit of a break
 MOST = 16  # intervals of which iterates are looked at until all have come back
 FEW = 4  # iterates that are looked at beside an end of a preimage
-LONGEST = (
-    60  # work of one operation with an end: beside one with thousands of bits nothing is sought
-)
+LONGEST = 60  # work of one operation with an end: beside thousands of bits nothing is sought
 STEP = 20  # operations of one step of an iterate, with what is asked about it
 End = Exact | None
 Open = tuple[End, End]  # an interval; None is infinite
@@ -92,10 +91,19 @@ class WholeBasin:
     ((Interval.open(-oo, 1),), False)
     >>> cycle.whole_basin.parts, cycle.whole_basin.complete
     ((Interval(-oo, oo),), True)
+    >>> cycle.whole_basin
+    WholeBasin(Interval(-oo, oo))
     """
 
     region: PointSet
     complete: bool
+
+    def __repr__(self) -> str:
+        """Some of its parts, how many there are, and whether these are all."""
+        parts = [str(part) for part in PointSet(self.region.parts[:SHOWN]).to_sympy()]
+        more = len(self.region.parts) - SHOWN
+        shown = " and ".join([", ".join(parts), *([f"{more} more"] if more > 0 else [])])
+        return f"WholeBasin({shown}{'' if self.complete else ', not complete'})"
 
     @property
     def parts(self) -> tuple[sympy.Set, ...]:
