@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -121,7 +120,7 @@ def analyse(
     from pwmap.diagrams.record import keep_record, record_of
     from pwmap.diagrams.tables import FILES, write_results
 
-    tables, pictures, interrupts = list[str](), list[str](), list[bool]()
+    pictures, others, interrupts = list[str](), list[str](), list[bool]()
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         with bar_on(errors) as bar:
@@ -145,15 +144,17 @@ def analyse(
         shown = more.added(found)
         shown = replace(shown, about={**shown.about, "map": formula, "set": set_ or []})
         write_results(shown, out)
-        tables += [*FILES, *more.write(out)]
+        others += [*FILES, *more.write(out)]
         if not interrupts:
             try:
-                for name in chain(_draw(found, more, out, picture), more.draw(out, picture)):
+                for name in _draw(found, more, out, picture):
                     pictures.append(name)  # each is there, if the next one is interrupted
+                for name in more.draw(out, picture):
+                    others.append(name)
                 _tell(shown, more)
             except KeyboardInterrupt:  # the tables are there
                 interrupts.append(True)
-        names = [*pictures, *tables]
+        names = [*pictures, *others]
         gone = keep_record(out, "analyse", names, asked)
     except KeyboardInterrupt:
         kept = "files may be missing" if interrupts else "there is nothing to keep yet"
