@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +18,8 @@ from pwmap.diagrams.files import PictureFormat
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
+    from rich.progress import Progress as Bar
+
     from pwmap.cli_longrun import LongRun
     from pwmap.diagrams.diagram import Diagram
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -107,54 +109,74 @@ def analyse(
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
     The iterates are taken order by order. If that takes more pieces than allowed, or is ended by
-    Ctrl-C, the orders that were completed are kept; Ctrl-C later keeps the diagram. What attracts
-    in the long run, and how complex it is, is asked for by --attractors and --entropy, which need a
-    span, and by --density.
+    Ctrl-C, the orders that were completed are kept; Ctrl-C later keeps the diagram, and what is
+    known of the long run. Files of tables are written then, pictures are not; Ctrl-C again ends it
+    at once. What attracts in the long run, and how complex it is, is asked for by --attractors and
+    --entropy, which need a span, and by --density.
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
     from pwmap.cli_longrun import LongRun
     from pwmap.diagrams.record import keep_record, record_of
-    from pwmap.diagrams.tables import FILES, table_of_branches, table_of_points, write_results
+    from pwmap.diagrams.tables import FILES, write_results
 
+    pictures, others, interrupts = list[str](), list[str](), list[bool]()
     try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
-        found, interrupted = _computed(
-            map_, parameter, span, orders_of(orders), Budget(pieces=pieces),
-            assignments(sample, "--sample") if sample else None,
-        )  # fmt: skip
-        asked_of = partial(LongRun, map_, parameter, span, order=max(orders_of(orders)))
-        try:
-            more = asked_of(attractors=attractors, entropy=entropy, density=tuple(density or ()))
-        except KeyboardInterrupt:  # the diagram is there
-            more, interrupted = asked_of(attractors=False, entropy=False, density=()), True
+        with bar_on(errors) as bar:
+            budget = Budget(pieces=pieces, on_interrupt=lambda: interrupts.append(True))
+            found = _computed(
+                map_, parameter, span, orders_of(orders), budget,
+                assignments(sample, "--sample") if sample else None, bar,
+            )  # fmt: skip
+            more = LongRun(map_, parameter, span, interrupts, bar)
+            more.ask(
+                attractors=attractors, entropy=entropy, density=tuple(density or ()),
+                order=max(orders_of(orders)),
+            )  # fmt: skip
         out.mkdir(parents=True, exist_ok=True)
-        pictures = _draw(found, more, out, picture)
         asked: dict[str, object] = {
             "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
             "given": given or [], "orders": orders, "span": span, "sample": sample or [],
             "pieces": pieces, "attractors": attractors, "entropy": entropy,
             "density": density or [], "format": picture,
         }  # fmt: skip
-        found = more.added(found)
-        found = replace(found, about={**found.about, "map": formula, "set": set_ or []})
-        write_results(found, out)
-        names = (*pictures, *FILES, *more.write(out, picture))
+        shown = more.added(found)
+        shown = replace(shown, about={**shown.about, "map": formula, "set": set_ or []})
+        write_results(shown, out)
+        others += [*FILES, *more.write(out)]
+        if not interrupts:
+            try:
+                for name in _draw(found, more, out, picture):
+                    pictures.append(name)  # each is there, if the next one is interrupted
+                for name in more.draw(out, picture):
+                    others.append(name)
+                _tell(shown, more)
+            except KeyboardInterrupt:  # the tables are there
+                interrupts.append(True)
+        names = [*pictures, *others]
         gone = keep_record(out, "analyse", names, asked)
     except KeyboardInterrupt:
-        errors.print("Interrupted: there is nothing to keep yet", style="red")
+        kept = "files may be missing" if interrupts else "there is nothing to keep yet"
+        errors.print(f"Interrupted: {kept}", style="red")
         raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
         errors.print(f"Error: {in_words(error)}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
-    console.print(table_of_branches(found))
-    console.print(table_of_points(found))
-    for table in more.tables():
-        console.print(table)
     tell_written(console, out, (*names, record_of("analyse")), gone)
-    if interrupted:
-        errors.print("Interrupted: what was finished is kept", style="red")
+    if interrupts:
+        for sentence in (*shown.given, *more.left_out):
+            console.print(sentence, highlight=False)
+        errors.print("Interrupted: what was finished is kept, without pictures", style="red")
         raise typer.Exit(INTERRUPTED)
+
+
+def _tell(found: Diagram, more: LongRun) -> None:
+    """All tables for a person."""
+    from pwmap.diagrams.tables import table_of_branches, table_of_points
+
+    for table in (table_of_branches(found), table_of_points(found), *more.tables()):
+        console.print(table)
 
 
 def _computed(
@@ -164,52 +186,42 @@ def _computed(
     orders: list[int],
     budget: Budget,
     sample: dict[str, str] | None,
-) -> tuple[Diagram, bool]:
-    """The diagram, and whether Ctrl-C ended it; with a bar that leaves nothing behind."""
+    bar: Bar,
+) -> Diagram:
+    """The diagram; a bar says how far it is."""
     from pwmap import bifurcation_diagram
 
-    interrupts: list[bool] = []
-    with bar_on(errors) as bar:
-        task = bar.add_task("order 1", total=max(orders, default=1))
+    task = bar.add_task("order 1", total=max(orders, default=1))
 
-        def tell(done: Progress) -> None:
-            more = f"order {done.order + 1}" if done.order < max(orders) else "points and branches"
-            text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
-            bar.update(task, completed=done.order, description=text)
+    def tell(done: Progress) -> None:
+        more = f"order {done.order + 1}" if done.order < max(orders) else "points and branches"
+        text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
+        bar.update(task, completed=done.order, description=text)
 
-        found = bifurcation_diagram(
-            map_,
-            parameter,
-            span,
-            orders,
-            sample,
-            budget=budget,
-            progress=tell,
-            on_interrupt=lambda: interrupts.append(True),
-        )
-    return found, bool(interrupts)
+    return bifurcation_diagram(map_, parameter, span, orders, sample, budget=budget, progress=tell)
 
 
-def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> list[str]:
+def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> Iterator[str]:
     """The diagram, over its bands if these are known, and each order if there are several."""
     from pwmap.diagrams.files import write_figure
     from pwmap.plot import plot_diagram
 
-    drawn = [more.drawn(found) if more.found is not None else plot_diagram(found)]
     orders = sorted({branch.order for branch in found.branches})
-    several = orders if len(orders) > 1 else []
-    drawn += [plot_diagram(found.of_order(order)) for order in several]
-    for order, each in zip(several, drawn[1:], strict=True):
-        each.ax.set_title(f"$P_{{{order}}}$", fontsize=9)
-    if found.sample:  # exact in other parameters, too: a picture needs values of them
-        values = ", ".join(f"{name} = {value}" for name, value in found.sample.items())
-        for each in drawn:
-            before = each.ax.get_title()
-            each.ax.set_title(f"{before}{', ' * bool(before)}drawn at {values}", fontsize=9)
-    names = [f"{name}.{picture}" for name in ("diagram", *(f"order_{j}" for j in several))]
-    for name, each in zip(names, drawn, strict=True):
-        write_figure(out / name, each.figure)
-    return names
+    values = ", ".join(f"{name} = {value}" for name, value in found.sample.items())
+    for order in (0, *(orders if len(orders) > 1 else ())):
+        whole = not order
+        if whole and more.found is not None:
+            drawn = more.drawn(found)
+        else:
+            drawn = plot_diagram(found if whole else found.of_order(order))
+        if not whole:
+            drawn.ax.set_title(f"$P_{{{order}}}$", fontsize=9)
+        if values:  # exact in other parameters, too: a picture needs values of them
+            before = drawn.ax.get_title()
+            drawn.ax.set_title(f"{before}{', ' * bool(before)}drawn at {values}", fontsize=9)
+        name = f"{'diagram' if whole else f'order_{order}'}.{picture}"
+        write_figure(out / name, drawn.figure)
+        yield name
 
 
 app.command("plane")(draw_plane)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from rich.progress import Progress
 from rich.table import Table
 
 from pwmap.diagrams.diagram import Diagram
@@ -14,7 +16,10 @@ from pwmap.longrun.bands import with_attractors
 from pwmap.longrun.constant import EntropyIntervals, constant_entropy
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Dynamics, dynamics
+from pwmap.maps.budget import Budget
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+
+Found = TypeVar("Found")
 
 HIGHEST = 5  # order up to which crises are looked for
 
@@ -27,37 +32,83 @@ class LongRun:
     map_, parameter, span
         A map of that parameter alone, its name, and two rationals if it is asked for more than
         densities.
-    attractors, entropy
-        Whether these are asked for.
-    density
-        Values of the parameter.
-    order
-        Up to which words are compared.
-
-    Raises
-    ------
-    ValueError
-        If something is asked for over a parameter without a span, or there is no density.
+    interrupts
+        To which each Ctrl-C is added; after one nothing more is begun.
+    bar
+        That says how far a question is.
     """
 
     def __init__(
-        self, map_: PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None, *,
-        attractors: bool, entropy: bool, density: tuple[str, ...], order: int,
+        self, map_: PiecewiseLinearMap, parameter: str, span: tuple[str, str] | None,
+        interrupts: list[bool], bar: Progress,
     ) -> None:  # fmt: skip
+        self._map, self._parameter, self._span = map_, parameter, span
+        self._interrupts, self._bar = interrupts, bar
+        self.found: AttractorDiagram | None = None
+        self.constant: EntropyIntervals | None = None
+        self.at = dict[str, Dynamics]()
+        self.left_out = list[str]()  # sentences on what is not known
+
+    def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
+        """Ask one question after the other, until Ctrl-C; what is finished of each is kept.
+
+        Raises
+        ------
+        ValueError
+            If something is asked for over a parameter without a span, or there is no density.
+        """
+        map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):
             raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
-        self._map, self._parameter, self._span = map_, parameter, span
-        self.found: AttractorDiagram | None = None
         if attractors and span is not None:
-            self.found = attractor_diagram(map_, parameter, span, min(order, HIGHEST))
-        self.constant: EntropyIntervals | None = None
+            over, upto = span, min(order, HIGHEST)
+            self.found = self._asked(
+                "attractors",
+                lambda budget: attractor_diagram(map_, name, over, upto, budget=budget),
+            )
         if entropy and span is not None:
-            self.constant = constant_entropy(map_, parameter, span)
-        self.at: dict[str, Dynamics] = {p: dynamics(map_, {parameter: p}) for p in density}
-        for value, seen in self.at.items():
-            if all(each.density is None for each in seen.attractors):
-                what = f"at {parameter} = {value} no chaotic attractor has a density"
-                raise ValueError("; ".join(filter(None, (what, seen.attractors.left_out))))
+            over = span
+            self.constant = self._asked(
+                "entropy", lambda budget: constant_entropy(map_, name, over, budget=budget)
+            )
+        for value in density:
+            seen = self._asked(f"density at {value}", partial(self._at, value))
+            if seen is not None:
+                self.at[value] = seen
+
+    def _asked(self, what: str, question: Callable[[Budget], Found | None]) -> Found | None:
+        """What is found of a question; None if Ctrl-C ended it before anything was."""
+        found: Found | None = None
+        if not self._interrupts:
+            task = self._bar.add_task(what, total=None)
+            budget = Budget(
+                progress=lambda at: self._bar.update(
+                    task, description=f"{what}: {at.what}" if at.what else what,
+                    completed=at.done, total=at.total or None,
+                ),
+                on_interrupt=lambda: self._interrupts.append(True),
+            )  # fmt: skip
+            try:
+                found = question(budget)
+            except KeyboardInterrupt:
+                self._interrupts.append(True)
+            self._bar.update(task, visible=False)
+        if found is None:
+            self.left_out.append(f"left out: {what}")
+        elif left_out := getattr(found, "left_out", ""):
+            self.left_out.append(f"{what}: {left_out}")
+        return found
+
+    def _at(self, value: str, budget: Budget) -> Dynamics | None:
+        """The long run at a value, with all densities; None if an interrupt cut them short."""
+        seen = dynamics(self._map, {self._parameter: value}, budget=budget)
+        dense = [each for each in seen.attractors if each.density is not None]
+        if self._interrupts:
+            return None
+        if not dense:
+            what = f"at {self._parameter} = {value} no chaotic attractor has a density"
+            raise ValueError("; ".join(filter(None, (what, seen.attractors.left_out))))
+        return seen
 
     def added(self, diagram: Diagram) -> Diagram:
         """A diagram with the bands and crises that were found."""
@@ -70,27 +121,30 @@ class LongRun:
         assert self.found is not None
         return plot_long_run(diagram, self.found, self._map)
 
-    def write(self, folder: Path, picture: PictureFormat) -> list[str]:
-        """Write what was asked for into a folder, and name the files."""
+    def write(self, folder: Path) -> list[str]:
+        """Write tables of what was found into a folder, and name the files."""
         names = list[str]()
-        from pwmap.plot_longrun import plot_density, plot_entropy
-
-        def keep(name: str, figure: Any) -> None:
-            write_figure(folder / name, figure)
-            names.append(name)
-
         if self.found is not None:
             self._write_cells(folder / "attractors.csv")
             self._write_crises(folder / "crises.csv")
             names += ["attractors.csv", "crises.csv"]
-        if self.constant is not None and self._span is not None:
-            drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
-            keep(f"entropy.{picture}", drawn.figure)
+        if self.constant is not None:
             self._write_intervals(folder / "entropy.csv")
             names.append("entropy.csv")
-        for value, seen in self.at.items():
-            keep(f"density_{value.replace('/', '_')}.{picture}", plot_density(seen).figure)
         return names
+
+    def draw(self, folder: Path, picture: PictureFormat) -> Iterator[str]:
+        """Draw pictures of what was found into a folder, and name each when it is there."""
+        from pwmap.plot_longrun import plot_density, plot_entropy
+
+        if self.constant is not None and self._span is not None:
+            drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)
+            write_figure(folder / f"entropy.{picture}", drawn.figure)
+            yield f"entropy.{picture}"
+        for value, seen in self.at.items():
+            name = f"density_{value.replace('/', '_')}.{picture}"
+            write_figure(folder / name, plot_density(seen).figure)
+            yield name
 
     def _write_cells(self, path: Path) -> None:
         assert self.found is not None

@@ -75,6 +75,7 @@ def draw_plane(
     """
     from pwmap import parameter_plane, plane_raster, with_crises
     from pwmap.diagrams.record import keep_record, record_of
+    from pwmap.plane.crisiscurves import SEARCH
     from pwmap.plane.rasters import RASTER
 
     errors = screen(stderr=True)
@@ -94,7 +95,7 @@ def draw_plane(
                 map_, across, along, across_span, along_span, orders_of(orders), budget=budget
             )
             if crises is not None and not interrupts:
-                found = with_crises(found, crises, budget=budget)
+                found = with_crises(found, crises, budget=replace(budget, work=SEARCH.work))
             if colours is not None and not interrupts:
                 seen = plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
         out.mkdir(parents=True, exist_ok=True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import islice, repeat
 from pathlib import Path
 
 from rich.table import Column, Table
@@ -48,20 +49,29 @@ def write_results(diagram: Diagram, folder: Path) -> None:
             *(f"{name}_exact" for name in exact_of_branches),
         ),
         (
-            (
-                *(b.id, b.kind, b.order, b.word_at(k), *b.ends),
-                *(float(b.parameter[k]), float(b.x[k]), float(b.multiplier[k])),
-                *(float(b.columns[name][k]) if name in b.columns else "" for name in observed),
-                *(b.stretch_at(k).exact.get(name, "") for name in exact_of_branches),
-            )
-            for b in diagram.branches
-            for k in range(len(b))
+            row
+            for branch in diagram.branches
+            for row in _rows_of(branch, observed, exact_of_branches)
         ),
     )
     graph = diagram.graph()
     for name in FILES[2:4]:
         write_graph(graph, folder / name)
     diagram.save(folder / FILES[4])
+
+
+def _rows_of(
+    branch: Branch, observed: Sequence[str], exact: Sequence[str]
+) -> Iterator[tuple[object, ...]]:
+    """A row for each sample of a branch; exact values become text once for each stretch."""
+    columns = [branch.columns.get(name, repeat("")) for name in observed]
+    numbers = zip(branch.parameter, branch.x, branch.multiplier, *columns, strict=False)
+    firsts = [stretch.first for stretch in branch.words]
+    for stretch, start, stop in zip(branch.words, firsts, [*firsts[1:], len(branch)], strict=True):
+        texts = [str(stretch.exact.get(name, "")) for name in exact]
+        what = (branch.id, branch.kind, branch.order, stretch.word, *branch.ends)
+        for row in islice(numbers, stop - start):
+            yield (*what, *(float(each) if each != "" else each for each in row), *texts)
 
 
 def table_of_points(diagram: Diagram) -> Table:

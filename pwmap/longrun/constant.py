@@ -46,7 +46,7 @@ from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth
 from pwmap.longrun.kneading import growth_by_kneading, matched
 from pwmap.longrun.line import Line, line_at
 from pwmap.longrun.numbers import sign, to_double
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Return, Slope
 from pwmap.parameters.admitted import admitted_intervals
@@ -384,7 +384,10 @@ class _Study:
             return None
         if not self.admits(place):
             return None
-        found = self.proof(self.line(place))
+        try:
+            found = self.proof(self.line(place))
+        except BudgetError:  # what was proved before is kept
+            return None
         return found.growth if isinstance(found, Proof) else None
 
     def proved(self, low: Real, high: Real, sample: Number) -> _Proved | GapCause:
@@ -452,9 +455,9 @@ def _swept(
             sample = _near(a, b, part)
             with study.meter.keeping((sample,)):
                 found = study.proved(a, b, sample)
+                study.meter.advance("samples", taken, samples)
             if found is not GapCause.SPECIAL:
                 break
-        study.meter.advance("samples", taken, samples)
         if isinstance(found, _Proved):
             proved.append(found)
             keep(a, found.low)

@@ -30,6 +30,7 @@ from pwmap.plane.marks import Event
 from pwmap.plane.network import Arc, PlaneCurve
 from pwmap.plane.plane import ParameterPlane
 
+SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
 CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)
 FINER = 4  # values at which a curve is asked for, for each at which crises are looked for
 HALVINGS = 12  # of an interval in which a curve ends
@@ -50,7 +51,7 @@ def with_crises(
     order: int = 2,
     columns: int = 12,
     *,
-    budget: Budget | Meter = BUDGET,
+    budget: Budget | Meter = SEARCH,
     progress: Callable[[int], None] | None = None,
 ) -> ParameterPlane:
     """The same plane with the curves of merging, expansion and final crises.
@@ -64,8 +65,8 @@ def with_crises(
     columns
         At how many values of the parameter across crises are looked for.
     budget
-        Its limits hold for what attracts at each value; where it or an interrupt ends the search,
-        the curves that are finished are returned, and ``left_out`` says so.
+        What all of it may take; where it or an interrupt ends the search, the curves that are
+        finished are returned, and ``left_out`` says so.
     progress
         Is told after each how many are done.
 
@@ -90,10 +91,10 @@ def with_crises(
     """
     if columns < 1:
         raise ValueError(f"crises are looked for at one value at least, got {columns}")
-    search = _Search(plane, order)
+    meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()
+    search = _Search(plane, order, meter)
     low, high = plane.across_span
     found = dict[_Family, None]()
-    meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()
     with meter.keeping(done):
         for n in meter.each(range(columns), "columns"):
             value = low + (high - low) * QQ(2 * n + 1, 2 * columns)
@@ -124,8 +125,8 @@ def with_crises(
 class _Search:
     """Asks for crises at values of the parameter across."""
 
-    def __init__(self, plane: ParameterPlane, order: int) -> None:
-        self.plane, self.order = plane, order
+    def __init__(self, plane: ParameterPlane, order: int, meter: Meter) -> None:
+        self.plane, self.order, self.meter = plane, order, meter
         self.along = str(plane.along)
         self.index = [str(symbol) for symbol in plane.map.parameters].index(self.along)
 
@@ -136,7 +137,9 @@ class _Search:
     def families(self, value: Number) -> Iterator[_Family]:
         """The curves on which crises at a value of the parameter across lie."""
         span = tuple(map(QQ.to_sympy, self.plane.along_span))
-        found = attractor_diagram(self.map_at(value), self.along, span, self.order)
+        found = attractor_diagram(
+            self.map_at(value), self.along, span, self.order, budget=self.meter
+        )
         for crisis in found.crises:
             if crisis.kind in CRISES and not crisis.width:
                 place = algebraic(crisis.parameter)
@@ -177,7 +180,8 @@ class _Search:
         if len(roots) <= family.number or not low < roots[family.number] < high:
             return False
         place, width = roots[family.number], (high - low) * QQ(1, BESIDE)
-        kind = kind_at(self.map_at(value), self.along, self.order, place, width)
+        map_ = self.map_at(value)
+        kind = kind_at(map_, self.along, self.order, place, width, budget=self.meter)
         return kind is family.event.kind
 
     def _end(self, family: _Family, inside: Number, outside: Number) -> Number:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 import time
+from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,14 +20,17 @@ from pwmap import (
     BudgetError,
     Meter,
     PiecewiseLinearMap,
+    attractor_diagram,
     bifurcation_diagram,
     cli_longrun,
+    constant_entropy,
     cycles,
     parameter_plane,
     plane_raster,
     tongues,
     word_family,
 )
+from pwmap.longrun.constant import GapCause
 from pwmap.maps.budget import cost
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
@@ -207,7 +215,7 @@ def test_tongues_and_families_that_took_minutes() -> None:
 def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     tmp_path, monkeypatch
 ) -> None:  # type: ignore[no-untyped-def]
-    def interrupted(*_: object) -> None:
+    def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(cli_longrun, "attractor_diagram", interrupted)
@@ -216,3 +224,48 @@ def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     assert code == 130
     assert (tmp_path / "graph.json").exists()
     assert not (tmp_path / "attractors.csv").exists()
+    assert not (tmp_path / "diagram.png").exists()
+
+
+def test_intervals_of_constant_entropy_are_kept_when_an_interrupt_or_a_limit_ends_the_search() -> (
+    None
+):
+    skew = PiecewiseLinearMap([("x/2 + 1", "x <= 0"), ("b*x + 1", "x > 0")])
+    whole = constant_entropy(skew, "b", (-6, -1), samples=20)
+    some = constant_entropy(skew, "b", (-6, -1), samples=20, budget=interrupting(10))
+    assert 0.0 < some.share <= whole.share
+    assert any(GapCause.BUDGET in gap.causes for gap in some.gaps)
+    for work in (2000, 5000, 20_000):
+        cut = constant_entropy(skew, "b", (-6, -1), samples=20, budget=Budget(work=work))
+        assert cut.share <= whole.share
+
+
+@pytest.mark.parametrize("parts", [1, 3, 6])
+def test_attractors_are_kept_wherever_an_interrupt_comes(parts: int) -> None:
+    found = attractor_diagram(TENT, "m", (0, 2), 2, budget=interrupting(parts))
+    assert found.left_out == f"stopped after {parts} of 16 parts of the interval: interrupted"
+    assert found.cells[-1].is_open
+    assert found.cells[-1].upper == 2
+    known = [cell for cell in found.cells if not cell.is_open]
+    assert all(cell.upper <= Rational(parts, 8) for cell in known)
+    assert all(one.upper == other.lower for one, other in pairwise(found.cells))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")
+def test_a_command_with_many_orders_ends_soon_after_an_interrupt(tmp_path: Path) -> None:
+    """The orders that are kept are written, pictures are not."""
+    text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
+    orders = ",".join(map(str, range(1, 15)))
+    command = subprocess.Popen(
+        [sys.executable, "-m", "pwmap", "analyse", text, "--parameter", "m", "--span", "0", "2",
+         "--orders", orders, "--pieces", str(10**9), "--out", str(tmp_path)],
+        stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    time.sleep(5.0)
+    command.send_signal(signal.SIGINT)
+    told, _ = command.communicate(timeout=60.0)  # before, it took longer with pictures alone
+    assert command.returncode == 130
+    assert "interrupted" in told
+    assert (tmp_path / "graph.json").exists()
+    assert not list(tmp_path.glob("*.png"))

@@ -33,7 +33,7 @@ from pwmap.longrun.crises.samples import Sample, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import Line, line_at
 from pwmap.longrun.numbers import to_double
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.parameters.admitted import admitted_intervals
 from pwmap.parameters.axes import axis_of
@@ -366,8 +366,13 @@ class _Sweep:
 
     def close(self) -> None:
         """End the last cell; what is not finished is open."""
-        self._known_up_to(self.finished[-1])
-        self._open(self.finished[-1], self._high)
+        end = self.finished[-1]
+        try:
+            self._known_up_to(end)
+        except BudgetError:  # not even how far the last cell goes on can be asked
+            end = self._inside[-1].place
+            self._cell(end)
+        self._open(end, self._high)
 
     def _known_up_to(self, high: Real) -> None:
         """End a cell where nothing beyond is known: its cycles may end before."""

@@ -9,7 +9,7 @@ from pwmap.longrun.crises.changes import Change, Changes
 from pwmap.longrun.crises.samples import Image, Sample, Samples
 from pwmap.longrun.line import Interval, joined
 from pwmap.longrun.numbers import Element, Exact, to_double
-from pwmap.maps.budget import BUDGET, Meter
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Multiplier, Word
 from pwmap.parameters.axes import axis_of
@@ -18,13 +18,14 @@ SAME = 1e-4  # of their length: so little may bands differ that are the same, in
 
 
 def kind_at(
-    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number
-) -> PointKind | None:
+    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number, *,
+    budget: Budget | Meter = BUDGET,
+) -> PointKind | None:  # fmt: skip
     """What happens to bands at a place of a map's only parameter; None if nothing does.
 
     What attracts is asked between a half and one width beside it.
     """
-    samples = Samples(map_, axis_of(map_.definition, name, {}), Meter(BUDGET))
+    samples = Samples(map_, axis_of(map_.definition, name, {}), metered(budget))
     low, high = bounds(place)
     left = samples.between(low - width, low - width / 2)
     right = samples.between(high + width / 2, high + width)
