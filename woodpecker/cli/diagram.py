@@ -15,6 +15,7 @@ from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.interrupts import heard
 from woodpecker.cli.options import (
     GUESS,
+    INTERRUPTED,
     Format,
     Out,
     Window,
@@ -129,7 +130,7 @@ def diagram(
         _write(toy, found, shows, target)
     if found.stopped:
         kept = counted(len(found.diagram.branches), "branch")
-        complain(f"{found.stopped}: kept {kept}, as tables; go on with --resume")
+        complain(f"{found.stopped}: {kept} kept, as tables; go on with --resume")
         raise typer.Exit(found.status)
 
 
@@ -206,12 +207,10 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
             heard()
             if not run.exists():
                 raise
-            return _Searched(saved_diagram(run), stopped=_why(stopped))
-
-
-def _why(stopped: BaseException) -> str:
-    """Why a search was broken off."""
-    return "Interrupted" if isinstance(stopped, KeyboardInterrupt) else f"Broken off: {stopped}"
+            why, status = "Interrupted", INTERRUPTED
+            if not isinstance(stopped, KeyboardInterrupt):
+                why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
+            return _Searched(saved_diagram(run), stopped=why, status=status)
 
 
 def _shown(bar: Bar, parameter: str) -> _Show:

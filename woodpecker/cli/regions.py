@@ -99,7 +99,7 @@ def _keep(curves: list[Curve], target: Path) -> None:
     write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, target)
     report(target, *CURVES[1:])
     kept = counted(len(curves), "curve")
-    complain(f"Interrupted: kept {kept}, as tables; no regions between them")
+    complain(f"Interrupted: {kept} kept, as tables; no regions between them")
 
 
 def _write(found: Regions, target: Path, files: Sequence[str]) -> None:

@@ -63,7 +63,7 @@ from woodpecker.simulation.words import word
 from woodpecker.undecided import Undecided
 
 MOST_EVENTS = 400
-MOST_PARTS = 4096  # of a phase in which the bird is shown not to turn: some tens are usual
+MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some tens are usual
 
 
 def follow(model: Model, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:

@@ -97,7 +97,7 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
     assert process.returncode == 130
     kept = load_diagram(tmp_path / "diagram.json")
     count = counted(len(kept.branches), "branch")
-    assert f"Interrupted: kept {count}, as tables; go on" in complaint
+    assert f"Interrupted: {count} kept, as tables; go on" in complaint
     assert len(kept.branches) == len(saved_diagram(run).branches) > 0
     assert "points.csv" in text
     assert not list(tmp_path.glob("*.png"))  # pictures would take their time
@@ -227,7 +227,7 @@ def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.Mon
     near = ("--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6", "-0.45")
     result = CliRunner().invoke(app, ["regions", *near, "--out", str(tmp_path)])
     assert result.exit_code == 130
-    assert "Interrupted: kept 1 curve, as tables; no regions between them" in result.output
+    assert "Interrupted: 1 curve kept, as tables; no regions between them" in result.output
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {*curves_command.FILES[1:], "about_regions.json"}
 

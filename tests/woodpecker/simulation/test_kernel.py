@@ -445,7 +445,7 @@ from woodpecker.mechanics.toy import Toy
 print(first_return(Toy(**{changes}), {phi_s}).status.name)
 """
     reason = in_another_process(code, timeout=300.0, NUMBA_DISABLE_JIT="0").strip()
-    assert reason in ("EVENT_LIMIT", "FREE_FALL", "RETURNED")
+    assert reason in ("EVENT_LIMIT", "FREE_FALL", "NEVER_JAMS", "RETURNED")
 
 
 def test_a_contact_that_carries_nothing() -> None:
