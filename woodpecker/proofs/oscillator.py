@@ -20,7 +20,7 @@ from woodpecker.proofs.taylor import Taylor, constant, inverse
 from woodpecker.undecided import Undecided
 
 Derivatives = Callable[[int], Any]
-MOST_PARTS = 2**16  # of a phase in which a guard is shown to be positive: an unstable cycle takes 2**13
+MOST_PARTS = 2**16  # of a phase in which a guard is shown positive: an unstable cycle takes 2**13
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
 
