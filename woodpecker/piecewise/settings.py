@@ -322,8 +322,8 @@ class Settings:
     max_evaluations
         Of P_1, of a whole search; where P_n is looked at, too, n^2 times as many more. A branch
         takes at most three fifths of its own each way and a slice a sixteenth: the longest branches
-        of the toy need 290 000. What is left after that many is said. A return of very many phases counts as
-        several.
+        of the toy need 290 000. What is left after that many is said. A return of very many phases
+        counts as several.
     max_pieces
         Of P_1 in a slice, and ten times as many of an iterate: the toy has some hundred. The rest
         is reported as not resolved.
