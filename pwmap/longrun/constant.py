@@ -39,7 +39,6 @@ from pwmap.algebra.roots import (
     sign_at,
     simplest_between,
 )
-from pwmap.algebra.terms import own_name
 from pwmap.longrun.entropies import Entropy, exact_entropy
 from pwmap.longrun.fates import AttractingCycle, Fates
 from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
@@ -49,10 +48,8 @@ from pwmap.longrun.numbers import sign, to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Return, Slope
-from pwmap.parameters.admitted import admitted_intervals
-from pwmap.parameters.axes import axis_of
 from pwmap.parameters.axis import Axis
-from pwmap.parameters.cells import checked_span
+from pwmap.parameters.cells import only_axis
 
 SAMPLES = 200
 FINE = 4096  # part of a span: gaps shorter than that are left
@@ -261,18 +258,10 @@ def constant_entropy(
     -4 -3 log(1/2 + sqrt(5)/2) LLR
     -2 -1 0 LR
     """
-    name = str(own_name(parameter, map_.parameters))
-    names = [str(symbol) for symbol in map_.parameters]
-    if names != [name]:
-        raise ValueError(f"expected a map of {name} alone, this one has {names or 'no parameters'}")
-    if map_.order > 1:
-        raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
-    low, high = checked_span(span)
+    axis, (low, high) = only_axis(map_, parameter, span)
     least = (high - low) / FINE if tolerance is None else rational(tolerance)
     if not least > 0:
         raise ValueError(f"a tolerance must be positive, got {tolerance}")
-    axis = axis_of(map_.definition, name, {})
-    admitted_intervals(axis, (low, high))
     study = _Study(map_, axis, checked_order(steps), metered(budget))
     proved, left = _swept(study, low, high, least, checked_order(samples))
     return EntropyIntervals(

@@ -543,3 +543,26 @@ def checked_span(span: tuple[object, object]) -> tuple[Number, Number]:
     if not low < high:
         raise ValueError(f"a span must be an interval (low, high), got ({span[0]}, {span[1]})")
     return low, high
+
+
+def only_axis(
+    map_: PiecewiseLinearMap, parameter: object, span: tuple[object, object]
+) -> tuple[Axis, tuple[Number, Number]]:
+    """The axis of the one parameter of a map, and the ends of a span of it.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters, or is an iterate, or the span is no interval that the
+        assumptions admit.
+    """
+    name = str(own_name(parameter, map_.parameters))
+    names = [str(symbol) for symbol in map_.parameters]
+    if names != [name]:
+        raise ValueError(f"expected a map of {name} alone, this one has {names or 'no parameters'}")
+    if map_.order > 1:
+        raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
+    ends = checked_span(span)
+    axis = axis_of(map_.definition, name, {})
+    admitted_intervals(axis, ends)
+    return axis, ends

@@ -21,7 +21,7 @@ from sympy import QQ
 from pwmap.algebra.exact import Fraction_, Number, quotient_to_sympy
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
-from pwmap.algebra.terms import own_name, shortened
+from pwmap.algebra.terms import shortened
 from pwmap.diagrams.diagram import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Change, Changes
@@ -35,9 +35,7 @@ from pwmap.longrun.line import Line, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
-from pwmap.parameters.admitted import admitted_intervals
-from pwmap.parameters.axes import axis_of
-from pwmap.parameters.cells import checked_span
+from pwmap.parameters.cells import only_axis
 
 PARTS = 16  # of an interval, in each of which something is asked, and which are finished in turn
 
@@ -248,15 +246,7 @@ def attractor_diagram(
     MC sqrt(2) (2, 1)
     """
     order = checked_order(order)
-    name = str(own_name(parameter, map_.parameters))
-    names = [str(symbol) for symbol in map_.parameters]
-    if names != [name]:
-        raise ValueError(f"expected a map of {name} alone, this one has {names or 'no parameters'}")
-    if map_.order > 1:
-        raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
-    low, high = checked_span(span)
-    axis = axis_of(map_.definition, name, {})
-    admitted_intervals(axis, (low, high))
+    axis, (low, high) = only_axis(map_, parameter, span)
     meter = metered(budget)
     samples = Samples(map_, axis, meter)
     sweep = _Sweep(samples, Cuts(samples, order), Changes(samples, order), low, high)
