@@ -26,6 +26,7 @@ from woodpecker.engine.germs import (
     beginnings,
     cycle_at_limit,
     cycle_through,
+    judged,
     once,
 )
 from woodpecker.engine.maps import PiecewiseMap
@@ -397,7 +398,7 @@ class Network:
         for each in places:
             if each.node is node and self.problem.same(each.x, x, NODE):
                 return each
-        kind, note = (node.kind, node.note) if not node.starts else judged(node, x, self.problem)
+        kind, note = (node.kind, node.note) if not node.starts else judged(node.starts, node.order, x, self.problem)
         count = sum(each.kind is kind for each in places) + 1
         places.append(_Place(node, x, kind, note, f"{kind.value}{count}"))
         return places[-1]
@@ -444,31 +445,6 @@ class _Place:
     note: str
     id: str
     branches: list[str] = field(default_factory=list)
-
-
-def judged(node: Node, x: Floats, problem: Problem) -> tuple[PointKind, str]:
-    """What a border collision is at one point of its cycle, from the curves that start there.
-
-    Those of the cycle's own order lie on both sides of the parameter (persistence), or on one
-    (fold). Where a cycle folds into a jump crossing, and a crossing of twice the order starts at
-    the preimage of the jump, it is a fold-flip.
-    """
-    own: list[Beginning] = []
-    twice = False
-    for begin in node.starts:
-        orbit = begin.sample.orbit
-        points = orbit.x[: 1 if begin.is_crossing else None]
-        count = sum(problem.same(point, x, NODE) for point in points)
-        if begin.order == node.order:
-            own += count * [begin]
-        at_preimage = begin.is_crossing and begin.order == 2 * node.order < 2 * len(orbit.x)
-        twice |= at_preimage and count > 0
-    if len(own) < 2:
-        return PointKind.BC, f"{len(own)} of two branches are known"
-    note = "fold" if len({begin.ahead > 0.0 for begin in own}) == 1 else "persistence"
-    crossings = sum(begin.is_crossing for begin in own)
-    flips = twice and note == "fold" and 0 < crossings == len(own) - 1
-    return (PointKind.FF if flips else PointKind.BC), note
 
 
 def _key_at_end(begin: Beginning, arc: Arc) -> object:

@@ -16,6 +16,7 @@ from woodpecker.engine.orbits import STEP, Closed, Condition, Orbit, placed
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
+QUARTER, FAST = 2.0**-25, 2.0**-8  # the next step of a sequence that shrinks so fast is rounding
 HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
 
 
@@ -139,11 +140,12 @@ class Across:
         return row
 
 
-def solve(problem: Problem, start: Orbit) -> Solution:
+def solve(problem: Problem, start: Orbit, *, polished: bool = True) -> Solution:
     """Newton's method from an orbit, with its pieces.
 
     It is solved where the steps are as short as rounding makes them, or stop becoming shorter
-    below the square root of that. At most ``STEPS`` are taken.
+    below the square root of that; if it need not be polished, where the next one would be. At most
+    ``STEPS`` are taken.
     """
     orbit, before = start, np.inf
     for count in range(1, STEPS + 1):
@@ -164,7 +166,8 @@ def solve(problem: Problem, start: Orbit) -> Solution:
             return Solution(orbit, False, count)
         orbit = problem.moved(orbit, step)
         rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
-        if size <= rounding or (before <= HALF and size >= 0.5 * before):
+        good = not polished and size <= min(QUARTER, FAST * before)
+        if size <= rounding or good or (before <= HALF and size >= 0.5 * before):
             return Solution(orbit, orbit.is_defined, count)
         before = size
     return Solution(orbit, before <= HALF and orbit.is_defined, STEPS)

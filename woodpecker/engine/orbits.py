@@ -157,6 +157,19 @@ class Closed:
 
 
 @dataclass(frozen=True, slots=True)
+class Chained:
+    """Each image but the last is the next point."""
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """((n - 1) d,) images less points."""
+        return Closed().residual(orbit)[: -orbit.x.shape[1]]
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """Their derivatives."""
+        return Closed().rows(orbit)[: -orbit.x.shape[1]]
+
+
+@dataclass(frozen=True, slots=True)
 class OnBorder:
     """A margin vanishes.
 

@@ -335,7 +335,6 @@ class Network:
         return any(
             abs(known.p - met.p) <= same * self.settings.p_scale
             and len(known.x) == len(met.x)
-            and known.margin.index == met.margin.index
             and float(np.abs(known.x - met.x).max()) <= same * self.settings.x_scale
             for known in self._collisions.near(met.p)
         )

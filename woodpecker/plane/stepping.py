@@ -15,7 +15,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.margins import IN_X, lowest_dip
 from woodpecker.piecewise.orbits import SPACING, Margin
 from woodpecker.piecewise.pieces import Image, judge
-from woodpecker.piecewise.samples import angle
+from woodpecker.plane.angles import angle
 from woodpecker.plane.nodes import Node, Test, is_inside, is_tiny, margins_along, node_at, tests_of
 from woodpecker.plane.places import (
     Along,

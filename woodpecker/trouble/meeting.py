@@ -10,10 +10,8 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.branch_points import Multiplier
 from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.orbits import (
     Closed,
@@ -26,6 +24,7 @@ from woodpecker.piecewise.orbits import (
 )
 from woodpecker.piecewise.pieces import Piece
 from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks
 from woodpecker.trouble.changes import FARTHEST, Space
 from woodpecker.trouble.found import Effect
 from woodpecker.trouble.lines import ToyLine
@@ -94,8 +93,8 @@ def met_along(
     start = cycle_on(line, space.points, settings)
     if start is None:
         return []
-    cycles, found = Cycles(line, settings), list[Met]()
-    followed, lost = cycles.through(start), -1  # since which of what was found it is unstable
+    tasks, found = Tasks(line, settings), list[Met]()
+    followed, lost = tasks.cycle(start), -1  # since which of what was found it is unstable
     while True:
         curve = followed.curve
         if lost >= 0 and _is_stable(curve) and curve.parameter[0] <= _within(found[lost]):
@@ -110,7 +109,7 @@ def met_along(
             return found[: lost + 1]
         if not unstable or not followed.onward or len(found) > MANY:
             return found
-        followed = cycles.ahead(followed.onward[0])
+        followed = tasks.ahead(followed.onward[0])
 
 
 def _within(lost: Met) -> float:
@@ -163,7 +162,7 @@ def _read(curve: Curve, line: ToyLine, direction: Floats, settings: Settings) ->
     for mark in curve.marks:
         if mark.sample == 0:
             continue
-        effect = Effect.RELABELLED if mark.kind is BorderKind.SMOOTH else Effect.KINKED
+        effect = Effect.RELABELLED if mark.smooth else Effect.KINKED
         beyond = min(mark.sample + 1, last)
         if effect is Effect.KINKED or words(mark.sample - 1) != words(beyond):
             yield met(mark.sample, effect, WORD, mark.cause)

@@ -1,0 +1,340 @@
+"""Branches: from arc to arc through changes of word, to a special point, and what starts there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from pwmap.diagrams.diagram import PointKind, PointStatus
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import Arc, Curve, Halt, Sample, Stop
+from woodpecker.engine.germs import (
+    SAME,
+    Beginning,
+    beginnings,
+    crossings_at,
+    cycle_at_limit,
+    cycle_through,
+    is_inside,
+    once,
+)
+from woodpecker.engine.newton import solve
+from woodpecker.engine.orbits import Chained, Closed, Held, OnBorder, Orbit
+
+KINK = 1e-5  # slopes of a map that differ by more are those of a kink
+TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
+BESIDE = (2.0**-20, 2.0**-27, 2.0**-34)  # scaled: where the first sample beyond a point is looked for
+PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
+FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
+AGAIN = 1e-4  # scaled: first step beyond a border at least
+MOST_ARCS = 2000  # of one branch
+LOWER = "a cycle of a multiple period ends on one of smaller period"
+NOTHING = "no branch beyond a border"
+ACCUMULATE = "borders accumulate"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arrival:
+    """What a branch comes to.
+
+    Attributes
+    ----------
+    kind, note, cause, precision, status
+        As :class:`pwmap.diagrams.diagram.SpecialPoint` has them.
+    orbit
+        The orbit there; of a collision the cycle, run through once.
+    collides
+        Whether a cycle meets a border there, so that others start.
+    onward
+        Where the branch goes on; None if it does not.
+    """
+
+    kind: PointKind
+    orbit: Orbit
+    note: str = ""
+    cause: str = ""
+    precision: float = 0.0
+    status: PointStatus = PointStatus.LOCATED
+    collides: bool = False
+    onward: Beginning | None = None
+
+
+class Change(NamedTuple):
+    """A change of word on a branch that is no special point.
+
+    Attributes
+    ----------
+    sample
+        Index of the sample at the border; the word changes after it.
+    cause
+        A sentence on what happens there.
+    smooth
+        Whether the derivatives of the map are the same on both sides.
+    """
+
+    sample: int
+    cause: str
+    smooth: bool
+
+
+Onward = tuple[Beginning, str, bool]
+"""Where a branch goes on, why its word changes, and whether smoothly."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A branch from its beginning to a special point.
+
+    Attributes
+    ----------
+    begin
+        Where it begins.
+    samples
+        All of its samples; one at a border has the pieces before it.
+    changes
+        Where its word changes.
+    arrival
+        The special point.
+    stop
+        What ended it.
+    """
+
+    begin: Beginning
+    samples: tuple[Sample, ...]
+    changes: tuple[Change, ...]
+    arrival: Arrival
+    stop: Stop
+
+
+def trace(begin: Beginning, halt: Halt | None = None) -> Trace:
+    """Follow a curve to a special point, through borders where only its word changes."""
+    samples = [] if begin.before is None else [begin.before]
+    samples.append(begin.sample)
+    changes, at, step = list[Change](), begin, math.inf
+    for _ in range(MOST_ARCS):
+        arc = _at_nearest(at.curve.follow(at.sample, step, halt))
+        step = max(arc.step, AGAIN)
+        samples += arc.samples[1:]
+        passed = _met(at, arc)
+        if isinstance(passed, Arrival):
+            return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop)
+        at, cause, smooth = passed
+        changes.append(Change(len(samples) - 1, cause, smooth))
+        if at.before is not None:
+            samples.append(at.sample)
+    end = _given_up(at, arc)
+    return Trace(begin, tuple(samples), tuple(changes), end, Stop.MANY)
+
+
+def _met(begin: Beginning, arc: Arc) -> Arrival | Onward:
+    """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
+    if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
+        return _at_multiplier(begin, arc)
+    if arc.stop in (Stop.BORDER, Stop.SHARE):
+        return _at_crossing(begin, arc) if begin.is_crossing else _at_border(begin, arc)
+    if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+        return _passed_over(begin, arc, ACCUMULATE) or _given_up(begin, arc)
+    return _given_up(begin, arc)
+
+
+def _given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Arrival:
+    is_open = arc.stop.is_open or bool(note)
+    return Arrival(
+        PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause or arc.stop.value,
+        arc.precision, PointStatus.OPEN if is_open else PointStatus.LOCATED,
+    )  # fmt: skip
+
+
+def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
+    """A fold, a flip, a branch point: the curve goes on there."""
+    sample, problem = arc.samples[-1], begin.curve.problem
+    single = sample.orbit if begin.is_crossing else once(sample.orbit, problem)
+    halved = len(single.x) < len(sample.orbit.x)  # cycles of twice the period come to its flip
+    kind = PointKind.PD if halved else PointKind[arc.stop.name]
+    onward = None
+    if not halved and arc.beyond is not None:
+        onward = Beginning(begin.order, begin.curve, arc.beyond, sample)
+    cause = Stop.PD.value if halved else arc.stop.value
+    return Arrival(kind, sample.orbit, "", cause, arc.precision, onward=onward)
+
+
+# --- Cycles at borders ----------------------------------------------------------------------------
+
+
+def _at_border(begin: Beginning, arc: Arc) -> Arrival | Onward:
+    orbit, curve = arc.samples[-1].orbit, begin.curve
+    cause = _cause(arc)
+    cycle = once(orbit, curve.problem)
+    if len(cycle.x) < len(orbit.x):
+        return Arrival(PointKind.BC, orbit, LOWER, cause, arc.precision)
+    assert arc.border is not None
+    i, code = arc.border
+    image = orbit.images[i]
+    gradient = image.gradients[image.place(code)]
+    arc = _sharpened(arc, i, gradient)
+    outer = curve.map.beside(orbit.x[i], orbit.p, -gradient)
+    if outer.reason:
+        beyond = _passed_over(begin, arc, cause)
+        if beyond is not None:
+            return beyond
+        if outer.reason != ACCUMULATE:
+            return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
+        return _given_up(begin, arc, ACCUMULATE, cause)
+    collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    if not curve.problem.same(image.value, outer.value, SAME):
+        return collision
+    others = [
+        each
+        for each in beginnings(curve, orbit.x[:1], orbit.p, (begin.order,))
+        if not each.is_crossing and each.key != replace(begin, sample=arc.samples[-1]).key
+    ]
+    if len(others) != 1:
+        return collision
+    there = others[0]
+    folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
+    before, after = (each.orbit.monodromy() for each in (arc.samples[-1], there.sample))
+    if folds or _changes_stability(before, after):
+        return replace(
+            collision, note="fold" if folds else "persistence",
+            onward=beside(there),
+        )
+    return there, cause, bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
+
+
+def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
+    """An arc of cycles that ends at a border, with the derivatives right inside it at its end.
+
+    Where a time goes like a root of the distance those at the border are made of rounding.
+    """
+    if len(arc.samples) < 2:
+        return arc
+    before, end = arc.samples[-2:]
+    if end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn):
+        return arc
+    orbit = end.orbit
+    own = arc.curve.map.beside(orbit.x[i], orbit.p, inward)
+    if own.reason or own.piece.key != orbit.images[i].piece.key:
+        return arc
+    images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
+    last = arc.curve.start(replace(orbit, images=images), before.tangent)
+    return replace(arc, samples=(*arc.samples[:-1], last))
+
+
+def _changes_stability(before: Floats, after: Floats) -> bool:
+    one, other = (float(np.abs(np.linalg.eigvals(each)).max()) for each in (before, after))
+    return abs(other - one) > TORN * max(1.0, one) and (one < 1.0) != (other < 1.0)
+
+
+def beside(begin: Beginning) -> Beginning:
+    """A beginning with its first sample beside the point where it starts, if there is one."""
+    for distance in BESIDE:
+        found = begin.curve.advance(begin.sample, distance)
+        if found is not None and is_inside(begin.curve, found):
+            return replace(begin, sample=found, before=begin.sample)
+    return begin
+
+
+def _at_nearest(arc: Arc) -> Arc:
+    """An arc whose steps have become too short beside a border, as one that ends there."""
+    if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
+        return arc
+    orbit, scale = arc.samples[-1].orbit, np.array(arc.curve.problem.x_scale)
+    d, best = len(scale), (math.inf, (0, 0))
+    for i, image in enumerate(orbit.taken):
+        slopes = np.linalg.norm(image.gradients[:, :d] * scale, axis=1)
+        for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
+            if (i, code) not in arc.curve.ignored and slope > 0.0:
+                best = min(best, (abs(float(margin / slope)), (i, code)))
+    if best[0] > 1e-9:
+        return arc
+    return replace(arc, stop=Stop.BORDER, border=best[1], condition=OnBorder(*best[1]))
+
+
+def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+    """The branch beyond a place where borders accumulate, the nearest there is.
+
+    It is looked for along the tangent, ever farther, with the pieces that the map takes there.
+    """
+    end, curve = arc.samples[-1], begin.curve
+    if begin.is_crossing:
+        return _crossing_beyond(begin, arc, cause)
+    (column,), problem = curve.problem.free, curve.problem
+    size = end.orbit.x.size
+    rate = end.tangent[size]
+    low, high = curve.settings.spans[0]
+    if rate == 0.0:
+        return None
+    for away in PASSED:
+        p = end.orbit.p.copy()
+        p[column] = min(max(p[column] + math.copysign(away, rate) * problem.p_scale[column], low), high)
+        if p[column] == end.orbit.p[column]:
+            return None
+        along = (p[column] - end.orbit.p[column]) / problem.p_scale[column] / rate
+        x = end.orbit.x + (along * end.tangent[:size]).reshape(end.orbit.x.shape) * problem.x_scale
+        images = [curve.map.at(point, p) for point in x]
+        if any(image.reason for image in images):
+            continue
+        held = problem.with_(Held(size + column, float(p[column])))
+        found = solve(held, Orbit(x, p, 0.0, tuple(images)))
+        if not found.converged or not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
+            continue
+        sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
+        if all(curve.map.at(point, p).piece.key == image.piece.key
+               for point, image in zip(found.orbit.x, found.orbit.images, strict=True)):
+            return Beginning(begin.order, curve, sample, end), cause, True
+    return None
+
+
+def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+    """The jump crossing beyond such a place: on the same border, between the limits there."""
+    end, curve = arc.samples[-1], begin.curve
+    problem, size = curve.problem, end.orbit.x.size
+    (column,), rate = problem.free, end.tangent[size]
+    if rate == 0.0:
+        return None
+    head = replace(end.orbit, outer=None, share=0.0)
+    base = replace(curve, problem=replace(problem, conditions=(Closed(),)), ignored=frozenset())
+    low, high = curve.settings.spans[0]
+    for away in PASSED:
+        to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
+        held = Held(size + len(end.orbit.p) * 0 + column, min(max(to, low), high))
+        border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
+        found = solve(border, head)
+        if not found.converged:
+            continue
+        for each in crossings_at(base, found.orbit.x[0], found.orbit.p, begin.order):
+            sample = each.curve.start(each.sample.orbit, np.eye(size + 2)[size] * rate)
+            if len(each.sample.orbit.x) == len(end.orbit.x):
+                return replace(each, sample=sample, before=end), cause, True
+    return None
+
+
+# --- Crossings ------------------------------------------------------------------------------------
+
+
+def _at_crossing(begin: Beginning, arc: Arc) -> Arrival | Onward:
+    """Where a jump crossing closes as a cycle, or another of its points meets a border."""
+    orbit, curve, cause = arc.samples[-1].orbit, begin.curve, _cause(arc)
+    if arc.stop is Stop.SHARE:
+        cycle = cycle_at_limit(orbit, curve.problem)
+        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    orders = tuple(n for n in range(1, begin.order + 1) if begin.order % n == 0)
+    base = replace(curve, problem=replace(curve.problem, conditions=curve.problem.conditions[:1]), ignored=frozenset())
+    cycle = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
+    if cycle is not None:
+        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    starts = beginnings(base, orbit.x[:1], orbit.p, (begin.order,))
+    arrived = replace(begin, sample=arc.samples[-1]).key
+    others = [each for each in starts if each.is_crossing and each.key != arrived]
+    if len(others) == 1:
+        return others[0], cause, True
+    return _crossing_beyond(begin, arc, cause) or _given_up(begin, arc, "the jump ends", cause)
+
+
+def _cause(arc: Arc) -> str:
+    """What happens where an arc ends at a border."""
+    image, code = arc.border or min(arc.curve.ignored)
+    return arc.samples[-1].orbit.taken[image].piece.cause(code)
