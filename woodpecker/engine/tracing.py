@@ -34,6 +34,7 @@ MOST_ARCS = 2000  # of one branch
 LOWER = "a cycle of a multiple period ends on one of smaller period"
 NOTHING = "no branch beyond a border"
 ACCUMULATE = "borders accumulate"
+LIMIT_LOST = "a limit of the jump is lost"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -284,8 +285,12 @@ def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
         sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
         if all(curve.map.at(point, p).piece.key == image.piece.key
                for point, image in zip(found.orbit.x, found.orbit.images, strict=True)):
-            return Beginning(begin.order, curve, sample, end), cause, True
+            return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None
+
+
+def _passed(cause: str) -> str:
+    return cause if cause == ACCUMULATE else f"{cause}: {ACCUMULATE}"
 
 
 def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
@@ -308,7 +313,7 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
         for each in crossings_at(base, found.orbit.x[0], found.orbit.p, begin.order):
             sample = each.curve.start(each.sample.orbit, np.eye(size + 2)[size] * rate)
             if len(each.sample.orbit.x) == len(end.orbit.x):
-                return replace(each, sample=sample, before=end), cause, True
+                return replace(each, sample=sample, before=end), _passed(cause), True
     return None
 
 

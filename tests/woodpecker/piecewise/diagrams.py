@@ -10,9 +10,9 @@ import pytest
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 
@@ -140,11 +140,11 @@ def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
     ]  # fmt: skip
 
 
-def chained(cycles: Cycles, orbit: Orbit) -> list[Curve]:
+def chained(tasks: Tasks, orbit: Orbit) -> list[Curve]:
     """The branch through a cycle, and those that continue it, of a chain that is not closed."""
-    found, todo = list[Curve](), [cycles.through(orbit)]
+    found, todo = list[Curve](), [tasks.cycle(orbit)]
     while todo:
         followed = todo.pop(0)
         found.append(followed.curve)
-        todo += [cycles.ahead(begin) for begin in followed.onward]
+        todo += [tasks.ahead(start) for start in followed.onward]
     return found

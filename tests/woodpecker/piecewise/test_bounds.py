@@ -29,7 +29,7 @@ from woodpecker import (
 )
 from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.partition import partition
-from woodpecker.piecewise.samples import Stop
+from woodpecker.engine.curves import Stop
 
 X, P = symbols("x p")
 
