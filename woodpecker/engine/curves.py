@@ -27,13 +27,14 @@ from woodpecker.engine.newton import (
     tangent,
     uncertainty,
 )
-from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit, held_at
 
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
 CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
 ITERATIONS = 80  # of that: halvings alone take fifty
 ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
+TOGETHER = 1e-3  # of a step: a fold and a branch point that are closer are one
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
@@ -62,14 +63,14 @@ class Stop(Enum):
 
     SPAN = "end of the parameter span"
     WINDOW = "end of the window"
-    BORDER = "a point meets a border"
-    SHARE = "the crossing meets a limit of the jump"
-    LP = "fold: a multiplier is 1"
-    PD = "flip: a multiplier is -1"
-    NS = "Neimark-Sacker: a pair of multipliers lies on the unit circle"
-    BP = "branch point: two curves cross"
-    CLOSED = "the curve is closed"
-    OTHER_PIECE = "the map takes another piece, and no margin of this one says so"
+    BORDER = "a margin vanishes"
+    SHARE = "a limit of the jump meets the diagonal"
+    LP = "the branch turns round"
+    PD = "the multiplier is -1"
+    NS = "a pair of multipliers lies on the unit circle"
+    BP = "another branch crosses"
+    CLOSED = "the branch closes"
+    OTHER_PIECE = "the map takes another piece"
     SHORT = "steps become too short"
     MANY = "as many samples as allowed"
     SPENT = "as many evaluations as allowed"
@@ -287,7 +288,7 @@ class Curve:
             guess = problem.moved(orbit, (end - p) / rate * last.tangent)
             found = solve(problem.with_(Held(size + free, end)), guess)
             if found.converged:
-                sample = self.start(found.orbit, last.tangent)
+                sample = self.start(held_at(found.orbit, size + free, end), last.tangent)
                 return sample if np.isfinite(sample.tangent).all() else None
         return None
 
@@ -371,6 +372,13 @@ class Curve:
                 distance, sample = self._located(a, step, test, before, after, b)
                 if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
                     found.append(End(distance, test, sample))
+        crossed = [end.distance for end in found if end.test.stop is Stop.BP]
+        found = [  # where branches cross one of them may turn round
+            end
+            for end in found
+            if end.test.stop is not Stop.LP
+            or all(abs(end.distance - each) > TOGETHER * step for each in crossed)
+        ]
         found.sort(key=lambda end: end.distance)
         if found and not self._is_first(found[0]):
             raise UnclearError
@@ -566,7 +574,7 @@ class Curve:
             solution = solve(self.problem.with_(test.condition), sample.orbit)
             if solution.converged:
                 sample = self.start(solution.orbit, sample.tangent)
-            elif abs(test.value(sample)) > CLOSED_IN * min(abs(before), abs(after)):
+            elif not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)):
                 raise UnclearError  # it changes its sign without being zero
         return distance, sample
 
@@ -582,7 +590,10 @@ class Curve:
         if not found.converged:
             return None
         distance = float(self.problem.step_between(a.orbit, found.orbit) @ a.tangent)
-        sample = self.start(found.orbit, a.tangent)
+        orbit = found.orbit
+        if isinstance(test.condition, Held):
+            orbit = held_at(orbit, test.condition.column, test.condition.value)
+        sample = self.start(orbit, a.tangent)
         if not (0.0 <= distance <= step and np.isfinite(sample.tangent).all()):
             return None
         aside = self.problem.step_between(a.orbit, found.orbit) - distance * a.tangent

@@ -135,6 +135,21 @@ def sides(map_: PiecewiseMap, x: Floats, p: Floats) -> list[Image]:
     return found
 
 
+def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
+    """Why an orbit from one of the sides of a border point is lost; empty if none is."""
+    found = list[Image]()
+    first = map_.at(x, p)
+    if first.reason:
+        return first.reason
+    for code in first.codes[first.tied(x, p)].tolist():
+        for direction in (1.0, -1.0):
+            gradient = first.gradients[first.place(code)]
+            found.append(map_.beside(x, p, direction * gradient))
+    for _ in range(returns):
+        found = [each if each.reason else map_.at(each.value, p) for each in found]
+    return next((each.reason for each in found if each.reason), "")
+
+
 def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
     """The direction (d + k,) across a border where a margin vanishes, from inside of its piece.
 
@@ -225,19 +240,24 @@ def _crossings(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Itera
             yield from _both_ways(begin.order, begin.curve, orbit)
 
 
-def crossings_at(base: Curve, x: Floats, p: Floats, order: int) -> list[Beginning]:
-    """The jump crossings of P_order with a first point, as far as they pass there.
+def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Beginning]:
+    """The jump crossings of P_order with some first points, as far as they pass there.
 
     Parameters
     ----------
     base
         Curves of cycles: the map, scales, how they are followed.
-    x, p
-        A point (d,) from which an orbit leads to a border, and parameters (k,).
+    head, p
+        (n, d) points of an orbit of which the last one lies on a border, and parameters (k,).
     order
         The iterate.
     """
-    found = _between(base, paths(base.map, x, p, order), x, p)
+    first = tuple(base.map.at(x, p) for x in head[:-1])
+    all_ = [
+        Path(np.vstack([head[:-1], path.x]), (*first, *path.images))
+        for path in paths(base.map, head[-1], p, order - len(first))
+    ]
+    found = _between(base, all_, head[0], p)
     return [
         each
         for each in found

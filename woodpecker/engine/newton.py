@@ -16,7 +16,8 @@ from woodpecker.engine.orbits import STEP, Closed, Condition, Orbit, placed
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
-QUARTER, FAST = 2.0**-25, 2.0**-8  # the next step of a sequence that shrinks so fast is rounding
+NEXT = 2.0**-48  # the next step, which is as large as squares of steps say, is made of rounding
+BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
 HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
 
 
@@ -166,7 +167,7 @@ def solve(problem: Problem, start: Orbit, *, polished: bool = True) -> Solution:
             return Solution(orbit, False, count)
         orbit = problem.moved(orbit, step)
         rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
-        good = not polished and size <= min(QUARTER, FAST * before)
+        good = not polished and count > 1 and size * (size / before) ** 2 <= NEXT
         if size <= rounding or good or (before <= HALF and size >= 0.5 * before):
             return Solution(orbit, orbit.is_defined, count)
         before = size
@@ -233,17 +234,19 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     return problem.moved(near, found.x[:columns]) if off < HALF else None
 
 
-def _noise(problem: Problem, orbit: Orbit, matrix: Floats) -> Floats:
+def _noise(
+    problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROUNDED
+) -> Floats:
     """What rounding may leave of the residuals."""
     unknowns = np.abs(orbit.unknowns / problem.scale(orbit))[problem.columns(orbit)]
-    found: Floats = ROUNDED * (np.abs(matrix) @ np.maximum(unknowns, 1.0))
+    found: Floats = rounding * (np.abs(matrix) @ np.maximum(unknowns, 1.0))
     return found
 
 
 def uncertainty(problem: Problem, orbit: Orbit) -> float:
     """How far the first free parameter of a solution may be off, by rounding of the map."""
     matrix = problem.matrix(orbit)
-    noise = _noise(problem, orbit, matrix)
+    noise = _noise(problem, orbit, matrix, BLUR)
     try:
         back = np.abs(np.linalg.inv(matrix))[orbit.x.size]
     except np.linalg.LinAlgError:

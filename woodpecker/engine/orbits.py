@@ -273,6 +273,16 @@ def shifted(orbit: Orbit, column: int, by: float) -> Orbit:
     return placed(orbit, to)
 
 
+def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
+    """An orbit one of whose unknowns is a value but for rounding, with just that value."""
+    (n, d), k = orbit.x.shape, len(orbit.p)
+    at = orbit.unknowns
+    at[column] = value
+    return replace(
+        orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1])
+    )
+
+
 def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
     """Other points under the pieces of an orbit."""
     (n, d), k = orbit.x.shape, len(orbit.p)

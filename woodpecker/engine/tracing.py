@@ -16,15 +16,19 @@ from woodpecker.engine.germs import (
     Beginning,
     beginnings,
     crossings_at,
+    lost_beyond,
     cycle_at_limit,
     cycle_through,
     is_inside,
     once,
 )
-from woodpecker.engine.newton import solve
+from woodpecker.engine.maps import Image
+from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, OnBorder, Orbit
 
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
+ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
+ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
 BESIDE = (2.0**-20, 2.0**-27, 2.0**-34)  # scaled: where the first sample beyond a point is looked for
 PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
@@ -177,6 +181,10 @@ def _at_border(begin: Beginning, arc: Arc) -> Arrival | Onward:
     gradient = image.gradients[image.place(code)]
     arc = _sharpened(arc, i, gradient)
     outer = curve.map.beside(orbit.x[i], orbit.p, -gradient)
+    if not outer.reason and _is_steep(image, outer):
+        arc = _moved_to(arc, i, outer)
+        orbit = arc.samples[-1].orbit
+        cycle, image = once(orbit, curve.problem), orbit.images[i]
     if outer.reason:
         beyond = _passed_over(begin, arc, cause)
         if beyond is not None:
@@ -224,6 +232,33 @@ def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 
+def _is_steep(inner: Image, outer: Image) -> bool:
+    """Whether a piece ends in a root, and the one beyond does not."""
+    one, other = (float(np.abs(each.jacobian).max()) for each in (inner, outer))
+    return one > ROOTED * max(1.0, other)
+
+
+def _moved_to(arc: Arc, i: int, outer: Image) -> Arc:
+    """An arc that ends at a root, with its end as the piece beyond locates it, which is not steep.
+
+    The map is continuous there: it is not rounding of the root that decides.
+    """
+    end, problem = arc.samples[-1], arc.curve.problem
+    orbit = end.orbit
+    codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
+    if not codes:
+        return arc
+    beyond = replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :]))
+    found = solve(problem.with_(OnBorder(i, codes[0])), beyond)
+    away = np.abs(problem.step_between(orbit, found.orbit)).max()
+    if not found.converged or away > ASIDE:
+        return arc
+    inner = replace(orbit.images[i], value=found.orbit.images[i].value)
+    images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
+    last = Sample(replace(found.orbit, images=images), end.tangent)
+    return replace(arc, samples=(*arc.samples[:-1], last))
+
+
 def _changes_stability(before: Floats, after: Floats) -> bool:
     one, other = (float(np.abs(np.linalg.eigvals(each)).max()) for each in (before, after))
     return abs(other - one) > TORN * max(1.0, one) and (one < 1.0) != (other < 1.0)
@@ -254,7 +289,7 @@ def _at_nearest(arc: Arc) -> Arc:
     return replace(arc, stop=Stop.BORDER, border=best[1], condition=OnBorder(*best[1]))
 
 
-def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | None:
     """The branch beyond a place where borders accumulate, the nearest there is.
 
     It is looked for along the tangent, ever farther, with the pieces that the map takes there.
@@ -278,6 +313,8 @@ def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
         images = [curve.map.at(point, p) for point in x]
         if any(image.reason for image in images):
             continue
+        if away == PASSED[0] and _jumps_unseen(end.orbit, x, p, images, problem):
+            return None
         held = problem.with_(Held(size + column, float(p[column])))
         found = solve(held, Orbit(x, p, 0.0, tuple(images)))
         if not found.converged or not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
@@ -289,11 +326,25 @@ def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     return None
 
 
+def _jumps_unseen(
+    orbit: Orbit, x: Floats, p: Floats, images: list[Image], problem: Problem
+) -> bool:
+    """Whether a map jumps right ahead of an orbit, though no margin of its pieces vanishes."""
+    for i, image in enumerate(images):
+        own = orbit.images[i].piece.at(x[i], p)
+        if own.reason or own.piece.key == image.piece.key or own.tied(x[i], p).any():
+            continue
+        steepest = max(1.0, float(np.abs(own.jacobian).max()), float(np.abs(image.jacobian).max()))
+        if not problem.same(own.value, image.value, ASIDE * steepest):
+            return True
+    return False
+
+
 def _passed(cause: str) -> str:
     return cause if cause == ACCUMULATE else f"{cause}: {ACCUMULATE}"
 
 
-def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | None:
     """The jump crossing beyond such a place: on the same border, between the limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
@@ -310,10 +361,18 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
         found = solve(border, head)
         if not found.converged:
             continue
-        for each in crossings_at(base, found.orbit.x[0], found.orbit.p, begin.order):
+        there = found.orbit
+        for each in crossings_at(base, there.x, there.p, begin.order):
             sample = each.curve.start(each.sample.orbit, np.eye(size + 2)[size] * rate)
             if len(each.sample.orbit.x) == len(end.orbit.x):
                 return replace(each, sample=sample, before=end), _passed(cause), True
+        reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
+        if reason:
+            p = float(there.p[column])
+            return Arrival(
+                PointKind.FALL, end.orbit, reason, LIMIT_LOST,
+                abs(p - float(end.orbit.p[column])),
+            )  # fmt: skip
     return None
 
 

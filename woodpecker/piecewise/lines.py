@@ -10,7 +10,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.engine import maps, orbits
 from woodpecker.engine.curves import Curve, CurveSettings, Sample
-from woodpecker.engine.germs import Beginning, beginnings, judged
+from woodpecker.engine.germs import Beginning, beginnings, judged, shared
 from woodpecker.engine.line import LineMap, LinePiece
 from woodpecker.engine.maps import Chain
 from woodpecker.engine.newton import cycles
@@ -98,12 +98,12 @@ def keys_of(orbit: orbits.Orbit) -> tuple[object, ...]:
     """The pieces of an orbit, see :class:`woodpecker.piecewise.curves.Word`."""
     if orbit.outer is None:
         return orbit.keys
-    sides = set[object]()
-    for image in (orbit.images[-1], orbit.outer):
+    x, p, sides = orbit.x[-1], orbit.p, set[object]()
+    border = shared(orbit.images[-1], orbit.outer, x, p) or ([], [])
+    for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
         length = len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
         first = _first(image.piece).key
-        codes = image.codes[image.tied(orbit.x[-1], orbit.p)]
-        sides |= {(first, int(code) // length) for code in codes if code % length == 0}
+        sides |= {(first, code // length) for code in codes if code % length == 0} or {(first, -1)}
     return *(image.piece.key for image in orbit.images[:-1]), frozenset(sides)
 
 

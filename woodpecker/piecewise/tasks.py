@@ -70,7 +70,7 @@ class Tasks:
 
     def jump(self, jump: Jump) -> Followed | None:
         """The branch of a jump; None if none of the map is found there."""
-        found = crossings_at(self.base, jump.head.x[:1], np.array([jump.p]), jump.order)
+        found = crossings_at(self.base, jump.head.x[:, None], np.array([jump.p]), jump.order)
         wanted = keys_of(jump.head, jump)
         for begin in found:
             orbit = begin.sample.orbit

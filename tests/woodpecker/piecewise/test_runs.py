@@ -238,10 +238,9 @@ def collided(curve: Any) -> Any:
         ("curves", lambda e: e["curves"][0]["ends"][0].update(p=None)),
         ("curves", lambda e: e["curves"][0]["ends"][0].update(status="somewhere")),
         ("curves", lambda e: e["curves"][0]["ends"][0].pop("note")),
-        ("curves", lambda e: collided(e["curves"][0]).update(side=0)),
-        ("curves", lambda e: collided(e["curves"][0]).update(index=7)),
+        ("curves", lambda e: collided(e["curves"][0]).update(x=[])),
         ("curves", lambda e: collided(e["curves"][0]).update(kinds=[])),
-        ("curves", lambda e: collided(e["curves"][0]).update(code="0")),
+        ("curves", lambda e: collided(e["curves"][0]).update(cause=7)),
     ],
 )
 def test_entries_that_are_refused(
