@@ -17,9 +17,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.maps import PiecewiseMap
+from woodpecker.engine.maps import Image, PiecewiseMap
 from woodpecker.engine.newton import (
-    HALF,
+    BLUR,
     Across,
     Problem,
     branch_point,
@@ -35,6 +35,8 @@ ITERATIONS = 80  # of that: halvings alone take fifty
 ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
 TOGETHER = 1e-3  # of a step: a fold and a branch point that are closer are one
+SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
+# solutions of its events, as there are beside a grazing
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
@@ -170,14 +172,17 @@ class Arc:
     beyond: Sample | None = None
     condition: Condition | None = None
     step: float = math.inf
+    width: float = 0.0
 
     @property
     def precision(self) -> float:
         """How well the first free parameter is known at its end; infinite if it was given up."""
         if self.stop is Stop.SPAN:
             return 0.0
-        if self.stop is Stop.BP:
-            return HALF
+        if self.stop in MULTIPLIERS:
+            orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
+            rate = abs(_ahead(self.samples[-1])) * self.curve.problem.p_scale[column]
+            return self.width * rate + BLUR * max(1.0, abs(float(orbit.p[column])))
         if self.condition is None:
             return math.inf
         return uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
@@ -211,11 +216,15 @@ class TestFunction:
 
 
 class End(NamedTuple):
-    """What may end an arc between two samples: at which distance from the first, and where."""
+    """What may end an arc between two samples: at which distance from the first, and where.
+
+    ``width`` is how far the distance may be off.
+    """
 
     distance: float
     test: TestFunction
     sample: Sample
+    width: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -249,8 +258,9 @@ class Curve:
         return Sample(orbit, direction if along is None or along @ direction >= 0.0 else -direction)
 
     def advance(
-        self, last: Sample, distance: float, before: Sample | None = None
-    ) -> Sample | None:
+        self, last: Sample, distance: float, before: Sample | None = None, *,
+        polished: bool = False,
+    ) -> Sample | None:  # fmt: skip
         """The sample at a distance; None if Newton's method leads to none.
 
         It is predicted along the tangent, or along the cubic through the sample before, too.
@@ -260,7 +270,7 @@ class Curve:
         if before is not None:
             way = way + self._bend(before, last, distance)
         guess = self.problem.moved(last.orbit, way)
-        found = solve(self.problem.with_(across), guess, polished=False)
+        found = solve(self.problem.with_(across), guess, polished=polished)
         if not found.converged:
             return None
         sample = self.start(found.orbit, last.tangent)
@@ -348,7 +358,7 @@ class Curve:
                 test = end.test
                 return Arc(
                     (*samples, end.sample), test.stop, self, test.border, beyond, test.condition,
-                    step,
+                    step, end.width,
                 )  # fmt: skip
             if to_end is not None:
                 return Arc((*samples, to_end), Stop.SPAN, self)
@@ -371,7 +381,9 @@ class Curve:
             if before * after < 0.0 or (after == 0.0 and before != 0.0):
                 distance, sample = self._located(a, step, test, before, after, b)
                 if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
-                    found.append(End(distance, test, sample))
+                    left = abs(test.value(sample) / (after - before))
+                    width = 0.0 if test.stop is Stop.BP else (LOCATED + left) * step
+                    found.append(End(distance, test, sample, width))
         crossed = [end.distance for end in found if end.test.stop is Stop.BP]
         found = [  # where branches cross one of them may turn round
             end
@@ -504,8 +516,16 @@ class Curve:
         if end is not None and end.test.border is not None:
             at_border.add(orbit.place(end.test.border[0]))
         return all(
-            i in at_border or self.map.at(x, orbit.p).piece.key == image.piece.key
+            i in at_border or self._is_taken(x, orbit.p, image)
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
+        )
+
+    def _is_taken(self, x: Floats, p: Floats, image: Image) -> bool:
+        """Whether the map takes the piece of an image, and the same of its solutions."""
+        taken = self.map.at(x, p)
+        slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
+        return taken.piece.key == image.piece.key and self.problem.same(
+            taken.value, image.value, slack
         )
 
     def _look_for_dips(self, a: Sample, b: Sample, step: float) -> None:
@@ -555,7 +575,7 @@ class Curve:
 
         def value(distance: float) -> float:
             if distance not in seen:
-                sample = self.advance(a, distance)
+                sample = self.advance(a, distance, polished=True)
                 if sample is None:
                     raise ArithmeticError
                 seen[distance] = sample, test.value(sample)
@@ -570,12 +590,8 @@ class Curve:
         if test.stop is Stop.BP:
             orbit = branch_point(self.problem, sample.orbit)
             return distance, sample if orbit is None else Sample(orbit, sample.tangent)
-        if test.condition is not None:
-            solution = solve(self.problem.with_(test.condition), sample.orbit)
-            if solution.converged:
-                sample = self.start(solution.orbit, sample.tangent)
-            elif not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)):
-                raise UnclearError  # it changes its sign without being zero
+        if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)):
+            raise UnclearError  # it changes its sign without being zero
         return distance, sample
 
     def _solved(

@@ -11,13 +11,15 @@ import numpy as np
 from scipy.optimize import root
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.orbits import STEP, Closed, Condition, Orbit, placed
+from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, placed
 
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
 NEXT = 2.0**-48  # the next step, which is as large as squares of steps say, is made of rounding
 BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
+STEEP = 1e4  # slopes of a root at its border are about 1e8, as rounding leaves them
+STALLED = 2.0**-33  # steps that become no shorter below this are made of rounding of steep maps
 HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
 
 
@@ -58,10 +60,27 @@ class Problem:
 
     def matrix(self, orbit: Orbit) -> Floats:
         """Their derivatives in the scaled unknowns that may move."""
-        rows = np.concatenate([each.rows(orbit) for each in self.conditions])
+        blocks = [each.rows(orbit) for each in self.conditions]
         columns = self.columns(orbit)
-        found: Floats = rows[:, columns] * self.scale(orbit)[columns]
+        found: Floats = np.concatenate(blocks)[:, columns] * self.scale(orbit)[columns]
+        if len(blocks) > 1:
+            self._along_borders(found, [len(block) for block in blocks])
         return found
+
+    def _along_borders(self, rows: Floats, counts: list[int]) -> None:
+        """Take from steep equations what changes across a border on which the orbit stays.
+
+        There a square root is infinitely steep; along it is not.
+        """
+        first = 0
+        for condition, count in zip(self.conditions, counts, strict=True):
+            if isinstance(condition, OnBorder):
+                normal = rows[first] / np.linalg.norm(rows[first])
+                along = rows @ normal
+                along[first] = 0.0
+                steep = np.abs(along) > STEEP
+                rows[steep] -= np.outer(along[steep], normal)
+            first += count
 
     def moved(self, orbit: Orbit, step: Floats) -> Orbit:
         """An orbit moved by a step in scaled unknowns."""
@@ -168,10 +187,10 @@ def solve(problem: Problem, start: Orbit, *, polished: bool = True) -> Solution:
         orbit = problem.moved(orbit, step)
         rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
         good = not polished and count > 1 and size * (size / before) ** 2 <= NEXT
-        if size <= rounding or good or (before <= HALF and size >= 0.5 * before):
+        if size <= rounding or good or (before <= STALLED and size >= 0.5 * before):
             return Solution(orbit, orbit.is_defined, count)
         before = size
-    return Solution(orbit, before <= HALF and orbit.is_defined, STEPS)
+    return Solution(orbit, before <= STALLED and orbit.is_defined, STEPS)
 
 
 def tangent(problem: Problem, orbit: Orbit) -> Floats:
@@ -188,12 +207,30 @@ def tangent(problem: Problem, orbit: Orbit) -> Floats:
     return -direction if turned else direction
 
 
-def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats:
-    """The unit tangent of the second curve through a branch point.
+def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
+    """Unit tangents, in scaled unknowns, of the two curves through a branch point; none if none is.
 
-    There the equations are unchanged to first order in a plane, spanned by the tangent v of the
-    first curve and some u; with w orthogonal to all their derivatives, the second curve leaves
-    along c v + u with 2 c w F''(v, u) + w F''(u, u) = 0. Second derivatives are differences.
+    There the equations F are unchanged to first order in a plane; with w orthogonal to all their
+    derivatives, a curve leaves along v in it with w F''(v, v) = 0. Second derivatives are
+    differences.
+    """
+    left, _, right = np.linalg.svd(problem.matrix(orbit))
+    w, plane = left[:, -1], right[-2:]
+    bends = []
+    for way in plane:
+        ahead, behind = (problem.matrix(problem.moved(orbit, h * way)) for h in (STEP, -STEP))
+        bends.append(plane @ (w @ (ahead - behind)) / (2.0 * STEP))
+    (a, b), (_, c) = bends
+    square = b * b - a * c
+    if not square > 0.0:
+        return ()
+    root = -(b + math.copysign(math.sqrt(square), b))
+    found = [np.array(pair) @ plane for pair in ((root, a), (c, root))]
+    return tuple(each / np.linalg.norm(each) for each in found)
+
+
+def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats | None:
+    """The unit tangent of the second curve through a branch point; None if there is none.
 
     Parameters
     ----------
@@ -202,15 +239,8 @@ def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats:
     along
         The tangent of the first.
     """
-    left, _, right = np.linalg.svd(problem.matrix(orbit))
-    w, v = left[:, -1], along / np.linalg.norm(along)
-    u = max((each - (each @ v) * v for each in right[-2:]), key=lambda each: float(each @ each))
-    u = u / np.linalg.norm(u)
-    ahead, behind = (problem.matrix(problem.moved(orbit, h * u)) for h in (STEP, -STEP))
-    bend = w @ (ahead - behind) / (2.0 * STEP)
-    mixed, own = float(bend @ v), float(bend @ u)
-    found: Floats = u if mixed == 0.0 else u - 0.5 * own / mixed * v
-    return found / np.linalg.norm(found)
+    along = along / np.linalg.norm(along)
+    return min(directions(problem, orbit), key=lambda way: abs(float(way @ along)), default=None)
 
 
 def branch_point(problem: Problem, near: Orbit) -> Orbit | None:

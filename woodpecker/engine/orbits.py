@@ -18,6 +18,7 @@ import numpy as np
 from woodpecker.base.arrays import Complexes, Floats
 from woodpecker.engine.maps import Image, Piece
 
+INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border beyond it
 STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
 
 
@@ -286,8 +287,21 @@ def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
 def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
     """Other points under the pieces of an orbit."""
     (n, d), k = orbit.x.shape, len(orbit.p)
-    return orbit_of(
-        [image.piece for image in orbit.images], unknowns[: n * d].reshape(n, d),
-        unknowns[n * d : n * d + k], float(unknowns[-1]),
-        None if orbit.outer is None else orbit.outer.piece,
-    )  # fmt: skip
+    x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
+    images = [
+        image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)
+    ]
+    if orbit.outer is None:
+        return Orbit(x, p, share, tuple(images))
+    images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
+    outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
+    return Orbit(x, p, share, tuple(images), outer)
+
+
+def _inside(before: Image, image: Image, orbit: Orbit, x: Floats, p: Floats) -> Image:
+    """An image of a border point; from just inside of a piece that has no value right there."""
+    codes = np.flatnonzero(before.tied(orbit.x[-1], orbit.p)) if image.reason else []
+    if not len(codes):
+        return image
+    inward = before.gradients[codes[0], : len(x)]
+    return before.piece.at(x + INSIDE * max(1.0, np.abs(x).max()) * np.sign(inward), p)

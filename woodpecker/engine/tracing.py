@@ -157,7 +157,9 @@ def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
     """A fold, a flip, a branch point: the curve goes on there."""
     sample, problem = arc.samples[-1], begin.curve.problem
     single = sample.orbit if begin.is_crossing else once(sample.orbit, problem)
-    halved = len(single.x) < len(sample.orbit.x)  # cycles of twice the period come to its flip
+    start = arc.samples[0].orbit
+    before = len(start.x) if begin.is_crossing else len(once(start, problem).x)
+    halved = len(single.x) < before  # cycles of twice the period come to its flip
     kind = PointKind.PD if halved else PointKind[arc.stop.name]
     onward = None
     if not halved and arc.beyond is not None:
@@ -173,7 +175,7 @@ def _at_border(begin: Beginning, arc: Arc) -> Arrival | Onward:
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = _cause(arc)
     cycle = once(orbit, curve.problem)
-    if len(cycle.x) < len(orbit.x):
+    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):
         return Arrival(PointKind.BC, orbit, LOWER, cause, arc.precision)
     assert arc.border is not None
     i, code = arc.border

@@ -14,7 +14,7 @@ from woodpecker.base.executors import Done
 from woodpecker.engine import orbits
 from woodpecker.engine.curves import Halt, Sample, Stop
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at, once
-from woodpecker.engine.newton import other_direction
+from woodpecker.engine.newton import directions, other_direction
 from woodpecker.engine.tracing import Trace, beside, trace
 from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.curves import Followed, Start, agree, keys_of
@@ -168,8 +168,7 @@ class Tasks:
         n = len(cycle.x)
         if end.kind is PointKind.BP:
             if n in orders:
-                along = base.start(cycle).tangent
-                for way in (along, other_direction(base.problem, cycle, along)):
+                for way in directions(base.problem, cycle):
                     for sign in (1.0, -1.0):
                         yield Beginning(n, base, Sample(cycle, sign * way))
         elif not {n, 2 * n} <= set(orders):
@@ -179,7 +178,8 @@ class Tasks:
             along = base.start(cycle).tangent
             doubled = np.append(np.tile(along[:-1], 2), along[-1:])
             way = other_direction(base.problem, twice, doubled)
-            yield Beginning(2 * n, base, Sample(twice, way))
+            if way is not None:
+                yield Beginning(2 * n, base, Sample(twice, way))
         else:
             along = base.start(cycle).tangent
             for sign in (1.0, -1.0):
