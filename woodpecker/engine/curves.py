@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -379,6 +379,7 @@ class Curve:
         for test in self._special(a.orbit):
             before, after = test.value(a), test.value(b)
             if before * after < 0.0 or (after == 0.0 and before != 0.0):
+                test, before, after = self._exact(test, a, b)
                 distance, sample = self._located(a, step, test, before, after, b)
                 if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
                     left = abs(test.value(sample) / (after - before))
@@ -416,6 +417,18 @@ class Curve:
                 low = middle
         test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
         return [End(high, test, found), *ends]
+
+    def _exact(self, test: TestFunction, a: Sample, b: Sample) -> tuple[TestFunction, float, float]:
+        """A test function that is as exact as there is one, and its values at two samples.
+
+        Where a curve turns round is not known as well as where a multiplier is 1.
+        """
+        before, after = test.value(a), test.value(b)
+        if test.stop is Stop.LP and test.condition is not None:
+            exact = replace(test, value=_of_condition(test.condition))
+            if exact.value(a) * exact.value(b) < 0.0:
+                return exact, exact.value(a), exact.value(b)
+        return test, before, after
 
     def _bounds(self, a: Sample, b: Sample, step: float) -> Iterator[TestFunction]:
         """Ends of spans, of the window and of the share that are passed between two samples."""

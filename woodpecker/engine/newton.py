@@ -16,8 +16,9 @@ from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, p
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
-NEXT = 2.0**-48  # the next step, which is as large as squares of steps say, is made of rounding
+NEXT = 2.0**-58  # the next step, which is as large as squares of steps say, is made of rounding
 BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
+HALVINGS = 6  # of a step that leads to where a piece has no value
 STEEP = 1e4  # slopes of a root at its border are about 1e8, as rounding leaves them
 STALLED = 2.0**-33  # steps that become no shorter below this are made of rounding of steep maps
 HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
@@ -184,13 +185,28 @@ def solve(problem: Problem, start: Orbit, *, polished: bool = True) -> Solution:
         size = float(np.abs(step).max())
         if size > max(LARGE, 2.0 * before) or not np.isfinite(size):
             return Solution(orbit, False, count)
-        orbit = problem.moved(orbit, step)
+        orbit, shortened = _towards(problem, orbit, step)
+        if shortened:
+            before = math.inf
+            continue
         rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
         good = not polished and count > 1 and size * (size / before) ** 2 <= NEXT
         if size <= rounding or good or (before <= STALLED and size >= 0.5 * before):
             return Solution(orbit, orbit.is_defined, count)
         before = size
     return Solution(orbit, before <= STALLED and orbit.is_defined, STEPS)
+
+
+def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]:
+    """An orbit after a step, halved as long as a piece has no value there, and whether it was.
+
+    Beside the end of a square root Newton's steps lead beyond it.
+    """
+    for halvings in range(HALVINGS):
+        found = problem.moved(orbit, step * 0.5**halvings)
+        if found.is_defined:
+            break
+    return found, halvings > 0
 
 
 def tangent(problem: Problem, orbit: Orbit) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -24,13 +25,14 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import Image
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Closed, Held, OnBorder, Orbit
+from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit
 
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = (2.0**-20, 2.0**-27, 2.0**-34)  # scaled: where the first sample beyond a point is looked for
+BESIDE = (2.0**-20, 2.0**-24, 2.0**-28, 2.0**-34, 2.0**-40)  # scaled: where the first sample beyond a point is looked for
+APART = tuple(2.0**-n for n in range(8, 21, 2))  # the same where curves cross, which part slowly
 PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 AGAIN = 1e-4  # scaled: first step beyond a border at least
@@ -122,8 +124,9 @@ def trace(begin: Beginning, halt: Halt | None = None) -> Trace:
     for _ in range(MOST_ARCS):
         arc = _at_nearest(at.curve.follow(at.sample, step, halt))
         step = max(arc.step, AGAIN)
+        arc, outer = _settled(arc)
         samples += arc.samples[1:]
-        passed = _met(at, arc)
+        passed = _met(at, arc, outer)
         if isinstance(passed, Arrival):
             return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop)
         at, cause, smooth = passed
@@ -134,12 +137,14 @@ def trace(begin: Beginning, halt: Halt | None = None) -> Trace:
     return Trace(begin, tuple(samples), tuple(changes), end, Stop.MANY)
 
 
-def _met(begin: Beginning, arc: Arc) -> Arrival | Onward:
+def _met(begin: Beginning, arc: Arc, outer: Image | None) -> Arrival | Onward:
     """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
         return _at_multiplier(begin, arc)
+    if outer is not None:
+        return _at_border(begin, arc, outer)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
-        return _at_crossing(begin, arc) if begin.is_crossing else _at_border(begin, arc)
+        return _at_crossing(begin, arc)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return _passed_over(begin, arc, ACCUMULATE) or _given_up(begin, arc)
     return _given_up(begin, arc)
@@ -171,22 +176,33 @@ def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
 # --- Cycles at borders ----------------------------------------------------------------------------
 
 
-def _at_border(begin: Beginning, arc: Arc) -> Arrival | Onward:
+def _settled(arc: Arc) -> tuple[Arc, Image | None]:
+    """An arc with its end as both sides of the border say, and what lies beyond it.
+
+    There is something beyond just where cycles meet a border.
+    """
+    if arc.stop is not Stop.BORDER or arc.samples[-1].orbit.outer is not None:
+        return arc, None
+    assert arc.border is not None
+    i, code = arc.border
+    orbit = arc.samples[-1].orbit
+    image = orbit.images[i]
+    gradient = image.gradients[image.place(code)]
+    outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
+    arc = _sharpened(arc, i, gradient)
+    if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
+        arc = _moved_to(arc, i, outer)
+    return arc, outer
+
+
+def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = _cause(arc)
     cycle = once(orbit, curve.problem)
     if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):
         return Arrival(PointKind.BC, orbit, LOWER, cause, arc.precision)
     assert arc.border is not None
-    i, code = arc.border
-    image = orbit.images[i]
-    gradient = image.gradients[image.place(code)]
-    arc = _sharpened(arc, i, gradient)
-    outer = curve.map.beside(orbit.x[i], orbit.p, -gradient)
-    if not outer.reason and _is_steep(image, outer):
-        arc = _moved_to(arc, i, outer)
-        orbit = arc.samples[-1].orbit
-        cycle, image = once(orbit, curve.problem), orbit.images[i]
+    image = orbit.images[arc.border[0]]
     if outer.reason:
         beyond = _passed_over(begin, arc, cause)
         if beyond is not None:
@@ -195,14 +211,14 @@ def _at_border(begin: Beginning, arc: Arc) -> Arrival | Onward:
             return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
         return _given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
-    if not curve.problem.same(image.value, outer.value, SAME):
-        return collision
     others = [
         each
         for each in beginnings(curve, orbit.x[:1], orbit.p, (begin.order,))
-        if not each.is_crossing and each.key != replace(begin, sample=arc.samples[-1]).key
+        if each.key != replace(begin, sample=arc.samples[-1]).key
     ]
-    if len(others) != 1:
+    if not others:
+        return _passed_over(begin, arc, cause) or collision
+    if len(others) > 1 or others[0].is_crossing:
         return collision
     there = others[0]
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
@@ -266,13 +282,23 @@ def _changes_stability(before: Floats, after: Floats) -> bool:
     return abs(other - one) > TORN * max(1.0, one) and (one < 1.0) != (other < 1.0)
 
 
-def beside(begin: Beginning) -> Beginning:
+def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
     """A beginning with its first sample beside the point where it starts, if there is one."""
-    for distance in BESIDE:
+    best = begin
+    for distance in distances:
         found = begin.curve.advance(begin.sample, distance)
-        if found is not None and is_inside(begin.curve, found):
-            return replace(begin, sample=found, before=begin.sample)
-    return begin
+        if found is None or not is_inside(begin.curve, found):
+            continue
+        there = replace(begin, sample=found, before=begin.sample)
+        if begin.is_crossing or _sides(found) == _sides(begin.sample):
+            return there
+        best = there if best is begin else best
+    return best
+
+
+def _sides(sample: Sample) -> tuple[bool, bool]:
+    """On which sides of a fold and a flip a cycle lies: beyond one the branch is another one."""
+    return Multiplier("LP").value(sample.orbit) > 0.0, Multiplier("PD").value(sample.orbit) > 0.0
 
 
 def _at_nearest(arc: Arc) -> Arc:

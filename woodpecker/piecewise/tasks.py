@@ -15,7 +15,7 @@ from woodpecker.engine import orbits
 from woodpecker.engine.curves import Halt, Sample, Stop
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at, once
 from woodpecker.engine.newton import directions, other_direction
-from woodpecker.engine.tracing import Trace, beside, trace
+from woodpecker.engine.tracing import APART, Trace, beside, trace
 from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.curves import Followed, Start, agree, keys_of
 from woodpecker.piecewise.ends import Collision, End
@@ -66,7 +66,9 @@ class Tasks:
 
     def cycle(self, orbit: Orbit) -> Followed:
         """The branch through a cycle."""
-        return self._both_ways(Beginning(len(orbit), self.base, self.base.start(to_engine(orbit))))
+        ahead = np.eye(len(orbit) + 1)[-1]
+        start = self.base.start(to_engine(orbit), ahead)
+        return self._both_ways(Beginning(len(orbit), self.base, start))
 
     def jump(self, jump: Jump) -> Followed | None:
         """The branch of a jump; None if none of the map is found there."""
@@ -75,7 +77,8 @@ class Tasks:
         for begin in found:
             orbit = begin.sample.orbit
             if len(orbit.x) == len(jump.head) and agree(keys_of_engine(orbit), wanted):
-                return self._both_ways(replace(begin, sample=begin.curve.start(orbit)))
+                ahead = np.eye(len(jump.head) + 2)[-2]
+                return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
         return None
 
     def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
@@ -93,7 +96,7 @@ class Tasks:
 
     def switches(self, end: End, orders: Sequence[int]) -> list[Start]:
         """Branches that start at a flip or a branch point."""
-        found = [beside(each) for each in self._others(end, orders)]
+        found = [beside(each, APART) for each in self._others(end, orders)]
         return [Start(each, end) for each in found if each.before is not None]
 
     def ahead(self, start: Start) -> Followed:
