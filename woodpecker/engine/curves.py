@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.maps import Image, PiecewiseMap
+from woodpecker.engine.maps import Image, PiecewiseMap, length_of
 from woodpecker.engine.newton import (
     BLUR,
     Across,
@@ -27,7 +27,17 @@ from woodpecker.engine.newton import (
     tangent,
     uncertainty,
 )
-from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit, held_at
+from woodpecker.engine.orbits import (
+    Chained,
+    Condition,
+    Held,
+    Multiplier,
+    OnBorder,
+    Orbit,
+    completed,
+    head_of,
+    held_at,
+)
 
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
 CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
@@ -265,16 +275,36 @@ class Curve:
 
         It is predicted along the tangent, or along the cubic through the sample before, too.
         """
-        across = Across(self.problem, last.orbit, last.tangent, distance)
         way = distance * last.tangent
         if before is not None:
             way = way + self._bend(before, last, distance)
-        guess = self.problem.moved(last.orbit, way)
-        found = solve(self.problem.with_(across), guess, polished=polished)
-        if not found.converged:
+        if last.orbit.outer is not None and last.orbit.x.shape[1] == 1:
+            orbit = self._along_border(last, distance, way, polished)
+        else:
+            across = Across(self.problem, last.orbit, last.tangent, distance)
+            guess = self.problem.moved(last.orbit, way)
+            found = solve(self.problem.with_(across), guess, polished=polished)
+            orbit = found.orbit if found.converged else None
+        if orbit is None or not orbit.is_defined:
             return None
-        sample = self.start(found.orbit, last.tangent)
+        sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
+
+    def _along_border(
+        self, last: Sample, distance: float, way: Floats, polished: bool
+    ) -> Orbit | None:
+        """A jump crossing in R^1: its points up to the border are solved for, the share follows."""
+        (*_, border), problem = self.problem.conditions, self.problem
+        assert isinstance(border, OnBorder)
+        to = problem.stepped(last.orbit, way)
+        head = head_of(last.orbit, to)
+        rounds = length_of(last.orbit.images[-1])
+        on = OnBorder(border.image, border.code // rounds)
+        along = last.tangent[:-1] / np.linalg.norm(last.tangent[:-1])
+        heads = replace(problem, conditions=(Chained(), on))
+        across = Across(heads, replace(last.orbit, outer=None), along, float(along @ way[:-1]))
+        found = solve(heads.with_(across), head, polished=polished)
+        return completed(found.orbit, last.orbit) if found.converged else None
 
     def _leaves(self, start: Sample) -> Stop | None:
         """Whether a sample lies at the end of a span or of the window, and the curve leaves there."""
@@ -562,14 +592,18 @@ class Curve:
 
     def _rates(self, sample: Sample, i: int) -> Floats:
         """How fast all margins of an image grow along the curve."""
+        orbit = sample.orbit
+        found: Floats = orbit.taken[i].gradients @ self.motion(sample, orbit.place(i))
+        return found
+
+    def motion(self, sample: Sample, i: int) -> Floats:
+        """How a point of an orbit and the parameters (d + k,) change along the curve."""
         orbit, problem = sample.orbit, self.problem
         (n, d), k = orbit.x.shape, len(orbit.p)
         wide = np.zeros(n * d + k + 1)
         wide[problem.columns(orbit)] = sample.tangent
         wide *= problem.scale(orbit)
-        at = orbit.place(i) * d
-        found: Floats = orbit.taken[i].gradients @ np.append(wide[at : at + d], wide[n * d : n * d + k])
-        return found
+        return np.append(wide[i * d : i * d + d], wide[n * d : n * d + k])
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
         """How fast a margin grows along the curve."""
@@ -623,10 +657,11 @@ class Curve:
         if isinstance(test.condition, Held):
             orbit = held_at(orbit, test.condition.column, test.condition.value)
         sample = self.start(orbit, a.tangent)
-        if not (0.0 <= distance <= step and np.isfinite(sample.tangent).all()):
-            return None
         aside = self.problem.step_between(a.orbit, found.orbit) - distance * a.tangent
-        if float(np.linalg.norm(aside)) > self.settings.max_turn * step:
+        away = float(np.linalg.norm(aside)) > self.settings.max_turn * step
+        if away or not (0.0 <= distance <= step and np.isfinite(sample.tangent).all()):
+            if step > COARSE * self.settings.min_step:
+                raise UnclearError  # it vanishes elsewhere: in between it need not
             return None
         return distance, sample
 

@@ -169,6 +169,21 @@ def chained(images: Sequence[Image]) -> Image:
     )  # fmt: skip
 
 
+def length_of(image: Image) -> int:
+    """How many pieces an image went through."""
+    return len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
+
+
+def links(image: Image, x: Floats, p: Floats) -> list[Image]:
+    """The images in turn that a chain is made of, from its first point on; of a piece its own."""
+    if not isinstance(image.piece, Chain):
+        return [image]
+    found = list[Image]()
+    for piece in image.piece.pieces:
+        found.append(piece.at(found[-1].value if found else x, p))
+    return found
+
+
 def _through(outer: Floats, inner: Floats, d: int) -> Floats:
     """Derivatives (m, d + k) of functions of a point, as functions of one that leads to it."""
     found: Floats = outer[:, :d] @ inner

@@ -16,6 +16,7 @@ from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, p
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
+SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
 NEXT = 2.0**-58  # the next step, which is as large as squares of steps say, is made of rounding
 BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
 HALVINGS = 6  # of a step that leads to where a piece has no value
@@ -83,11 +84,15 @@ class Problem:
                 rows[steep] -= np.outer(along[steep], normal)
             first += count
 
-    def moved(self, orbit: Orbit, step: Floats) -> Orbit:
-        """An orbit moved by a step in scaled unknowns."""
+    def stepped(self, orbit: Orbit, step: Floats) -> Floats:
+        """The unknowns of an orbit after a step in scaled ones."""
         to, columns = orbit.unknowns, self.columns(orbit)
         to[columns] += step * self.scale(orbit)[columns]
-        return placed(orbit, to)
+        return to
+
+    def moved(self, orbit: Orbit, step: Floats) -> Orbit:
+        """An orbit moved by a step in scaled unknowns."""
+        return placed(orbit, self.stepped(orbit, step))
 
     def step_between(self, one: Orbit, other: Orbit) -> Floats:
         """The step in scaled unknowns from one orbit to another."""
@@ -109,7 +114,7 @@ def _columns(points: int, k: int, free: tuple[int, ...], crosses: bool) -> Ints:
 
 @lru_cache
 def _scale(n: int, x_scale: tuple[float, ...], p_scale: tuple[float, ...]) -> Floats:
-    scale = np.array([*x_scale * n, *p_scale, 1.0])
+    scale = np.array([*x_scale * n, *p_scale, SHARE])
     scale.setflags(write=False)
     return scale
 

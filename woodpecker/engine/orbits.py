@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from woodpecker.base.arrays import Complexes, Floats
-from woodpecker.engine.maps import Image, Piece
+from woodpecker.engine.maps import Chain, Image, Piece, chained
 
 INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border beyond it
 STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
@@ -296,6 +296,33 @@ def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
     images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
     outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
     return Orbit(x, p, share, tuple(images), outer)
+
+
+def head_of(crossing: Orbit, unknowns: Floats) -> Orbit:
+    """The points of a jump crossing up to the border, moved, without what they lead to."""
+    (n, d), k = crossing.x.shape, len(crossing.p)
+    x, p = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k]
+    last = crossing.images[-1].piece
+    first = last.pieces[0] if isinstance(last, Chain) else last
+    pieces = [*(image.piece for image in crossing.images[:-1]), first]
+    return orbit_of(pieces, x, p)
+
+
+def completed(head: Orbit, crossing: Orbit) -> Orbit:
+    """A jump crossing in R^1 from its points up to the border, with the pieces of another one."""
+    assert crossing.outer is not None
+    x, p = head.x[-1], head.p
+    images = [*head.images]
+    last = crossing.images[-1].piece
+    if isinstance(last, Chain):
+        for piece in last.pieces[1:]:
+            images.append(piece.at(images[-1].value, p))
+        images = [*images[: len(head.x) - 1], chained(images[len(head.x) - 1 :])]
+    outer = _inside(crossing.outer, crossing.outer.piece.at(x, p), crossing, x, p)
+    inner = float(images[-1].value[0])
+    jump = float(outer.value[0]) - inner
+    share = (float(head.x[0, 0]) - inner) / jump if jump else crossing.share
+    return Orbit(head.x, p, share, tuple(images), outer)
 
 
 def _inside(before: Image, image: Image, orbit: Orbit, x: Floats, p: Floats) -> Image:

@@ -18,12 +18,14 @@ from woodpecker.engine.germs import (
     beginnings,
     crossings_at,
     lost_beyond,
+    shared,
+    TILT,
     cycle_at_limit,
     cycle_through,
     is_inside,
     once,
 )
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import Image, chained, links
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit
 
@@ -211,6 +213,13 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
             return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
         return _given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
+    if smooth and curve.problem.same(image.value, outer.value, SAME):
+        i = arc.border[0]
+        images = (*orbit.images[:i], outer, *orbit.images[i + 1 :])
+        sample = curve.start(replace(orbit, images=images), arc.samples[-1].tangent)
+        if is_inside(curve, sample):
+            return Beginning(begin.order, curve, sample), cause, True
     others = [
         each
         for each in beginnings(curve, orbit.x[:1], orbit.p, (begin.order,))
@@ -228,7 +237,7 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
             collision, note="fold" if folds else "persistence",
             onward=beside(there),
         )
-    return there, cause, bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
+    return there, cause, smooth
 
 
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
@@ -413,6 +422,9 @@ def _at_crossing(begin: Beginning, arc: Arc) -> Arrival | Onward:
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
         return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    beyond = _one_side_beyond(begin, arc)
+    if beyond is not None:
+        return beyond, cause, True
     orders = tuple(n for n in range(1, begin.order + 1) if begin.order % n == 0)
     base = replace(curve, problem=replace(curve.problem, conditions=curve.problem.conditions[:1]), ignored=frozenset())
     cycle = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
@@ -424,6 +436,56 @@ def _at_crossing(begin: Beginning, arc: Arc) -> Arrival | Onward:
     if len(others) == 1:
         return others[0], cause, True
     return _crossing_beyond(begin, arc, cause) or _given_up(begin, arc, "the jump ends", cause)
+
+
+def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
+    """The crossing beyond a border at which one of its two limits only changes its word.
+
+    None unless the limit is continuous there, and the crossing goes on.
+    """
+    sample, curve = arc.samples[-1], begin.curve
+    orbit, (i, code) = sample.orbit, arc.border or (0, 0)
+    last = len(orbit.x) - 1
+    if i < last:
+        return None
+    images = list(links(orbit.taken[i], orbit.x[last], orbit.p))
+    at, own = code % len(images), code // len(images)
+    way = curve.motion(sample, last)
+    d = orbit.x.shape[1]
+    point = orbit.x[last]
+    for image in images[:at]:
+        way = np.append(image.jacobian @ way, way[d:])
+        point = image.value
+    if at == 0:  # on this side of the jump
+        inward = sum(
+            images[0].gradients[images[0].place(c // len(images))]
+            for k, c in curve.ignored
+            if k == i and c % len(images) == 0
+        )
+        way = way / np.linalg.norm(way) + TILT * inward / np.linalg.norm(inward)
+    other = curve.map.beside(point, orbit.p, way)
+    if other.reason or not curve.problem.same(other.value, images[at].value, SAME):
+        return None
+    images[at] = other
+    side = chained(images)
+    taken = [*orbit.images, orbit.outer]
+    taken[i] = side
+    if at == 0:
+        border = shared(links(taken[last], orbit.x[last], orbit.p)[0],
+                        links(taken[last + 1], orbit.x[last], orbit.p)[0], orbit.x[last], orbit.p)
+        if border is None:
+            return None
+        rounds = len(images)
+        ignored = frozenset((k, rounds * c) for k, codes in zip((last, last + 1), border) for c in codes)
+        curve = replace(
+            curve, ignored=ignored,
+            problem=replace(curve.problem, conditions=(Closed(), OnBorder(last, rounds * border[0][0]))),
+        )
+    there = replace(orbit, images=tuple(taken[:-1]), outer=taken[-1])
+    start = curve.start(there, sample.tangent)
+    if not np.isfinite(start.tangent).all() or not is_inside(curve, start):
+        return None
+    return Beginning(begin.order, curve, start)
 
 
 def _cause(arc: Arc) -> str:
