@@ -44,9 +44,9 @@ CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that doe
 ITERATIONS = 80  # of that: halvings alone take fifty
 ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
-TOGETHER = 1e-3  # of a step: a fold and a branch point that are closer are one
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
+BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
@@ -94,7 +94,7 @@ class Stop(Enum):
         return self in (Stop.OTHER_PIECE, Stop.SHORT, Stop.MANY, Stop.SPENT)
 
 
-MULTIPLIERS = (Stop.LP, Stop.PD, Stop.NS, Stop.BP)
+MULTIPLIERS = (Stop.BP, Stop.LP, Stop.PD, Stop.NS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -371,7 +371,7 @@ class Curve:
                 step, grows, given_up = max(0.25, min(0.5, KEPT_TURN / turned)) * step, False, Stop.SHORT
                 continue
             try:
-                ends = self._ends(last, found, step)
+                ends = self._ends(last, found, step, starts=len(samples) == 1)
                 if halt.asked is not None:
                     ends = self._asked(last, found, step, ends, halt.asked)
             except UnclearError:
@@ -401,27 +401,12 @@ class Curve:
 
     # --- What is looked at ------------------------------------------------------------------------
 
-    def _ends(self, a: Sample, b: Sample, step: float) -> list[End]:
+    def _ends(self, a: Sample, b: Sample, step: float, *, starts: bool) -> list[End]:
         """What ends the arc between two samples, by distance; UnclearError if that is not clear."""
         found = []
         for test in (*self._borders(a, b, step), *self._bounds(a, b, step)):
             found.append(self._bounded(a, b, step, test))
-        for test in self._special(a.orbit):
-            before, after = test.value(a), test.value(b)
-            if before * after < 0.0 or (after == 0.0 and before != 0.0):
-                test, before, after = self._exact(test, a, b)
-                distance, sample = self._located(a, step, test, before, after, b)
-                if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
-                    left = abs(test.value(sample) / (after - before))
-                    width = 0.0 if test.stop is Stop.BP else (LOCATED + left) * step
-                    found.append(End(distance, test, sample, width))
-        crossed = [end.distance for end in found if end.test.stop is Stop.BP]
-        found = [  # where branches cross one of them may turn round
-            end
-            for end in found
-            if end.test.stop is not Stop.LP
-            or all(abs(end.distance - each) > TOGETHER * step for each in crossed)
-        ]
+        found += self._multipliers(a, b, step, starts)
         found.sort(key=lambda end: end.distance)
         if found and not self._is_first(found[0]):
             raise UnclearError
@@ -447,6 +432,45 @@ class Curve:
                 low = middle
         test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
         return [End(high, test, found), *ends]
+
+    def _multipliers(self, a: Sample, b: Sample, step: float, starts: bool) -> list[End]:
+        """Where multipliers are 1 or -1, or pairs of them on the unit circle, or curves cross."""
+        found = list[End]()
+        for test in self._special(a.orbit):
+            before, after = test.value(a), test.value(b)
+            if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
+                continue
+            if starts and abs(before) <= BEGINS * abs(after):
+                continue  # the curve begins where it vanishes, but for rounding
+            if test.stop is Stop.LP and found:
+                continue  # where curves cross one of them may turn round
+            if test.stop is Stop.BP:
+                found.append(self._crossed(a, b, step, test))
+                continue
+            test, before, after = self._exact(test, a, b)
+            distance, sample = self._located(a, step, test, before, after, b)
+            if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
+                left = abs(test.value(sample) / (after - before))
+                found.append(End(distance, test, sample, (LOCATED + left) * step))
+        return found
+
+    def _crossed(self, a: Sample, b: Sample, step: float, test: TestFunction) -> End:
+        """Where another curve crosses between two samples; UnclearError if it is not found.
+
+        There the equations of the curve are singular, but those of the point are not.
+        """
+        before, after = test.value(a), test.value(b)
+        way = self.problem.step_between(a.orbit, b.orbit)
+        guess = self.problem.moved(a.orbit, before / (before - after) * way)
+        orbit = branch_point(self.problem, guess) if guess.is_defined else None
+        if orbit is None:
+            raise UnclearError
+        away = self.problem.step_between(a.orbit, orbit)
+        distance = float(away @ a.tangent)
+        aside = float(np.linalg.norm(away - distance * a.tangent))
+        if not 0.0 <= distance <= step or aside > self.settings.max_turn * step:
+            raise UnclearError
+        return End(distance, test, Sample(orbit, a.tangent))
 
     def _exact(self, test: TestFunction, a: Sample, b: Sample) -> tuple[TestFunction, float, float]:
         """A test function that is as exact as there is one, and its values at two samples.
@@ -634,9 +658,6 @@ class Curve:
             raise UnclearError from None
         value(distance)
         sample = seen[distance][0]
-        if test.stop is Stop.BP:
-            orbit = branch_point(self.problem, sample.orbit)
-            return distance, sample if orbit is None else Sample(orbit, sample.tangent)
         if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)):
             raise UnclearError  # it changes its sign without being zero
         return distance, sample

@@ -15,11 +15,12 @@ from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, p
 
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
-ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
+ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
 SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
-NEXT = 2.0**-58  # the next step, which is as large as squares of steps say, is made of rounding
+NEXT = 2.0**-64  # the next step, which is as large as squares of steps say, is made of rounding
 BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
 HALVINGS = 6  # of a step that leads to where a piece has no value
+APART = 2.0**-42  # scaled: curves that miss each other by more do not cross
 STEEP = 1e4  # slopes of a root at its border are about 1e8, as rounding leaves them
 STALLED = 2.0**-33  # steps that become no shorter below this are made of rounding of steep maps
 HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
@@ -282,15 +283,18 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     w = np.linalg.svd(matrix)[0][:, -1]
     found = root(equations, np.concatenate([np.zeros(columns), w, [0.0]]), options={"xtol": 1e-14})
     off = np.abs(equations(found.x)).max()
-    return problem.moved(near, found.x[:columns]) if off < HALF else None
+    if off > HALF or abs(found.x[-1]) > APART:  # they come close, and do not cross
+        return None
+    return problem.moved(near, found.x[:columns])
 
 
 def _noise(
     problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROUNDED
 ) -> Floats:
     """What rounding may leave of the residuals."""
-    unknowns = np.abs(orbit.unknowns / problem.scale(orbit))[problem.columns(orbit)]
-    found: Floats = rounding * (np.abs(matrix) @ np.maximum(unknowns, 1.0))
+    unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
+    unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)
+    found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.columns(orbit)])
     return found
 
 
