@@ -20,6 +20,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.maps import Image, PiecewiseMap, length_of
 from woodpecker.engine.newton import (
     BLUR,
+    STEEP,
     Across,
     Problem,
     branch_point,
@@ -195,7 +196,25 @@ class Arc:
             return self.width * rate + BLUR * max(1.0, abs(float(orbit.p[column])))
         if self.condition is None:
             return math.inf
-        return uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
+        known = uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
+        return max(known, self._left())
+
+    def _left(self) -> float:
+        """How far the parameter is off as the end is only close to a border that is steep there.
+
+        A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it; twice that
+        of other roots.
+        """
+        if self.border is None:
+            return 0.0
+        orbit, problem = self.samples[-1].orbit, self.curve.problem
+        image = orbit.taken[self.border[0]]
+        k, d = image.place(self.border[1]), orbit.x.shape[1]
+        away = abs(float(image.margins[k])) / max(float(np.linalg.norm(image.gradients[k])), NEAR)
+        steep = float(np.abs(image.jacobian[:, :d]).max())
+        if steep < STEEP or not math.isfinite(steep):
+            return 0.0
+        return 4.0 * steep * away * problem.p_scale[problem.free[0]] / problem.x_scale[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -275,6 +275,8 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
         head = parts.index(True) + 1
         if problem.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
             continue
+        if _steepness(one.images[head - 1]) > _steepness(other.images[head - 1]):
+            one, other = other, one  # where a root ends at a jump, the other side locates it
         border = shared(one.images[head - 1], other.images[head - 1], one.x[head - 1], p)
         way = (other.end - one.end) / problem.x_scale
         length = float(way @ way)
@@ -296,6 +298,10 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
         crossing = problem.with_(OnBorder(*at_border))
         curve = replace(base, problem=crossing, ignored=ignored)
         yield Beginning(order, curve, Sample(orbit, np.empty(0)))
+
+
+def _steepness(image: Image) -> float:
+    return float(np.abs(image.jacobian).max())
 
 
 def _meets_another(orbit: Orbit, ignored: frozenset[tuple[int, int]]) -> bool:

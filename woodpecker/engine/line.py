@@ -75,7 +75,7 @@ class LineMap(NamedTuple):
         """
         scale = np.array([self.x_scale, self.p_scale])
         unit = direction / np.abs(direction / scale).max()
-        seen, lost = set[Hashable](), ""
+        seen, lost, around = set[Hashable](), "", None
         for distance in DISTANCES:
             proposal = self.at(x + distance * unit[:1], p + distance * unit[1:])
             if proposal.reason:
@@ -88,8 +88,10 @@ class LineMap(NamedTuple):
             seen.add(proposal.piece.key)
             image = limit(proposal, x, p, unit)
             if image.begins_along(x, p, unit):
-                return image
-        return replace(self.at(x, p), reason=lost or ACCUMULATE)
+                if image.tied(x, p).any():
+                    return image
+                around = around or image  # its border is elsewhere: a thinner piece may begin here
+        return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
 
 
 def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:

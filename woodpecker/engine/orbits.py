@@ -326,9 +326,12 @@ def completed(head: Orbit, crossing: Orbit) -> Orbit:
 
 
 def _inside(before: Image, image: Image, orbit: Orbit, x: Floats, p: Floats) -> Image:
-    """An image of a border point; from just inside of a piece that has no value right there."""
-    codes = np.flatnonzero(before.tied(orbit.x[-1], orbit.p)) if image.reason else []
+    """An image of a border point; just inside of a piece if it has no value or slopes right there."""
+    if not image.reason and np.isfinite(image.jacobian).all():
+        return image
+    codes = np.flatnonzero(before.tied(orbit.x[-1], orbit.p))
     if not len(codes):
         return image
     inward = before.gradients[codes[0], : len(x)]
-    return before.piece.at(x + INSIDE * max(1.0, np.abs(x).max()) * np.sign(inward), p)
+    found = before.piece.at(x + INSIDE * max(1.0, np.abs(x).max()) * np.sign(inward), p)
+    return found if image.reason or found.reason else replace(found, value=image.value)
