@@ -237,7 +237,7 @@ def _graph(
         pair = waiting.popleft()
         found[pair] = []
         if pair[:2] == TOGETHER[:2]:
-            if pair.lag:
+            if pair.lag:  # what is left is a series of the place times 1 - t^lag
                 return None
             continue
         for move, region in _moves(family, pair, regions[pair], meter):
@@ -317,7 +317,7 @@ def growth_of_pairs(
 def _growth(start: Step, steps: Mapping[Pair, Sequence[Step]], meter: Meter) -> Real | None:
     """One over the least root of the determinant, if it is the same on every path; else None."""
     rests = _matching(steps)
-    if len(rests) < len(steps):
+    if not steps.keys() <= rests.keys():
         return None
     found = start.term + start.factor * rests[start.onward]
     growth = growth_from(found)
