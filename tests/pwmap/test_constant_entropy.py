@@ -242,6 +242,30 @@ def test_a_plateau_with_a_piece_that_contracts() -> None:
     assert disagreements(map_, found, 20)[0] == 0
 
 
+@pytest.mark.slow
+def test_plateaus_of_random_maps() -> None:
+    """At the ends and at random places inside laps grow as one proof for all of them says."""
+    rng, looked = random.Random(1), 0
+    while looked < 60:
+        slopes = rng.choice([(-2, 1), (1, -3), (-4, 1), (-3, "1/2"), ("-1/2", -2)])
+        one, other = (f"{m}*x + {rng.randint(-3, 3)} + {rng.randint(-1, 1)}*g" for m in slopes)
+        text = f"Piecewise(({one}, x <= g), ({other}, True))"
+        map_ = PiecewiseLinearMap.from_sympy(text)
+        low = QQ(rng.randint(1, 150), 100)
+        high = low + QQ(rng.randint(1, 20), 100)
+        family = family_of(map_, low, high)
+        assert family is not None
+        growth = growth_of_pairs(family, 0, [RING.zero, RING.one])
+        if growth is None:
+            continue
+        rate = sympy.log(real_to_sympy(growth)).evalf(30)
+        for part in (QQ.zero, QQ(rng.randint(1, 99), 100), QQ.one):
+            place = QQ.to_sympy(low + part * (high - low))
+            seen = dynamics(map_, {"g": place}, orders=(48,)).entropy
+            assert seen.low <= rate <= seen.high, (text, place)
+            looked += 1
+
+
 def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
     """One pair leads to where orbits match, and to itself with the term -a t p and the factor t.
 
