@@ -43,11 +43,14 @@ def write_whole(path: Path, content: bytes) -> None:
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Write a table as CSV."""
+    write_whole(path, (rows_as_text([header]) + rows_as_text(rows)).encode())
+
+
+def rows_as_text(rows: Iterable[Sequence[object]]) -> str:
+    """Rows of a table as CSV, for one that is put together from parts."""
     text = io.StringIO(newline="")
-    writer = csv.writer(text)
-    writer.writerow(header)
-    writer.writerows(rows)
-    write_whole(path, text.getvalue().encode())
+    csv.writer(text).writerows(rows)
+    return text.getvalue()
 
 
 class PictureFormat(StrEnum):

@@ -5,7 +5,9 @@ The commands run elsewhere, as real processes; they take the kernel that is cach
 
 from __future__ import annotations
 
+import csv
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -103,6 +105,36 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
     assert not list(tmp_path.glob("*.png"))  # pictures would take their time
 
 
+def seconds(pid: int) -> float:
+    """CPU time that a process has used."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_map_keeps_the_starts_that_are_finished(number: signal.Signals, tmp_path: Path) -> None:
+    """A million starts would take minutes, and many seconds to become a table."""
+    return_map(Toy(), [-0.9])  # compiles, if that was not done before
+    folder = tmp_path / "out"
+    arguments = ("map", "--order", "10", "--points", "1000000", "--out", str(folder))
+    with started("-m", "woodpecker", *arguments) as process:
+        wait_until(folder.exists)  # made right before the first starts
+        begin = seconds(process.pid)
+        wait_until(lambda: seconds(process.pid) > begin + 3.0)
+        text, complaint = ended(process, number)
+    assert process.returncode == 130
+    kept = re.search(r"Interrupted: (\d+) of 1000000 starts are kept, as a table\n", complaint)
+    assert kept is not None
+    assert "wrote" in text
+    with (folder / "return_map.csv").open(encoding="utf-8", newline="") as file:
+        table = list(csv.DictReader(file))
+    assert 0 < len(table) == int(kept[1]) < 1_000_000
+    assert float(table[0]["phi_s_start"]) == -2.5
+    assert {path.name for path in folder.iterdir()} == {"return_map.csv", "about_map.json"}
+
+
 PROOF = """
 from woodpecker import Toy, continuation, prove, shoot
 if __name__ == "__main__":
@@ -183,6 +215,31 @@ def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
         text, complaint = process.communicate(timeout=30.0)
     assert text.split() == ["dropped", "heard"]
     assert "Exception ignored" in complaint
+    assert process.returncode == 0
+
+
+WHOLE = """
+from woodpecker.cli.interrupts import finished, held, listen
+import os, signal
+listen()
+try:
+    with held():
+        os.kill(os.getpid(), signal.SIGTERM)
+        print("written", flush=True)
+    print("not reached")
+except KeyboardInterrupt:
+    print("taken")
+finished()
+os.kill(os.getpid(), signal.SIGINT)
+print("told")
+"""
+
+
+@pytest.mark.slow
+def test_files_are_written_whole_before_a_request_is_taken() -> None:
+    with started("-c", WHOLE) as process:
+        text, complaint = process.communicate(timeout=30.0)
+    assert (text.split(), complaint) == (["written", "taken", "told"], "")
     assert process.returncode == 0
 
 
