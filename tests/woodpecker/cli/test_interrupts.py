@@ -6,20 +6,18 @@ The commands run elsewhere, as real processes; they take the kernel that is cach
 from __future__ import annotations
 
 import csv
-import os
 import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from needs import NEEDS_NUMBA
+from processes import SIGNALS, seconds, started, wait_until
 from typer.testing import CliRunner
 
 import woodpecker
@@ -31,31 +29,8 @@ from woodpecker.cli import curves as curves_command
 from woodpecker.cli.app import app
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc who is there")
-SIGNALS = [signal.SIGINT, signal.SIGTERM]
 AT_ONCE = 2.0  # s, on a machine that has nothing else to do; busy ones take a multiple
 BUSY = 15.0
-
-
-@contextmanager
-def started(*command: str) -> Iterator[subprocess.Popen[str]]:
-    """A process with Ctrl-C as it is from a terminal, also where the tests' own is ignored."""
-    process = subprocess.Popen(
-        [sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env={**os.environ, "COLUMNS": "200", "PYTHONPATH": os.pathsep.join(sys.path)},
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
-def wait_until(there: Callable[[], Any], within: float = 120.0) -> None:
-    deadline = time.monotonic() + within
-    while not there():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 def children(pid: int) -> list[int]:
@@ -103,12 +78,6 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
     assert len(kept.branches) == len(saved_diagram(run).branches) > 0
     assert "points.csv" in text
     assert not list(tmp_path.glob("*.png"))  # pictures would take their time
-
-
-def seconds(pid: int) -> float:
-    """CPU time that a process has used."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @pytest.mark.slow
