@@ -218,6 +218,17 @@ def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]
     return parts
 
 
+def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
+    """Copies of an axis and its cells: what is decided there is recorded in neither."""
+
+    def copied(cell: Cell) -> Cell:
+        oracle = cell.study.oracle
+        oracle = SignOracle(oracle.orbits, oracle.sign_of, oracle.signs)
+        return replace(cell, study=replace(cell.study, oracle=oracle))
+
+    return axis.copy(), [copied(cell) for cell in cells]
+
+
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
     """An edge at some place in or beside a cell, with the same iterates."""
     study = Study(axis.oracle(place), {})
@@ -446,12 +457,34 @@ def with_cells(
     *,
     with_ends: bool = False,
     budget: Budget | Meter = BUDGET,
-    follow: Callable[[Iterator[Stage]], list[Cell]] = last,
 ) -> Result:
-    """Build something from the cells of a parameter, at the first sample that is generic.
+    """Build something from the cells of a parameter for all orders, as :func:`with_stages` does."""
+
+    def built(axis: Axis, found: Iterator[Stage]) -> Result:
+        cells = last(found)
+        close(axis, cells)
+        return build(axis, cells)
+
+    return with_stages(
+        built, map_, parameter, orders, span, sample, with_ends=with_ends, budget=budget
+    )
+
+
+def with_stages(
+    build: Callable[[Axis, Iterator[Stage]], Result],
+    map_: PiecewiseLinearMap,
+    parameter: object,
+    orders: Sequence[int],
+    span: Span,
+    sample: Mapping[Any, object] | None,
+    *,
+    with_ends: bool = False,
+    budget: Budget | Meter = BUDGET,
+) -> Result:
+    """Build something from cells that are cut order by order, at the first generic sample.
 
     With ``with_ends`` the ends of the span, and of what the assumptions admit of it, are edges too
-    if they are admitted. Who follows the stages says which cells are built from.
+    if they are admitted. Who builds has the axis record what its cells ask of it: :func:`close`.
     """
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
@@ -467,9 +500,8 @@ def with_cells(
         axis = axis_of(map_.definition, name, values)
         try:
             found = admitted_intervals(axis, span)
-            cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), meter))
-            close(axis, cells)
-            return build(axis, cells)
+            cells = uncut(axis, found, with_ends)
+            return build(axis, stages(axis, map_.chain, orders, cells, meter))
         except ResampleError:
             continue
     only = {key: value for key, value in tried[-1].items() if {t[key] for t in tried} == {value}}
