@@ -29,6 +29,7 @@ Borders = set[tuple[int, int]]  # edge and word length of fixed points that othe
 EndValues = dict[Any, dict[Any, float]]  # for each place exact values, and their floats
 EPSILON = 2.0**-52  # spacing of doubles at 1
 Position = Fraction_ | None  # an x as a quotient; None is infinite
+NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed point
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
 
@@ -261,7 +262,7 @@ class Continuation:
         for cylinder, inclusion, stable in zip(
             iterate.cylinders, iterate.inclusion, iterate.stable, strict=True
         ):
-            if self._is_own(cylinder, inclusion, order, oracle):
+            if inclusion not in NOWHERE and self._is_own(cylinder, inclusion, order, oracle):
                 for cut in _cuts(cylinder, inclusion):
                     key = BranchKey(BranchKind.FIXED_POINT, (cylinder.word,), cut)
                     yield key, Location(inclusion, stable)
@@ -272,9 +273,7 @@ class Continuation:
     def _is_own(
         self, cylinder: Cylinder, inclusion: Inclusion, order: int, oracle: SignOracle
     ) -> bool:
-        """Whether there are fixed points whose minimal period is the order."""
-        if inclusion in (Inclusion.VIRTUAL, Inclusion.NONE):
-            return False
+        """Whether the fixed points of a cylinder have the order as their minimal period."""
         period = minimal_period(cylinder.word, self.length)
         if inclusion is Inclusion.BAND and order == 2 * period:
             return oracle.slope(cylinder.word[: len(cylinder.word) // 2]) < 0
