@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
-from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import PiecewiseMap
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.engine.maps import Image, PiecewiseMap, length_of
 from woodpecker.engine.newton import (
-    HALF,
+    BLUR,
+    STEEP,
     Across,
     Problem,
     branch_point,
@@ -27,12 +28,47 @@ from woodpecker.engine.newton import (
     tangent,
     uncertainty,
 )
-from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import (
+    Chained,
+    Condition,
+    Held,
+    Multiplier,
+    OnBorder,
+    Orbit,
+    completed,
+    head_of,
+    held_at,
+)
 
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
+CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
 ITERATIONS = 80  # of that: halvings alone take fifty
+ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
+KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
+SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
+# solutions of its events, as there are beside a grazing
+BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
+
+
+class UnclearError(Exception):
+    """A shorter step is needed to tell what lies between two samples."""
+
+
+class Halt(NamedTuple):
+    """What ends a curve besides what lies on it.
+
+    Attributes
+    ----------
+    spent
+        Whether the map was evaluated as often as allowed.
+    asked
+        Whether the curve is to end at a sample; None if nobody asks.
+    """
+
+    spent: Callable[[], bool] = lambda: False
+    asked: Callable[[Sample], bool] | None = None
 
 
 class Stop(Enum):
@@ -40,24 +76,26 @@ class Stop(Enum):
 
     SPAN = "end of the parameter span"
     WINDOW = "end of the window"
-    BORDER = "a point meets a border"
-    SHARE = "the crossing meets a limit of the jump"
-    LP = "fold: a multiplier is 1"
-    PD = "flip: a multiplier is -1"
-    NS = "Neimark-Sacker: a pair of multipliers lies on the unit circle"
-    BP = "branch point: two curves cross"
-    CLOSED = "the curve is closed"
-    OTHER_PIECE = "the map takes another piece, and no margin of this one says so"
+    BORDER = "a margin vanishes"
+    SHARE = "a limit of the jump meets the diagonal"
+    LP = "the branch turns round"
+    PD = "the multiplier is -1"
+    NS = "a pair of multipliers lies on the unit circle"
+    BP = "another branch crosses"
+    CLOSED = "the branch closes"
+    OTHER_PIECE = "the map takes another piece"
     SHORT = "steps become too short"
-    MANY = "more samples than a curve may have"
+    MANY = "as many samples as allowed"
+    SPENT = "as many evaluations as allowed"
+    ASKED = "stopped as asked"
 
     @property
     def is_open(self) -> bool:
         """Whether the curve was given up here: how it goes on is not known."""
-        return self in (Stop.OTHER_PIECE, Stop.SHORT, Stop.MANY)
+        return self in (Stop.OTHER_PIECE, Stop.SHORT, Stop.MANY, Stop.SPENT)
 
 
-MULTIPLIERS = (Stop.LP, Stop.PD, Stop.NS, Stop.BP)
+MULTIPLIERS = (Stop.BP, Stop.LP, Stop.PD, Stop.NS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,17 +182,39 @@ class Arc:
     border: tuple[int, int] | None = None
     beyond: Sample | None = None
     condition: Condition | None = None
+    step: float = math.inf
+    width: float = 0.0
 
     @property
     def precision(self) -> float:
         """How well the first free parameter is known at its end; infinite if it was given up."""
         if self.stop is Stop.SPAN:
             return 0.0
-        if self.stop is Stop.BP:
-            return HALF
+        if self.stop in MULTIPLIERS:
+            orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
+            rate = abs(_ahead(self.samples[-1])) * self.curve.problem.p_scale[column]
+            return self.width * rate + BLUR * max(1.0, abs(float(orbit.p[column])))
         if self.condition is None:
             return math.inf
-        return uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
+        known = uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
+        return max(known, self._left())
+
+    def _left(self) -> float:
+        """How far the parameter is off as the end is only close to a border that is steep there.
+
+        A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it; twice
+        that of other roots.
+        """
+        if self.border is None:
+            return 0.0
+        orbit, problem = self.samples[-1].orbit, self.curve.problem
+        image = orbit.taken[self.border[0]]
+        k, d = image.place(self.border[1]), orbit.x.shape[1]
+        away = abs(float(image.margins[k])) / max(float(np.linalg.norm(image.gradients[k])), NEAR)
+        steep = float(np.abs(image.jacobian[:, :d]).max())
+        if steep < STEEP or not math.isfinite(steep):
+            return 0.0
+        return 4.0 * steep * away * problem.p_scale[problem.free[0]] / problem.x_scale[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,11 +245,15 @@ class TestFunction:
 
 
 class End(NamedTuple):
-    """What may end an arc between two samples: at which distance from the first, and where."""
+    """What may end an arc between two samples: at which distance from the first, and where.
+
+    ``width`` is how far the distance may be off.
+    """
 
     distance: float
     test: TestFunction
     sample: Sample
+    width: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -215,45 +279,127 @@ class Curve:
     settings: CurveSettings
     ignored: frozenset[tuple[int, int]] = frozenset()
     tests: tuple[Stop, ...] = MULTIPLIERS
+    parameters: int = 1
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
         direction = tangent(self.problem, orbit)
         return Sample(orbit, direction if along is None or along @ direction >= 0.0 else -direction)
 
-    def advance(self, last: Sample, distance: float) -> Sample | None:
-        """The sample at a distance; None if Newton's method leads to none."""
-        across = Across(self.problem, last.orbit, last.tangent, distance)
-        guess = self.problem.moved(last.orbit, distance * last.tangent)
-        found = solve(self.problem.with_(across), guess)
-        if not found.converged:
+    def advance(
+        self, last: Sample, distance: float, before: Sample | None = None, *,
+        polished: bool = False,
+    ) -> Sample | None:  # fmt: skip
+        """The sample at a distance; None if Newton's method leads to none.
+
+        It is predicted along the tangent, or along the cubic through the sample before, too.
+        """
+        way = distance * last.tangent
+        if before is not None:
+            way = way + self._bend(before, last, distance)
+        if last.orbit.outer is not None and last.orbit.x.shape[1] == 1:
+            orbit = self._along_border(last, distance, way, polished)
+        else:
+            across = Across(self.problem, last.orbit, last.tangent, distance)
+            guess = self.problem.moved(last.orbit, way)
+            found = solve(self.problem.with_(across), guess, polished=polished)
+            orbit = found.orbit if found.converged else None
+        if orbit is None or not orbit.is_defined:
             return None
-        sample = self.start(found.orbit, last.tangent)
+        sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
 
-    def follow(self, start: Sample) -> Arc:
-        """Follow the curve from a sample to what ends it.
+    def _along_border(
+        self, last: Sample, distance: float, way: Floats, polished: bool
+    ) -> Orbit | None:
+        """A jump crossing in R^1: its points up to the border are solved for, the share follows."""
+        (*_, border), problem = self.problem.conditions, self.problem
+        assert isinstance(border, OnBorder)
+        to = problem.stepped(last.orbit, way)
+        head = head_of(last.orbit, to)
+        rounds = length_of(last.orbit.images[-1])
+        on = OnBorder(border.image, border.code // rounds)
+        along = last.tangent[:-1] / np.linalg.norm(last.tangent[:-1])
+        heads = replace(problem, conditions=(Chained(), on))
+        across = Across(heads, replace(last.orbit, outer=None), along, float(along @ way[:-1]))
+        found = solve(heads.with_(across), head, polished=polished)
+        return completed(found.orbit, last.orbit) if found.converged else None
+
+    def _leaves(self, start: Sample) -> Stop | None:
+        """Whether a sample lies at an end of span or window, and the curve leaves there."""
+        orbit = start.orbit
+        columns, low, high, stops = self._limits(orbit.x.shape, orbit.outer is not None)
+        at, along = orbit.unknowns[columns], start.tangent
+        out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
+        return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
+
+    def _to_end(self, last: Sample, step: float) -> Sample | None:
+        """The sample at the end of a span, if a step leads there: beyond, there may be no map."""
+        orbit, problem = last.orbit, self.problem
+        size = orbit.x.size
+        for j, (free, (low, high)) in enumerate(
+            zip(problem.free, self.settings.spans, strict=True)
+        ):
+            rate, p = float(last.tangent[size + j]) * problem.p_scale[free], float(orbit.p[free])
+            end = high if rate > 0.0 else low
+            if rate == 0.0 or p == end or abs(end - p) >= step * abs(rate):
+                continue
+            guess = problem.moved(orbit, (end - p) / rate * last.tangent)
+            found = solve(problem.with_(Held(size + free, end)), guess)
+            if found.converged:
+                sample = self.start(held_at(found.orbit, size + free, end), last.tangent)
+                return sample if np.isfinite(sample.tangent).all() else None
+        return None
+
+    def _bend(self, a: Sample, b: Sample, distance: float) -> Floats:
+        """What the cubic through two samples adds to the tangent at a distance from the second."""
+        chord = self.problem.step_between(a.orbit, b.orbit)
+        length = float(np.linalg.norm(chord))
+        if length == 0.0:
+            return np.zeros(len(chord))
+        mean, part = chord / length, distance / length
+        cubic = b.tangent + a.tangent - 2.0 * mean
+        square = 2.0 * b.tangent + a.tangent - 3.0 * mean
+        return np.asarray(distance * part * (square + part * cubic))
+
+    def follow(self, start: Sample, first: float = math.inf, halt: Halt | None = None) -> Arc:
+        """Follow the curve from a sample to what ends it; the first step may be a shorter one.
 
         Each turn of the loop either keeps a sample, of which there are ``max_samples``, or shortens
         the step, of which ``min_step`` is the end.
         """
-        settings, samples, step = self.settings, [start], self.settings.step
-        given_up = Stop.SHORT
+        settings, samples, grows = self.settings, [start], True
+        step = min(first, settings.step)
+        given_up, halt = Stop.SHORT, halt or Halt()
+        leaves = self._leaves(start)
+        if leaves is None and halt.asked is not None and halt.asked(start):
+            leaves = Stop.ASKED
+        if leaves is not None:
+            return Arc((start,), leaves, self)
         while len(samples) < settings.max_samples:
+            if halt.spent():
+                return Arc(tuple(samples), Stop.SPENT, self)
             if step < settings.min_step:
                 return Arc(tuple(samples), given_up, self)
             last = samples[-1]
-            found = self.advance(last, step)
-            if found is None or self._turns(last, found) or self._dips(last, found, step):
-                step, given_up = 0.5 * step, Stop.SHORT
+            before = samples[-2] if len(samples) > 1 else None
+            found = to_end = self._to_end(last, step)
+            found = found or self.advance(last, step, before)
+            turned = math.inf if found is None else _angle(last, found) / settings.max_turn
+            if found is None or turned > 1.0:
+                step *= max(0.25, min(0.5, KEPT_TURN / turned))
+                grows, given_up = False, Stop.SHORT
                 continue
-            ends = self._ends(last, found, step)
-            if ends is None:
-                step, given_up = 0.5 * step, Stop.SHORT
+            try:
+                ends = self._ends(last, found, step, starts=len(samples) == 1)
+                if halt.asked is not None:
+                    ends = self._asked(last, found, step, ends, halt.asked)
+            except UnclearError:
+                step, grows, given_up = 0.5 * step, False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
             if not self._agrees(found.orbit if end is None else end.sample.orbit, end):
-                step, given_up = 0.5 * step, Stop.OTHER_PIECE
+                step, grows, given_up = 0.25 * step, False, Stop.OTHER_PIECE
                 continue
             if end is not None:
                 beyond: Sample | None = found
@@ -261,35 +407,180 @@ class Curve:
                     beyond = self.advance(last, 0.5 * (end.distance + ends[1].distance))
                 test = end.test
                 return Arc(
-                    (*samples, end.sample), test.stop, self, test.border, beyond, test.condition
-                )
+                    (*samples, end.sample), test.stop, self, test.border, beyond, test.condition,
+                    step, end.width,
+                )  # fmt: skip
+            if to_end is not None:
+                return Arc((*samples, to_end), Stop.SPAN, self)
             if len(samples) > 2 and self._closes(start, last, found, step):
                 return Arc((*samples, start), Stop.CLOSED, self)
             samples.append(found)
-            turned = _angle(last, found) / settings.max_turn
-            step = min(settings.max_step, step * min(2.0, 0.5 / max(turned, 0.25)))
+            growth = min(2.0 if grows else 1.0, KEPT_TURN / max(turned, 1e-3))
+            step, grows = min(settings.max_step, step * growth), True
         return Arc(tuple(samples), Stop.MANY, self)
 
     # --- What is looked at ------------------------------------------------------------------------
 
-    def _tests(self, at: Sample) -> Iterator[TestFunction]:
-        """All test functions that are to be looked at from a sample on."""
-        orbit, problem = at.orbit, self.problem
-        (n, d), settings = orbit.x.shape, self.settings
-        free = zip(problem.free, settings.spans, strict=True)
-        bounds = [(Stop.SPAN, n * d + each, ends) for each, ends in free]
-        bounds += [(Stop.WINDOW, i * d + j, settings.window[j]) for i in range(n) for j in range(d)]
-        if orbit.outer is not None:
-            bounds.append((Stop.SHARE, len(orbit.unknowns) - 1, (0.0, 1.0)))
-        for stop, column, ends in bounds:
-            for end, inward in zip(ends, (1.0, -1.0), strict=True):
-                yield TestFunction(stop, _inside(column, end, inward), Held(column, end))
+    def _ends(self, a: Sample, b: Sample, step: float, *, starts: bool) -> list[End]:
+        """What ends the arc between two samples, by distance; UnclearError if that is not clear."""
+        bounds = (*self._borders(a, b, step), *self._bounds(a, b, step))
+        found = [self._bounded(a, b, step, test) for test in bounds]
+        found += self._multipliers(a, b, step, starts)
+        found.sort(key=lambda end: end.distance)
+        if found and not self._is_first(found[0]):
+            raise UnclearError
+        self._look_for_dips(a, *((found[0].sample, found[0].distance) if found else (b, step)))
+        return found
+
+    def _asked(
+        self, a: Sample, b: Sample, step: float, ends: list[End], asked: Callable[[Sample], bool]
+    ) -> list[End]:
+        """Those ends, and before them the place where the curve is asked to end."""
+        last = ends[0].sample if ends else b
+        if not asked(last):
+            return ends
+        low, high, found = 0.0, ends[0].distance if ends else step, last
+        while high - low > LOCATED * step:  # halved each time
+            middle = 0.5 * (low + high)
+            sample = self.advance(a, middle)
+            if sample is None:
+                raise UnclearError
+            if asked(sample):
+                high, found = middle, sample
+            else:
+                low = middle
+        test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
+        return [End(high, test, found), *ends]
+
+    def _multipliers(self, a: Sample, b: Sample, step: float, starts: bool) -> list[End]:
+        """Where multipliers are 1 or -1, or pairs of them on the unit circle, or curves cross."""
+        found = list[End]()
+        for test in self._special(a.orbit):
+            before, after = test.value(a), test.value(b)
+            if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
+                continue
+            if starts and abs(before) <= BEGINS * abs(after):
+                continue  # the curve begins where it vanishes, but for rounding
+            if test.stop is Stop.LP and found:
+                continue  # where curves cross one of them may turn round
+            if test.stop is Stop.BP:
+                found.append(self._crossed(a, b, step, test))
+                continue
+            test, before, after = self._exact(test, a, b)
+            distance, sample = self._located(a, step, test, before, after, b)
+            if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
+                left = abs(test.value(sample) / (after - before))
+                found.append(End(distance, test, sample, (LOCATED + left) * step))
+        return found
+
+    def _crossed(self, a: Sample, b: Sample, step: float, test: TestFunction) -> End:
+        """Where another curve crosses between two samples; UnclearError if it is not found.
+
+        There the equations of the curve are singular, but those of the point are not.
+        """
+        before, after = test.value(a), test.value(b)
+        way = self.problem.step_between(a.orbit, b.orbit)
+        guess = self.problem.moved(a.orbit, before / (before - after) * way)
+        orbit = branch_point(self.problem, guess) if guess.is_defined else None
+        if orbit is None:
+            raise UnclearError
+        away = self.problem.step_between(a.orbit, orbit)
+        distance = float(away @ a.tangent)
+        aside = float(np.linalg.norm(away - distance * a.tangent))
+        if not 0.0 <= distance <= step or aside > self.settings.max_turn * step:
+            raise UnclearError
+        return End(distance, test, Sample(orbit, a.tangent))
+
+    def _exact(self, test: TestFunction, a: Sample, b: Sample) -> tuple[TestFunction, float, float]:
+        """A test function that is as exact as there is one, and its values at two samples.
+
+        Where a curve turns round is not known as well as where a multiplier is 1.
+        """
+        before, after = test.value(a), test.value(b)
+        if test.stop is Stop.LP and test.condition is not None:
+            exact = replace(test, value=_of_condition(test.condition))
+            if exact.value(a) * exact.value(b) < 0.0:
+                return exact, exact.value(a), exact.value(b)
+        return test, before, after
+
+    def _bounds(self, a: Sample, b: Sample, step: float) -> Iterator[TestFunction]:
+        """Ends of spans, of the window and of the share that are passed between two samples."""
+        orbit = b.orbit
+        columns, low, high, stops = self._limits(orbit.x.shape, orbit.outer is not None)
+        at = orbit.unknowns[columns]
+        for k in np.flatnonzero((at < low) | (at > high)).tolist():
+            column = int(columns[k])
+            end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
+            yield TestFunction(
+                stops[k], _inside(column, float(end), inward), Held(column, float(end))
+            )
+
+    def _limits(
+        self, shape: tuple[int, int], crosses: bool
+    ) -> tuple[Ints, Floats, Floats, list[Stop]]:
+        """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
+        (n, d), settings = shape, self.settings
+        columns = [*range(n * d), *(n * d + each for each in self.problem.free)]
+        ends = [*settings.window * n, *settings.spans]
+        stops = [Stop.WINDOW] * (n * d) + [Stop.SPAN] * len(settings.spans)
+        if crosses:
+            columns.append(n * d + self.parameters)
+            ends.append((0.0, 1.0))
+            stops.append(Stop.SHARE)
+        low, high = np.array(ends).T
+        return np.array(columns), low, high, stops
+
+    def _borders(self, a: Sample, b: Sample, step: float) -> Iterator[TestFunction]:
+        """Margins that are negative at the second of two samples."""
+        for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
+            for k in np.flatnonzero(other.margins < 0.0).tolist():
+                code = int(other.codes[k])
+                if (i, code) in self.ignored:
+                    continue
+                if one.place(code) < 0:
+                    raise UnclearError  # it was not there: how it came to be negative is not seen
+                border = OnBorder(i, code)
+                yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code))
+
+    def _bounded(self, a: Sample, b: Sample, step: float, test: TestFunction) -> End:
+        """Where a bound is passed that is violated at the second of two samples."""
+        before, after = test.value(a), test.value(b)
+        if before <= NEAR and self._is_at(a, test, before):
+            if step > COARSE * self.settings.min_step:
+                raise UnclearError  # a shorter step shows whether the curve leaves right here
+            return End(0.0, test, a)
+        if before < 0.0:
+            raise UnclearError
+        return End(*self._position(a, step, test, before, after, b))
+
+    def _position(
+        self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample
+    ) -> tuple[float, TestFunction, Sample]:
+        distance, sample = self._located(a, step, test, before, after, b)
+        if test.border is not None and self.rate(sample, *test.border) > 0.0:
+            raise UnclearError  # it has vanished before, and is back
+        return distance, test, sample
+
+    @staticmethod
+    def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
+        """Whether a bound holds with equality at a sample, but for rounding."""
+        if test.border is None:
+            return abs(value) <= ROUNDED_OFF
+        i, code = test.border
+        image = a.orbit.taken[i]
+        return bool(image.tied(a.orbit.x[a.orbit.place(i)], a.orbit.p)[image.place(code)])
+
+    def _is_first(self, end: End) -> bool:
+        """Whether no margin but those of an end has vanished before it."""
+        orbit = end.sample.orbit
         for i, image in enumerate(orbit.taken):
-            for code in image.codes.tolist():
-                if (i, code) not in self.ignored:
-                    border = OnBorder(i, code)
-                    yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code))
-        yield from self._special(orbit)
+            negative = image.margins < 0.0
+            if not negative.any():
+                continue
+            negative &= ~image.tied(orbit.x[orbit.place(i)], orbit.p)
+            if any((i, code) not in self.ignored for code in image.codes[negative].tolist()):
+                return False
+        return True
 
     def _special(self, orbit: Orbit) -> Iterator[TestFunction]:
         """Folds, flips, pairs on the unit circle, branch points."""
@@ -313,70 +604,70 @@ class Curve:
         if end is not None and end.test.border is not None:
             at_border.add(orbit.place(end.test.border[0]))
         return all(
-            i in at_border or self.map.at(x, orbit.p).piece.key == image.piece.key
+            i in at_border or self._is_taken(x, orbit.p, image)
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
         )
 
-    def _turns(self, a: Sample, b: Sample) -> bool:
-        return _angle(a, b) > self.settings.max_turn
+    def _is_taken(self, x: Floats, p: Floats, image: Image) -> bool:
+        """Whether the map takes the piece of an image, and the same of its solutions."""
+        taken = self.map.at(x, p)
+        slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
+        return taken.piece.key == image.piece.key and self.problem.same(
+            taken.value, image.value, slack
+        )
 
-    def _dips(self, a: Sample, b: Sample, step: float) -> bool:
-        """Whether a margin that is positive at both ends may vanish twice in between.
+    def _look_for_dips(self, a: Sample, b: Sample, step: float) -> None:
+        """UnclearError if a margin that is positive at both ends may vanish twice in between.
 
         It is a cubic there, with the values and slopes of both ends.
         """
         if step < COARSE * self.settings.min_step:
-            return False
+            return
         for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
-            for code in one.codes.tolist():
-                k, m = one.place(code), other.place(code)
+            near = one.margins < np.abs(self._rates(a, i)) * step
+            for k in np.flatnonzero(near).tolist():
+                code = int(one.codes[k])
+                m = other.place(code)
                 if (i, code) in self.ignored or m < 0:
                     continue
                 ends = float(one.margins[k]), float(other.margins[m])
-                rates = [step * self.rate(at, i, code) for at in (a, b)]
+                rates = step * float(self._rates(a, i)[k]), step * float(self._rates(b, i)[m])
                 if min(ends) > 0.0 and rates[0] < 0.0 < rates[1] and _least(*ends, *rates) < 0.0:
-                    return True
-        return False
+                    raise UnclearError
+
+    def _rates(self, sample: Sample, i: int) -> Floats:
+        """How fast all margins of an image grow along the curve."""
+        orbit = sample.orbit
+        found: Floats = orbit.taken[i].gradients @ self.motion(sample, orbit.place(i))
+        return found
+
+    def motion(self, sample: Sample, i: int) -> Floats:
+        """How a point of an orbit and the parameters (d + k,) change along the curve."""
+        orbit, problem = sample.orbit, self.problem
+        (n, d), k = orbit.x.shape, len(orbit.p)
+        wide = np.zeros(n * d + k + 1)
+        wide[problem.columns(orbit)] = sample.tangent
+        wide *= problem.scale(orbit)
+        return np.append(wide[i * d : i * d + d], wide[n * d : n * d + k])
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
         """How fast a margin grows along the curve."""
-        orbit, problem = sample.orbit, self.problem
-        columns = problem.columns(orbit)
-        gradient = orbit.gradient(i, code)[columns] * problem.scale(orbit)[columns]
-        return float(gradient @ sample.tangent)
+        return float(self._rates(sample, i)[sample.orbit.taken[i].place(code)])
 
     # --- Where it ends ----------------------------------------------------------------------------
 
-    def _ends(self, a: Sample, b: Sample, step: float) -> list[End] | None:
-        """What ends the arc between two samples, by distance; None if one cannot be located."""
-        found = []
-        for test in self._tests(a):
-            before, after = test.value(a), test.value(b)
-            if test.is_bound and before < NEAR and (after < 0.0 or before < 0.0):
-                if step > COARSE * self.settings.min_step:
-                    return None  # a shorter step shows whether the curve leaves right here
-                if after < 0.0:
-                    found.append(End(0.0, test, a))
-                continue
-            if math.isnan(before) or math.isnan(after) or before * after > 0.0 or before == 0.0:
-                continue
-            located = self._located(a, step, test, before, after, b)
-            if located is None:
-                return None
-            if test.stop is Stop.NS and _is_neutral_saddle(located[1]):
-                continue
-            found.append(End(located[0], test, located[1]))
-        return sorted(found, key=lambda end: end.distance)
-
     def _located(
         self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample
-    ) -> tuple[float, Sample] | None:
-        """Where a test function vanishes between two samples."""
+    ) -> tuple[float, Sample]:
+        """Where a test function vanishes between two samples; UnclearError if it is not found."""
+        quick = self._solved(a, step, test, before, after, b)
+        if quick is not None:
+            return quick
         seen = {0.0: (a, before), step: (b, after)}
 
         def value(distance: float) -> float:
             if distance not in seen:
-                sample = self.advance(a, distance)
+                sample = self.advance(a, distance, polished=True)
                 if sample is None:
                     raise ArithmeticError
                 seen[distance] = sample, test.value(sample)
@@ -385,16 +676,35 @@ class Curve:
         try:
             distance = float(brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS))
         except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
-            return None
+            raise UnclearError from None
         value(distance)
         sample = seen[distance][0]
-        if test.stop is Stop.BP:
-            orbit = branch_point(self.problem, sample.orbit)
-            return distance, sample if orbit is None else Sample(orbit, sample.tangent)
-        if test.condition is not None:
-            solution = solve(self.problem.with_(test.condition), sample.orbit)
-            if solution.converged:
-                sample = self.start(solution.orbit, sample.tangent)
+        if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)):
+            raise UnclearError  # it changes its sign without being zero
+        return distance, sample
+
+    def _solved(
+        self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample
+    ) -> tuple[float, Sample] | None:
+        """The same by Newton's method, from where a cubic puts it; None unless it is in between."""
+        if test.condition is None or test.stop in MULTIPLIERS:
+            return None
+        part = before / (before - after)
+        guess = self.problem.moved(a.orbit, part * self.problem.step_between(a.orbit, b.orbit))
+        found = solve(self.problem.with_(test.condition), guess)
+        if not found.converged:
+            return None
+        distance = float(self.problem.step_between(a.orbit, found.orbit) @ a.tangent)
+        orbit = found.orbit
+        if isinstance(test.condition, Held):
+            orbit = held_at(orbit, test.condition.column, test.condition.value)
+        sample = self.start(orbit, a.tangent)
+        aside = self.problem.step_between(a.orbit, found.orbit) - distance * a.tangent
+        away = float(np.linalg.norm(aside)) > self.settings.max_turn * step
+        if away or not (0.0 <= distance <= step and np.isfinite(sample.tangent).all()):
+            if step > COARSE * self.settings.min_step:
+                raise UnclearError  # it vanishes elsewhere: in between it need not
+            return None
         return distance, sample
 
     def _closes(self, start: Sample, a: Sample, b: Sample, step: float) -> bool:

@@ -15,15 +15,19 @@ from itertools import combinations
 
 import numpy as np
 
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample
-from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chain
+from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chained
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import OnBorder, Orbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
 PATHS = 256  # of one orbit at most: eight of its points on borders
+SECTORS = 16  # pieces that meet in one point at most
+PARALLEL = 1e-4  # normals of borders that differ by a smaller angle are those of one [rad]
+TILT = 2.0**-8  # angle between a border and the direction that leads along it and beyond [rad]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,13 +83,10 @@ class Path:
         (n, d) its points.
     images
         What the pieces make of them.
-    ties
-        For each point on a border, the code of the margin of its piece that vanishes; else -1.
     """
 
     x: Floats
     images: tuple[Image, ...]
-    ties: tuple[int, ...]
 
     @property
     def end(self) -> Floats:
@@ -98,34 +99,96 @@ def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int) -> list[Path]:
 
     Those that lead to where the map has no image are left out.
     """
-    found = [Path(np.empty((0, len(x))), (), ())]
+    found = [Path(np.empty((0, len(x))), ())]
     for _ in range(order):
         longer = []
         for path in found:
             at = path.end if path.images else x
-            for image, tie in _sides(map_, at, p):
-                points = np.vstack([path.x, at])
-                longer.append(Path(points, (*path.images, image), (*path.ties, tie)))
+            points = np.vstack([path.x, at])
+            longer += [Path(points, (*path.images, image)) for image in sides(map_, at, p)]
         if len(longer) > PATHS:
             return []
         found = longer
     return found
 
 
-def _sides(map_: PiecewiseMap, x: Floats, p: Floats) -> Iterator[tuple[Image, int]]:
-    """The pieces at a point, each with the margin that vanishes there; -1 if none does."""
-    image = map_.at(x, p)
-    if image.reason:
-        return
-    codes = image.codes[image.tied(x, p)].tolist()
-    yield image, (codes[0] if codes else -1)
-    seen = {image.piece.key}
-    for code in codes:
-        other = map_.beside(x, p, -image.gradients[image.place(code)])
-        back = other.codes[other.tied(x, p)].tolist()
-        if not other.reason and back and other.piece.key not in seen:
-            seen.add(other.piece.key)
-            yield other, back[0]
+def sides(map_: PiecewiseMap, x: Floats, p: Floats) -> list[Image]:
+    """The images of a point under all pieces that hold points near it; none where it has none.
+
+    From each of them the map is asked for what lies beyond each of its borders there.
+    """
+    first = map_.at(x, p)
+    if first.reason:
+        return []
+    codes = first.codes[first.tied(x, p)].tolist()
+    found = [first]
+    if codes:
+        own = map_.beside(x, p, first.gradients[first.place(codes[0])])
+        found = [first if own.reason else own]  # at a border that is no other piece's own
+    for image in found:  # it grows
+        for code in image.codes[image.tied(x, p)].tolist():
+            other = map_.beside(x, p, across(image, code, x, p))
+            if not other.reason and all(other.piece.key != each.piece.key for each in found):
+                found.append(other)
+        if len(found) > SECTORS:
+            break
+    return found
+
+
+def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
+    """Why an orbit from one of the sides of a border point is lost; empty if none is."""
+    found = list[Image]()
+    first = map_.at(x, p)
+    if first.reason:
+        return first.reason
+    for code in first.codes[first.tied(x, p)].tolist():
+        for direction in (1.0, -1.0):
+            gradient = first.gradients[first.place(code)]
+            found.append(map_.beside(x, p, direction * gradient))
+    for _ in range(returns):
+        found = [each if each.reason else map_.at(each.value, p) for each in found]
+    return next((each.reason for each in found if each.reason), "")
+
+
+def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
+    """The direction (d + k,) across a border where a margin vanishes, from inside of its piece.
+
+    Where other margins vanish too it leads along the border to where they grow, and a little
+    beyond.
+    """
+    out = -image.gradients[image.place(code)]
+    out = out / np.linalg.norm(out)
+    others = image.gradients[image.tied(x, p)]
+    along = others - np.outer(others @ out, out)
+    lengths, sizes = (np.linalg.norm(each, axis=1) for each in (along, others))
+    apart = lengths > PARALLEL * sizes
+    if not apart.any():
+        return np.asarray(out)
+    way = (along[apart] / lengths[apart, None]).sum(axis=0)
+    return np.asarray(way / np.linalg.norm(way) + TILT * out)
+
+
+def shared(one: Image, other: Image, x: Floats, p: Floats) -> tuple[list[int], list[int]] | None:
+    """The margins of two pieces that vanish along the border between them; None if there is none.
+
+    Their gradients are opposite. Where borders cross it is the first that both have.
+    """
+    pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
+    for code in pieces[0][1]:
+        normal = one.gradients[one.place(code)]
+        normal = normal / np.linalg.norm(normal)
+        own, beyond = (
+            [k for k in codes if _is_parallel(image.gradients[image.place(k)], sign * normal)]
+            for (image, codes), sign in zip(pieces, (1.0, -1.0), strict=True)
+        )
+        if beyond:
+            return own, beyond
+    return None
+
+
+def _is_parallel(gradient: Floats, normal: Floats) -> bool:
+    size = float(np.linalg.norm(gradient))
+    return float(np.linalg.norm(gradient - size * normal)) <= PARALLEL * size
 
 
 def beginnings(
@@ -163,39 +226,104 @@ def _cycles(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator
         shorter = (d for d in range(1, order) if order % d == 0)
         is_shortest = all(keys[d:] + keys[:d] != keys for d in shorter)
         if is_shortest and base.problem.same(path.end, x, SAME):
-            yield from _both_ways(order, base, orbit_of(pieces, path.x, p))
+            yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
 
 
 def _crossings(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
-    """Those between two paths that part at a jump and have the first point between their ends."""
+    """Those between two paths that part at a jump and have the first point between their ends.
+
+    They begin here if they do so at one of the ends, or meet another border; others pass.
+    """
+    for begin in _between(base, all_, x, p):
+        orbit = begin.sample.orbit
+        if not 0.0 < orbit.share < 1.0 or _meets_another(orbit, begin.curve.ignored):
+            yield from _both_ways(begin.order, begin.curve, orbit)
+
+
+def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Beginning]:
+    """The jump crossings of P_order with some first points, as far as they pass there.
+
+    Parameters
+    ----------
+    base
+        Curves of cycles: the map, scales, how they are followed.
+    head, p
+        (n, d) points of an orbit of which the last one lies on a border, and parameters (k,).
+    order
+        The iterate.
+    """
+    first = tuple(base.map.at(x, p) for x in head[:-1])
+    all_ = [
+        Path(np.vstack([head[:-1], path.x]), (*first, *path.images))
+        for path in paths(base.map, head[-1], p, order - len(first))
+    ]
+    found = _between(base, all_, head[0], p)
+    return [
+        each
+        for each in found
+        if 0.0 < each.sample.orbit.share < 1.0
+        and not _meets_another(each.sample.orbit, each.curve.ignored)
+    ]
+
+
+def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
+    """All jump crossings between two paths, with neither a side nor a tangent yet."""
     problem = base.problem
     for one, other in combinations(all_, 2):
-        order = len(one.images)
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
         if problem.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
             continue
-        across = (other.end - one.end) / problem.x_scale
-        length = float(across @ across)
-        share = float((x - one.end) / problem.x_scale @ across) / length if length > 0.0 else -1.0
+        if _steepness(one.images[head - 1]) > _steepness(other.images[head - 1]):
+            one, other = other, one  # where a root ends at a jump, the other side locates it
+        way = (other.end - one.end) / problem.x_scale
+        length = float(way @ way)
+        share = float((x - one.end) / problem.x_scale @ way) / length if length > 0.0 else -1.0
         if not (-SAME <= share <= 1.0 + SAME):
             continue
         share = 0.0 if abs(share) <= SAME else 1.0 if abs(share - 1.0) <= SAME else share
         if not problem.same(one.end + share * (other.end - one.end), x, SAME):
             continue
-        pieces = [image.piece for image in one.images]
-        outer = chain([image.piece for image in other.images[head - 1 :]])
-        orbit = orbit_of(
-            [*pieces[: head - 1], chain(pieces[head - 1 :])], one.x[:head], p, share, outer
-        )
-        length = order - head + 1  # of the chains, see Chain.at
-        at_border = (head - 1, length * one.ties[head - 1])
-        ignored = frozenset([at_border, (head, length * other.ties[head - 1])])
-        if 0.0 < share < 1.0 and not _meets_another(orbit, ignored):
-            continue  # it passes here
-        crossing = problem.with_(OnBorder(*at_border))
-        curve = replace(base, problem=crossing, ignored=ignored)
-        yield from _both_ways(order, curve, orbit)
+        sides = one.images[head - 1 :], other.images[head - 1 :]
+        found = joined(base, one.images[: head - 1], sides, one.x[:head], p, share)
+        if found is not None:
+            yield found
+
+
+def joined(
+    base: Curve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
+    x: Floats, p: Floats, share: float,
+) -> Beginning | None:  # fmt: skip
+    """The jump crossing between two limits, with no tangent yet; None if no border parts them.
+
+    Parameters
+    ----------
+    base
+        Curves of cycles: the map, scales, how they are followed.
+    heads
+        The images of its points before the border.
+    limits
+        Those that lead to its limits, in turn: of the border point first, as many of both.
+    x, p, share
+        (n, d) its points, parameters, and the share of the second limit.
+    """
+    border = shared(limits[0][0], limits[1][0], x[-1], p)
+    if border is None:
+        return None
+    inner, outer = map(chained, limits)
+    last, rounds = len(heads), len(limits[0])  # rounds count in codes of chains, see `chained`
+    ignored = frozenset(
+        (last + k, rounds * code) for k, codes in enumerate(border) for code in codes
+    )
+    curve = replace(
+        base, problem=base.problem.with_(OnBorder(last, rounds * border[0][0])), ignored=ignored
+    )
+    orbit = Orbit(x, p, share, (*heads, inner), outer)
+    return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
+
+
+def _steepness(image: Image) -> float:
+    return float(np.abs(image.jacobian).max())
 
 
 def _meets_another(orbit: Orbit, ignored: frozenset[tuple[int, int]]) -> bool:
@@ -268,3 +396,41 @@ def once(cycle: Orbit, base: Problem) -> Orbit:
         d for d in range(1, n + 1) if n % d == 0 and base.same(np.roll(x, -d, axis=0), x, SAME)
     )
     return Orbit(x[:period], cycle.p, 0.0, cycle.images[:period])
+
+
+def judged(
+    starts: Sequence[Beginning], order: int, x: Floats, problem: Problem
+) -> tuple[PointKind, str]:
+    """What a border collision is at one point of its cycle, from the curves that start there.
+
+    Those of the cycle's own order lie on both sides of the parameter (persistence), or on one
+    (fold). Where a cycle folds into a jump crossing, and a crossing of twice the order starts at
+    the preimage of the jump, it is a fold-flip.
+
+    Parameters
+    ----------
+    starts
+        All curves of the cycle's own order, and of twice that, that start at its points.
+    order
+        How many points the cycle has.
+    x
+        (d,) one of them.
+    problem
+        Cycles, with the scales.
+    """
+    own = list[Beginning]()
+    twice = False
+    for begin in starts:
+        orbit = begin.sample.orbit
+        points = orbit.x[: 1 if begin.is_crossing else None]
+        count = sum(problem.same(point, x, SAME) for point in points)
+        if begin.order == order:
+            own += count * [begin]
+        at_preimage = begin.is_crossing and begin.order == 2 * order < 2 * len(orbit.x)
+        twice |= at_preimage and count > 0
+    if len(own) < 2:
+        return PointKind.BC, ""
+    note = "fold" if len({begin.ahead > 0.0 for begin in own}) == 1 else "persistence"
+    crossings = sum(begin.is_crossing for begin in own)
+    flips = twice and note == "fold" and 0 < crossings == len(own) - 1
+    return (PointKind.FF if flips else PointKind.BC), note

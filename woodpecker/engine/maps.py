@@ -18,6 +18,8 @@ from woodpecker.base.arrays import Bools, Floats, Ints
 
 TIE = 2.0**-30  # a margin is zero if it is smaller than this part of its terms: a point on a
 # border is known to some 2**-44 times the condition of the equations that it solves
+STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope than of a size: where
+# an event time goes like a root all later margins have infinite slopes, and most are not zero
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,8 +56,16 @@ class Image:
     def tied(self, x: Floats, p: Floats) -> Bools:
         """Which margins (m,) vanish at its point (x, p), but for rounding."""
         size = np.abs(self.gradients) @ np.maximum(np.abs(np.concatenate([x, p])), 1.0)
-        found: Bools = np.abs(self.margins) <= TIE * size
+        found: Bools = np.abs(self.margins) <= np.maximum(
+            TIE * np.minimum(size, 1.0), STEEP_TIE * size
+        )
         return found
+
+    def begins_along(self, x: Floats, p: Floats, direction: Floats) -> bool:
+        """Whether its piece is what the map takes infinitesimally beside (x, p) in a direction."""
+        zero = self.tied(x, p)
+        signs = np.where(zero, self.gradients @ direction, self.margins)
+        return bool((signs > 0.0).all())
 
     def place(self, code: int) -> int:
         """Where the margin of a code stands; -1 if there is none here."""
@@ -126,25 +136,13 @@ class Chain:
 
     def at(self, x: Floats, p: Floats) -> Image:
         """The last image, with all margins and derivatives in the first point."""
-        d, k, n = len(x), len(p), len(self.pieces)
-        inner = np.eye(d, d + k)  # derivatives of the point that is reached, in (x, p)
-        margins, gradients, codes = [], [], []
-        pieces, value = [], x
-        for i, piece in enumerate(self.pieces):
-            image = piece.at(value, p)
-            if image.reason:
-                return image
-            margins.append(image.margins)
-            gradients.append(_through(image.gradients, inner, d))
-            codes.append(n * image.codes + i)
-            inner = _through(image.jacobian, inner, d)
-            pieces.append(image.piece)
-            value = image.value
-        order = np.argsort(np.concatenate(codes), kind="stable")
-        return Image(
-            value, inner, np.concatenate(margins)[order], np.concatenate(gradients)[order],
-            np.concatenate(codes)[order], Chain(tuple(pieces)),
-        )  # fmt: skip
+        images, value = [], x
+        for piece in self.pieces:
+            images.append(piece.at(value, p))
+            if images[-1].reason:
+                return images[-1]
+            value = images[-1].value
+        return chained(images)
 
     def cause(self, code: int) -> str:
         """That of the piece whose margin it is."""
@@ -152,9 +150,38 @@ class Chain:
         return self.pieces[i].cause(rest)
 
 
-def chain(pieces: Sequence[Piece]) -> Piece:
-    """Several pieces in turn as one; a single one is itself."""
-    return pieces[0] if len(pieces) == 1 else Chain(tuple(pieces))
+def chained(images: Sequence[Image]) -> Image:
+    """The last of several images in turn, of which each has a value, as one of the first point."""
+    if len(images) == 1:
+        return images[0]
+    (d, columns), n = images[0].jacobian.shape, len(images)
+    inner = np.eye(d, columns)  # derivatives of the point that is reached, in (x, p)
+    margins, gradients, codes = [], [], []
+    for i, image in enumerate(images):
+        margins.append(image.margins)
+        gradients.append(_through(image.gradients, inner, d))
+        codes.append(n * image.codes + i)
+        inner = _through(image.jacobian, inner, d)
+    order = np.argsort(np.concatenate(codes), kind="stable")
+    return Image(
+        images[-1].value, inner, np.concatenate(margins)[order], np.concatenate(gradients)[order],
+        np.concatenate(codes)[order], Chain(tuple(image.piece for image in images)),
+    )  # fmt: skip
+
+
+def length_of(image: Image) -> int:
+    """How many pieces an image went through."""
+    return len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
+
+
+def links(image: Image, x: Floats, p: Floats) -> list[Image]:
+    """The images in turn that a chain is made of, from its first point on; of a piece its own."""
+    if not isinstance(image.piece, Chain):
+        return [image]
+    found = list[Image]()
+    for piece in image.piece.pieces:
+        found.append(piece.at(found[-1].value if found else x, p))
+    return found
 
 
 def _through(outer: Floats, inner: Floats, d: int) -> Floats:

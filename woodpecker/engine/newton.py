@@ -11,11 +11,18 @@ import numpy as np
 from scipy.optimize import root
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.orbits import STEP, Closed, Condition, Orbit, placed
+from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, placed
 
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
-ROUNDED = 2.0**-44  # steps this short, in scaled unknowns, are made of rounding
+ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
+SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
+NEXT = 2.0**-64  # the next step, which is as large as squares of steps say, is made of rounding
+BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
+HALVINGS = 6  # of a step that leads to where a piece has no value
+APART = 2.0**-42  # scaled: curves that miss each other by more do not cross
+STEEP = 1e4  # slopes of a root at its border are about 1e8, as rounding leaves them
+STALLED = 2.0**-33  # steps that become no shorter below this are made of rounding of steep maps
 HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
 
 
@@ -56,16 +63,37 @@ class Problem:
 
     def matrix(self, orbit: Orbit) -> Floats:
         """Their derivatives in the scaled unknowns that may move."""
-        rows = np.concatenate([each.rows(orbit) for each in self.conditions])
+        blocks = [each.rows(orbit) for each in self.conditions]
         columns = self.columns(orbit)
-        found: Floats = rows[:, columns] * self.scale(orbit)[columns]
+        found: Floats = np.concatenate(blocks)[:, columns] * self.scale(orbit)[columns]
+        if len(blocks) > 1:
+            self._along_borders(found, [len(block) for block in blocks])
         return found
+
+    def _along_borders(self, rows: Floats, counts: list[int]) -> None:
+        """Take from steep equations what changes across a border on which the orbit stays.
+
+        There a square root is infinitely steep; along it is not.
+        """
+        first = 0
+        for condition, count in zip(self.conditions, counts, strict=True):
+            if isinstance(condition, OnBorder):
+                normal = rows[first] / np.linalg.norm(rows[first])
+                along = rows @ normal
+                along[first] = 0.0
+                steep = np.abs(along) > STEEP
+                rows[steep] -= np.outer(along[steep], normal)
+            first += count
+
+    def stepped(self, orbit: Orbit, step: Floats) -> Floats:
+        """The unknowns of an orbit after a step in scaled ones."""
+        to, columns = orbit.unknowns, self.columns(orbit)
+        to[columns] += step * self.scale(orbit)[columns]
+        return to
 
     def moved(self, orbit: Orbit, step: Floats) -> Orbit:
         """An orbit moved by a step in scaled unknowns."""
-        to, columns = orbit.unknowns, self.columns(orbit)
-        to[columns] += step * self.scale(orbit)[columns]
-        return placed(orbit, to)
+        return placed(orbit, self.stepped(orbit, step))
 
     def step_between(self, one: Orbit, other: Orbit) -> Floats:
         """The step in scaled unknowns from one orbit to another."""
@@ -87,7 +115,7 @@ def _columns(points: int, k: int, free: tuple[int, ...], crosses: bool) -> Ints:
 
 @lru_cache
 def _scale(n: int, x_scale: tuple[float, ...], p_scale: tuple[float, ...]) -> Floats:
-    scale = np.array([*x_scale * n, *p_scale, 1.0])
+    scale = np.array([*x_scale * n, *p_scale, SHARE])
     scale.setflags(write=False)
     return scale
 
@@ -139,11 +167,12 @@ class Across:
         return row
 
 
-def solve(problem: Problem, start: Orbit) -> Solution:
+def solve(problem: Problem, start: Orbit, *, polished: bool = True) -> Solution:
     """Newton's method from an orbit, with its pieces.
 
     It is solved where the steps are as short as rounding makes them, or stop becoming shorter
-    below the square root of that. At most ``STEPS`` are taken.
+    below the square root of that; if it need not be polished, where the next one would be. At most
+    ``STEPS`` are taken.
     """
     orbit, before = start, np.inf
     for count in range(1, STEPS + 1):
@@ -162,12 +191,28 @@ def solve(problem: Problem, start: Orbit) -> Solution:
         size = float(np.abs(step).max())
         if size > max(LARGE, 2.0 * before) or not np.isfinite(size):
             return Solution(orbit, False, count)
-        orbit = problem.moved(orbit, step)
+        orbit, shortened = _towards(problem, orbit, step)
+        if shortened:
+            before = math.inf
+            continue
         rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
-        if size <= rounding or (before <= HALF and size >= 0.5 * before):
+        good = not polished and count > 1 and size * (size / before) ** 2 <= NEXT
+        if size <= rounding or good or (before <= STALLED and size >= 0.5 * before):
             return Solution(orbit, orbit.is_defined, count)
         before = size
-    return Solution(orbit, before <= HALF and orbit.is_defined, STEPS)
+    return Solution(orbit, before <= STALLED and orbit.is_defined, STEPS)
+
+
+def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]:
+    """An orbit after a step, halved as long as a piece has no value there, and whether it was.
+
+    Beside the end of a square root Newton's steps lead beyond it.
+    """
+    for halvings in range(HALVINGS):
+        found = problem.moved(orbit, step * 0.5**halvings)
+        if found.is_defined:
+            break
+    return found, halvings > 0
 
 
 def tangent(problem: Problem, orbit: Orbit) -> Floats:
@@ -184,12 +229,30 @@ def tangent(problem: Problem, orbit: Orbit) -> Floats:
     return -direction if turned else direction
 
 
-def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats:
-    """The unit tangent of the second curve through a branch point.
+def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
+    """Unit tangents, in scaled unknowns, of the two curves through a branch point; none if none is.
 
-    There the equations are unchanged to first order in a plane, spanned by the tangent v of the
-    first curve and some u; with w orthogonal to all their derivatives, the second curve leaves
-    along c v + u with 2 c w F''(v, u) + w F''(u, u) = 0. Second derivatives are differences.
+    There the equations F are unchanged to first order in a plane; with w orthogonal to all their
+    derivatives, a curve leaves along v in it with w F''(v, v) = 0. Second derivatives are
+    differences.
+    """
+    left, _, right = np.linalg.svd(problem.matrix(orbit))
+    w, plane = left[:, -1], right[-2:]
+    bends = []
+    for way in plane:
+        ahead, behind = (problem.matrix(problem.moved(orbit, h * way)) for h in (STEP, -STEP))
+        bends.append(plane @ (w @ (ahead - behind)) / (2.0 * STEP))
+    (a, b), (_, c) = bends
+    square = b * b - a * c
+    if not square > 0.0:
+        return ()
+    root = -(b + math.copysign(math.sqrt(square), b))
+    found = [np.array(pair) @ plane for pair in ((root, a), (c, root))]
+    return tuple(each / np.linalg.norm(each) for each in found)
+
+
+def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats | None:
+    """The unit tangent of the second curve through a branch point; None if there is none.
 
     Parameters
     ----------
@@ -198,15 +261,8 @@ def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats:
     along
         The tangent of the first.
     """
-    left, _, right = np.linalg.svd(problem.matrix(orbit))
-    w, v = left[:, -1], along / np.linalg.norm(along)
-    u = max((each - (each @ v) * v for each in right[-2:]), key=lambda each: float(each @ each))
-    u = u / np.linalg.norm(u)
-    ahead, behind = (problem.matrix(problem.moved(orbit, h * u)) for h in (STEP, -STEP))
-    bend = w @ (ahead - behind) / (2.0 * STEP)
-    mixed, own = float(bend @ v), float(bend @ u)
-    found: Floats = u if mixed == 0.0 else u - 0.5 * own / mixed * v
-    return found / np.linalg.norm(found)
+    along = along / np.linalg.norm(along)
+    return min(directions(problem, orbit), key=lambda way: abs(float(way @ along)), default=None)
 
 
 def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
@@ -227,20 +283,23 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     w = np.linalg.svd(matrix)[0][:, -1]
     found = root(equations, np.concatenate([np.zeros(columns), w, [0.0]]), options={"xtol": 1e-14})
     off = np.abs(equations(found.x)).max()
-    return problem.moved(near, found.x[:columns]) if off < HALF else None
+    if off > HALF or abs(found.x[-1]) > APART:  # they come close, and do not cross
+        return None
+    return problem.moved(near, found.x[:columns])
 
 
-def _noise(problem: Problem, orbit: Orbit, matrix: Floats) -> Floats:
+def _noise(problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROUNDED) -> Floats:
     """What rounding may leave of the residuals."""
-    unknowns = np.abs(orbit.unknowns / problem.scale(orbit))[problem.columns(orbit)]
-    found: Floats = ROUNDED * (np.abs(matrix) @ np.maximum(unknowns, 1.0))
+    unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
+    unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)
+    found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.columns(orbit)])
     return found
 
 
 def uncertainty(problem: Problem, orbit: Orbit) -> float:
     """How far the first free parameter of a solution may be off, by rounding of the map."""
     matrix = problem.matrix(orbit)
-    noise = _noise(problem, orbit, matrix)
+    noise = _noise(problem, orbit, matrix, BLUR)
     try:
         back = np.abs(np.linalg.inv(matrix))[orbit.x.size]
     except np.linalg.LinAlgError:

@@ -16,8 +16,9 @@ from typing import Protocol
 import numpy as np
 
 from woodpecker.base.arrays import Complexes, Floats
-from woodpecker.engine.maps import Image, Piece
+from woodpecker.engine.maps import Chain, Image, Piece, chained
 
+INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border beyond it
 STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
 
 
@@ -157,6 +158,19 @@ class Closed:
 
 
 @dataclass(frozen=True, slots=True)
+class Chained:
+    """Each image but the last is the next point."""
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """((n - 1) d,) images less points."""
+        return Closed().residual(orbit)[: -orbit.x.shape[1]]
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """Their derivatives."""
+        return Closed().rows(orbit)[: -orbit.x.shape[1]]
+
+
+@dataclass(frozen=True, slots=True)
 class OnBorder:
     """A margin vanishes.
 
@@ -260,11 +274,60 @@ def shifted(orbit: Orbit, column: int, by: float) -> Orbit:
     return placed(orbit, to)
 
 
+def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
+    """An orbit one of whose unknowns is a value but for rounding, with just that value."""
+    (n, d), k = orbit.x.shape, len(orbit.p)
+    at = orbit.unknowns
+    at[column] = value
+    return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
+
+
 def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
     """Other points under the pieces of an orbit."""
     (n, d), k = orbit.x.shape, len(orbit.p)
-    return orbit_of(
-        [image.piece for image in orbit.images], unknowns[: n * d].reshape(n, d),
-        unknowns[n * d : n * d + k], float(unknowns[-1]),
-        None if orbit.outer is None else orbit.outer.piece,
-    )  # fmt: skip
+    x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
+    images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
+    if orbit.outer is None:
+        return Orbit(x, p, share, tuple(images))
+    images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
+    outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
+    return Orbit(x, p, share, tuple(images), outer)
+
+
+def head_of(crossing: Orbit, unknowns: Floats) -> Orbit:
+    """The points of a jump crossing up to the border, moved, without what they lead to."""
+    (n, d), k = crossing.x.shape, len(crossing.p)
+    x, p = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k]
+    last = crossing.images[-1].piece
+    first = last.pieces[0] if isinstance(last, Chain) else last
+    pieces = [*(image.piece for image in crossing.images[:-1]), first]
+    return orbit_of(pieces, x, p)
+
+
+def completed(head: Orbit, crossing: Orbit) -> Orbit:
+    """A jump crossing in R^1 from its points up to the border, with the pieces of another one."""
+    assert crossing.outer is not None
+    x, p = head.x[-1], head.p
+    images = [*head.images]
+    last = crossing.images[-1].piece
+    if isinstance(last, Chain):
+        for piece in last.pieces[1:]:
+            images.append(piece.at(images[-1].value, p))
+        images = [*images[: len(head.x) - 1], chained(images[len(head.x) - 1 :])]
+    outer = _inside(crossing.outer, crossing.outer.piece.at(x, p), crossing, x, p)
+    inner = float(images[-1].value[0])
+    jump = float(outer.value[0]) - inner
+    share = (float(head.x[0, 0]) - inner) / jump if jump else crossing.share
+    return Orbit(head.x, p, share, tuple(images), outer)
+
+
+def _inside(before: Image, image: Image, orbit: Orbit, x: Floats, p: Floats) -> Image:
+    """An image of a border point; from just inside if its piece has no value or slopes there."""
+    if not image.reason and np.isfinite(image.jacobian).all():
+        return image
+    codes = np.flatnonzero(before.tied(orbit.x[-1], orbit.p))
+    if not len(codes):
+        return image
+    inward = before.gradients[codes[0], : len(x)]
+    found = before.piece.at(x + INSIDE * max(1.0, np.abs(x).max()) * np.sign(inward), p)
+    return found if image.reason or found.reason else replace(found, value=image.value)

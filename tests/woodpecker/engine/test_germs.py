@@ -10,7 +10,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.engine.curves import Curve, CurveSettings
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.germs import beginnings
-from woodpecker.engine.maps import chain
+from woodpecker.engine.maps import Chain
 from woodpecker.engine.network import connected
 from woodpecker.engine.newton import cycles
 from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, shifted
@@ -41,7 +41,7 @@ def differences(function: object, at: np.ndarray) -> np.ndarray:
 
 
 def test_derivatives_of_chains() -> None:
-    both = chain([CURVED.pieces[0], CURVED.pieces[1], CURVED.pieces[0]])
+    both = Chain((CURVED.pieces[0], CURVED.pieces[1], CURVED.pieces[0]))
     at = np.array([0.3, -0.4, 0.7])
     image = both.at(at[:2], at[2:])
     for name, found in (("value", image.jacobian), ("margins", image.gradients)):
@@ -57,7 +57,7 @@ def test_rows_of_conditions(condition: Closed) -> None:
     """A crossing of P_2 with tails, moved in every unknown; Multiplier takes differences itself."""
     left, right = CURVED.pieces
     points = np.array([[0.3, -0.4], [0.5, 0.2]])
-    tails = chain([left, right]), chain([right, right])
+    tails = Chain((left, right)), Chain((right, right))
     orbit = orbit_of([right, tails[0]], points, np.array([0.7]), 0.35, tails[1])
     at = orbit.unknowns
 

@@ -1,0 +1,131 @@
+"""Maps of the line as maps of R^1 with one parameter, and what they take beside a border.
+
+A map of the line need not know its germs. What it takes beside a point is *proposed* by its images
+at small distances, and *accepted* by the signs of margins and their derivatives at the point
+itself: which distance it was proposed at does not matter then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.maps import Image
+from woodpecker.piecewise import pieces
+
+DISTANCES = (2.0**-22, 2.0**-28, 2.0**-34, 2.0**-40, 2.0**-16, 2.0**-10)  # scaled, of proposals
+CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
+SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
+ROOT = 4.0  # times steeper at that distance: a square root
+ACCUMULATE = "borders accumulate"
+
+
+class LinePiece(NamedTuple):
+    """A piece of a map of the line as one of R^1."""
+
+    own: pieces.Piece
+
+    @property
+    def key(self) -> Hashable:
+        """That of the piece."""
+        return self.own.key
+
+    @property
+    def word(self) -> str:
+        """That of the piece."""
+        return self.own.word
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """Its image of a point, also where the map takes another piece."""
+        return _image(self.own.at(float(x[0]), float(p[0])))
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+        return self.own.cause(code)
+
+
+class LineMap(NamedTuple):
+    """A map of the line as one of R^1.
+
+    Parameters
+    ----------
+    own
+        The map.
+    x_scale, p_scale
+        Lengths that count as 1.
+    """
+
+    own: pieces.PiecewiseMap
+    x_scale: float = 1.0
+    p_scale: float = 1.0
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The image of a point under the piece that the map takes there."""
+        return _image(self.own.at(float(x[0]), float(p[0])))
+
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+        """The image of a point under the piece that the map takes infinitesimally beside it.
+
+        If no proposal is accepted, as where pieces accumulate, the image says so in its reason.
+        """
+        scale = np.array([self.x_scale, self.p_scale])
+        unit = direction / np.abs(direction / scale).max()
+        seen, lost, around = set[Hashable](), "", None
+        for distance in DISTANCES:
+            proposal = self.at(x + distance * unit[:1], p + distance * unit[1:])
+            if proposal.reason:
+                lost = lost or proposal.reason
+                continue
+            if lost and not seen and distance < DISTANCES[0]:
+                lost = ""
+            if proposal.piece.key in seen:
+                continue
+            seen.add(proposal.piece.key)
+            image = limit(proposal, x, p, unit)
+            if image.begins_along(x, p, unit):
+                if image.tied(x, p).any():
+                    return image
+                around = around or image  # its border is elsewhere: a thinner piece may begin here
+        return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
+
+
+def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
+    """The one-sided limit at (x, p) of the piece of an image that lies a little away.
+
+    Where a time goes like a root of the distance the piece may have no value right at the point, or
+    derivatives there are made of rounding: they are those beside it then. If those grow without
+    bound, as the inverse of the root, the image has a square root there: its derivatives are those
+    beside it, and it says so by its size.
+    """
+    there = near.piece.at(x, p)
+    if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
+        return there
+    away = CLOSER * unit
+    closer = near.piece.at(x + away[:1], p + away[1:])
+    if closer.reason:
+        return closer
+    rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(
+        1.0, float(np.abs(near.jacobian).max())
+    )
+    along = closer.jacobian @ away
+    value = closer.value - (2.0 * along if rooted else along)
+    return replace(
+        closer, value=value if there.reason else there.value,
+        margins=closer.margins - closer.gradients @ away,
+    )  # fmt: skip
+
+
+def _alike(one: Floats, other: Floats, within: float) -> bool:
+    size = max(1.0, float(np.abs(one).max()), float(np.abs(other).max()))
+    return bool(np.abs(one - other).max() <= within * size)
+
+
+def _image(own: pieces.Image) -> Image:
+    return Image(
+        np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
+        own.gradients, own.causes, LinePiece(own.piece), own.reason,
+    )  # fmt: skip
