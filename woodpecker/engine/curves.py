@@ -279,7 +279,6 @@ class Curve:
     settings: CurveSettings
     ignored: frozenset[tuple[int, int]] = frozenset()
     tests: tuple[Stop, ...] = MULTIPLIERS
-    parameters: int = 1
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
@@ -328,7 +327,7 @@ class Curve:
     def _leaves(self, start: Sample) -> Stop | None:
         """Whether a sample lies at an end of span or window, and the curve leaves there."""
         orbit = start.orbit
-        columns, low, high, stops = self._limits(orbit.x.shape, orbit.outer is not None)
+        columns, low, high, stops = self._limits(orbit)
         at, along = orbit.unknowns[columns], start.tangent
         out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
         return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
@@ -506,7 +505,7 @@ class Curve:
     def _bounds(self, a: Sample, b: Sample, step: float) -> Iterator[TestFunction]:
         """Ends of spans, of the window and of the share that are passed between two samples."""
         orbit = b.orbit
-        columns, low, high, stops = self._limits(orbit.x.shape, orbit.outer is not None)
+        columns, low, high, stops = self._limits(orbit)
         at = orbit.unknowns[columns]
         for k in np.flatnonzero((at < low) | (at > high)).tolist():
             column = int(columns[k])
@@ -515,16 +514,14 @@ class Curve:
                 stops[k], _inside(column, float(end), inward), Held(column, float(end))
             )
 
-    def _limits(
-        self, shape: tuple[int, int], crosses: bool
-    ) -> tuple[Ints, Floats, Floats, list[Stop]]:
+    def _limits(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
-        (n, d), settings = shape, self.settings
+        (n, d), settings = orbit.x.shape, self.settings
         columns = [*range(n * d), *(n * d + each for each in self.problem.free)]
         ends = [*settings.window * n, *settings.spans]
         stops = [Stop.WINDOW] * (n * d) + [Stop.SPAN] * len(settings.spans)
-        if crosses:
-            columns.append(n * d + self.parameters)
+        if orbit.outer is not None:
+            columns.append(n * d + len(orbit.p))
             ends.append((0.0, 1.0))
             stops.append(Stop.SHARE)
         low, high = np.array(ends).T

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.maps import Image
-from woodpecker.piecewise import pieces
 
 DISTANCES = (2.0**-22, 2.0**-28, 2.0**-34, 2.0**-40, 2.0**-16, 2.0**-10)  # scaled, of proposals
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
@@ -24,10 +23,68 @@ ROOT = 4.0  # times steeper at that distance: a square root
 ACCUMULATE = "borders accumulate"
 
 
+class Imaged(Protocol):
+    """What a piece of a map of the line makes of a point, see :class:`woodpecker.Image`."""
+
+    @property
+    def value(self) -> float:
+        """P(x, p)."""
+
+    @property
+    def slope(self) -> float:
+        """dP/dx."""
+
+    @property
+    def d_parameter(self) -> float:
+        """dP/dp."""
+
+    @property
+    def margins(self) -> Floats:
+        """(m,) positive where the map takes the piece."""
+
+    @property
+    def gradients(self) -> Floats:
+        """(m, 2) their derivatives in x and p."""
+
+    @property
+    def causes(self) -> Ints:
+        """(m,) ascending codes that tell the margins apart."""
+
+    @property
+    def piece(self) -> PieceOfLine:
+        """The piece."""
+
+    @property
+    def reason(self) -> str:
+        """Why there is no value; empty if there is one."""
+
+
+class OfLine(Protocol):
+    """A map of the line with one parameter, see :class:`woodpecker.PiecewiseMap`."""
+
+    def at(self, x: float, p: float) -> Imaged:
+        """The image of a point under the piece that the map takes there."""
+
+
+class PieceOfLine(OfLine, Protocol):
+    """A piece of one, see :class:`woodpecker.Piece`."""
+
+    @property
+    def key(self) -> Hashable:
+        """The same for two pieces just if they are one."""
+
+    @property
+    def word(self) -> str:
+        """Its name for people."""
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+
+
 class LinePiece(NamedTuple):
     """A piece of a map of the line as one of R^1."""
 
-    own: pieces.Piece
+    own: PieceOfLine
 
     @property
     def key(self) -> Hashable:
@@ -59,7 +116,7 @@ class LineMap(NamedTuple):
         Lengths that count as 1.
     """
 
-    own: pieces.PiecewiseMap
+    own: OfLine
     x_scale: float = 1.0
     p_scale: float = 1.0
 
@@ -124,7 +181,7 @@ def _alike(one: Floats, other: Floats, within: float) -> bool:
     return bool(np.abs(one - other).max() <= within * size)
 
 
-def _image(own: pieces.Image) -> Image:
+def _image(own: Imaged) -> Image:
     return Image(
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
         own.gradients, own.causes, LinePiece(own.piece), own.reason,
