@@ -164,8 +164,9 @@ class Network:
             if end.collision is not None and not self._is_known(end.collision):
                 self._collisions.add(end.collision.p, end.collision)
                 self.waiting.append(end.collision)
-            known = self._switches.near(end.p) if end.kind in SWITCHES else []
-            if end.kind in SWITCHES and not any(self._is_at(k, end) for k in known):
+            switches = end.kind in SWITCHES or (end.kind is PointKind.BC and _is_kink(end, curve))
+            known = self._switches.near(end.p) if switches else []
+            if switches and not any(self._is_at(k, end) for k in known):
                 self._switches.add(end.p, end)
                 self.switches.append(end)
         last = len(curve.parameter) - 1
@@ -388,6 +389,12 @@ class Network:
     def _name(self, prefix: str) -> str:
         self._counts[prefix] = self._counts.get(prefix, 0) + 1
         return f"{prefix}{self._counts[prefix]}"
+
+
+def _is_kink(end: End, curve: Curve) -> bool:
+    """Whether cycles meet a border there at which the map is continuous."""
+    meets = end.collision is None and end.status is PointStatus.LOCATED
+    return meets and curve.kind is BranchKind.FIXED_POINT and end.note in ("fold", "persistence")
 
 
 def _low_end(curve: Curve) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
+from woodpecker.piecewise.births import born
 from woodpecker.piecewise.branch_points import directions, ways
 from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.curves import turned
@@ -29,14 +30,14 @@ def switched(
     """The branches that start where another one flips or is crossed.
 
     At a flip of P_n the branch of P_2n, or the other way round, if both are wanted; at a branch
-    point both branches both ways, for it is not known which one led there.
+    point both branches both ways, for it is not known which one led there; at a kink longer cycles.
 
     Parameters
     ----------
     map_
         The map.
     end
-        A special point, PD or BP.
+        A special point, PD, BP, or BC at a kink.
     orders
         Iterates whose branches are wanted.
     settings
@@ -46,6 +47,8 @@ def switched(
     -------
     For each the sample at the special point, and the next one.
     """
+    if end.kind is PointKind.BC:
+        return born(map_, end, orders, settings)
     x = np.asarray(end.x)
     whole = Orbit(x, end.p, tuple(map_.at(each, end.p) for each in x.tolist()))
     n = minimal_period(whole, settings, settings.same)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import networkx as nx
 import numpy as np
 import pytest
-from sympy import Piecewise, exp, log, symbols
+from sympy import Piecewise, Rational, exp, log, sqrt, symbols
 
 from woodpecker import (
     FormulaMap,
@@ -61,6 +62,34 @@ def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
     )
     assert unexplained(settled, diagram, ricker) == []
     assert len(unexplained(settled, diagram, ricker, distance=1e-6)) > 0
+
+
+def test_cycles_that_are_born_at_a_kink_are_connected() -> None:
+    """2 x/5 + p and p - 2 x: below 0 and above it one fixed point, and for p > 0 a 2-cycle."""
+    kinked = from_sympy(Piecewise((2 * x / 5 + p, x < 0), (p - 2 * x, True)), x, p)
+    settings = Settings(span=(-1, 1), window=(-3, 3))
+    diagram = connected(kinked, -1.0, -0.6, settings, orders=(1, 2))
+    whole = whole_diagram(kinked, settings, orders=(1, 2), search=Search(slices=8)).diagram
+    assert nx.number_connected_components(diagram.graph()) == 1
+    assert [len(each.branches) for each in (diagram, whole)] == [4, 4]
+    (upper, lower) = (b for b in diagram.branches if b.order == 2)
+    for branch, slope in ((upper, 7 / 9), (lower, -5 / 9)):  # (1 + 2/5) and 1 - 2 over 1 + 4/5
+        assert branch.x == pytest.approx(slope * branch.parameter, abs=1e-12)
+
+
+def test_cycles_that_are_born_at_a_square_root_are_connected() -> None:
+    """p - 6/5 sqrt(x) right of 0: cycles of all periods start there, as slices show them."""
+    rooted = from_sympy(Piecewise((x / 2 + p, x < 0), (p - Rational(6, 5) * sqrt(x), True)), x, p)
+    settings = Settings(span=(-1, 1), window=(-3, 3))
+    orders = 1, 2, 3, 4
+    diagram = connected(rooted, -0.5, -0.25, settings, orders=orders)
+    whole = whole_diagram(rooted, settings, orders=orders, search=Search(slices=8)).diagram
+    ends = [
+        sorted((b.order, *sorted(np.round(b.parameter[[0, -1]], 9))) for b in each.branches)
+        for each in (diagram, whole)
+    ]
+    assert ends[0] == ends[1]
+    assert len(ends[0]) == 35
 
 
 # --- Maps of one's own ----------------------------------------------------------------------------
