@@ -238,11 +238,6 @@ class TestFunction:
     condition: Condition | None = None
     border: tuple[int, int] | None = None
 
-    @property
-    def is_bound(self) -> bool:
-        """Whether it is positive inside, and zero where a curve begins at it."""
-        return self.stop not in MULTIPLIERS
-
 
 class End(NamedTuple):
     """What may end an arc between two samples: at which distance from the first, and where.
@@ -548,15 +543,10 @@ class Curve:
             return End(0.0, test, a)
         if before < 0.0:
             raise UnclearError
-        return End(*self._position(a, step, test, before, after, b))
-
-    def _position(
-        self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample
-    ) -> tuple[float, TestFunction, Sample]:
         distance, sample = self._located(a, step, test, before, after, b)
         if test.border is not None and self.rate(sample, *test.border) > 0.0:
             raise UnclearError  # it has vanished before, and is back
-        return distance, test, sample
+        return End(distance, test, sample)
 
     @staticmethod
     def _is_at(a: Sample, test: TestFunction, value: float) -> bool:

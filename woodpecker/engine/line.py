@@ -14,13 +14,13 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import ACCUMULATE, Image
 
 DISTANCES = (2.0**-22, 2.0**-28, 2.0**-34, 2.0**-40, 2.0**-16, 2.0**-10)  # scaled, of proposals
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 ROOT = 4.0  # times steeper at that distance: a square root
-ACCUMULATE = "borders accumulate"
+NEAREST = min(DISTANCES)
 
 
 class Imaged(Protocol):
@@ -127,26 +127,28 @@ class LineMap(NamedTuple):
     def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
         """The image of a point under the piece that the map takes infinitesimally beside it.
 
-        If no proposal is accepted, as where pieces accumulate, the image says so in its reason.
+        If no proposal is accepted the image has a reason: the map has no value right beside the
+        point, or its pieces accumulate there.
         """
         scale = np.array([self.x_scale, self.p_scale])
-        unit = direction / np.abs(direction / scale).max()
-        seen, lost, around = set[Hashable](), "", None
+        length = float(np.abs(direction / scale).max())
+        if length == 0.0:
+            return replace(self.at(x, p), reason=ACCUMULATE)
+        unit, seen = direction / length, set[Hashable]()
+        lost, around = "", None
         for distance in DISTANCES:
             proposal = self.at(x + distance * unit[:1], p + distance * unit[1:])
-            if proposal.reason:
-                lost = lost or proposal.reason
-                continue
-            if lost and not seen and distance < DISTANCES[0]:
-                lost = ""
-            if proposal.piece.key in seen:
+            if distance == NEAREST:
+                lost = proposal.reason
+            if proposal.reason or proposal.piece.key in seen:
                 continue
             seen.add(proposal.piece.key)
             image = limit(proposal, x, p, unit)
-            if image.begins_along(x, p, unit):
-                if image.tied(x, p).any():
-                    return image
-                around = around or image  # its border is elsewhere: a thinner piece may begin here
+            if image.reason or not image.begins_along(x, p, unit):
+                continue
+            if image.tied(x, p).any():
+                return image
+            around = around or image  # its border is elsewhere: a thinner piece may begin here
         return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
 
 

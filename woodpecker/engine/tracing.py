@@ -25,7 +25,7 @@ from woodpecker.engine.germs import (
     lost_beyond,
     once,
 )
-from woodpecker.engine.maps import Image, links
+from woodpecker.engine.maps import ACCUMULATE, Image, links
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Held, Multiplier, OnBorder, Orbit
 
@@ -33,21 +33,13 @@ KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = (
-    2.0**-20,
-    2.0**-24,
-    2.0**-28,
-    2.0**-34,
-    2.0**-40,
-)  # scaled: where the first sample beyond a point is looked for
+BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40))  # scaled: where a first sample is looked for
 APART = tuple(2.0**-n for n in range(8, 21, 2))  # the same where curves cross, which part slowly
 PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
+NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 AGAIN = 1e-4  # scaled: first step beyond a border at least
 MOST_ARCS = 2000  # of one branch
-LOWER = "a cycle of a multiple period ends on one of smaller period"
-NOTHING = "no branch beyond a border"
-ACCUMULATE = "borders accumulate"
 LIMIT_LOST = "a limit of the jump is lost"
 
 
@@ -161,6 +153,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         if at.before is not None:
             samples.append(at.sample)
     else:
+        arc = replace(arc, stop=Stop.MANY, condition=None)
         passed = _given_up(at, arc)
     arrived = replace(at, sample=samples[-1], before=None)
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
@@ -227,11 +220,12 @@ def _settled(arc: Arc) -> tuple[Arc, Image | None]:
 
 
 def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
+    """What cycles come to at a border, with what the map takes beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = _cause(arc)
     cycle = once(orbit, curve.problem)
-    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):
-        return Arrival(PointKind.BC, orbit, LOWER, cause, arc.precision)
+    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # it was born there
+        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
     if outer.reason:
@@ -352,7 +346,7 @@ def _at_nearest(arc: Arc) -> Arc:
         for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
             if (i, code) not in arc.curve.ignored and slope > 0.0:
                 best = min(best, (abs(float(margin / slope)), (i, code)))
-    if best[0] > 1e-9:
+    if best[0] > NEAR:
         return arc
     return replace(arc, stop=Stop.BORDER, border=best[1], condition=OnBorder(*best[1]))
 
@@ -428,6 +422,8 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
     low, high = curve.settings.spans[0]
     for away in PASSED:
         to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
+        if min(max(to, low), high) == end.orbit.p[column]:
+            return None
         held = Held(size + column, min(max(to, low), high))
         border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
         found = solve(border, head)
