@@ -150,7 +150,8 @@ def connected(
         Span, window, steps and tolerances.
     orders
         The iterates of which branches are followed, that of the cycle among them; by default no
-        other. Where P_n flips the doubled branch starts if 2 n is one of them.
+        other. Where P_n flips the doubled branch starts if 2 n is one of them; where it meets a
+        kink or the beginning of a square root, all cycles of these orders that are born there do.
     parameter_name, x_name
         What the diagram calls them.
     progress
