@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from dataclasses import replace
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -57,118 +59,213 @@ def _before(
     os.environ["MPLBACKEND"] = "Agg"  # draw into files only, said before matplotlib is loaded
 
 
+Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
+Varied = Annotated[str, typer.Option(help="The parameter to vary.")]
+Values = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Value of another parameter, such as a=5/4; repeatable."),
+]
+Orders = Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")]
+Ends = Annotated[
+    tuple[str, str] | None,
+    typer.Option(help="Two rationals; by default all that happens.", show_default=False),
+]
+Given = Annotated[
+    list[str] | None,
+    typer.Option(help="An assumption on parameters that stay symbolic, such as 'a > 1'."),
+]
+Sample = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
+        "it; repeatable, once for each such parameter. By default one that is admitted."
+    ),
+]
+Variable = Annotated[str, typer.Option(help="The variable of the map.")]
+Pieces = Annotated[
+    int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
+]
+Attractors = Annotated[
+    bool, typer.Option("--attractors", help="Attracting cycles, bands and crises, too.")
+]
+Entropy = Annotated[bool, typer.Option("--entropy", help="Bounds of the topological entropy, too.")]
+Density = Annotated[
+    list[str] | None,
+    typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
+]
+Picture = Annotated[PictureFormat, typer.Option("--format", help="Format of the pictures.")]
+Out = Annotated[
+    Path,
+    typer.Option(
+        help="Folder for the results, made if missing; about_<command>.json says what made them."
+    ),
+]
+
+
 @app.command()
 def analyse(
-    formula: Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")],
-    parameter: Annotated[str, typer.Option(help="The parameter to vary.")],
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="Value of another parameter, such as a=5/4; repeatable."),
-    ] = None,
-    orders: Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")] = "1,2",
-    span: Annotated[
-        tuple[str, str] | None,
-        typer.Option(help="Two rationals; by default all that happens.", show_default=False),
-    ] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option(help="An assumption on parameters that stay symbolic, such as 'a > 1'."),
-    ] = None,
-    sample: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="A value, such as b=3, of a parameter that stays symbolic: formulas hold around "
-            "it; repeatable, once for each such parameter. By default one that is admitted."
-        ),
-    ] = None,
-    variable: Annotated[str, typer.Option(help="The variable of the map.")] = "x",
-    pieces: Annotated[
-        int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
-    ] = BUDGET.pieces,
-    attractors: Annotated[
-        bool, typer.Option("--attractors", help="Attracting cycles, bands and crises, too.")
-    ] = False,
-    entropy: Annotated[
-        bool, typer.Option("--entropy", help="Bounds of the topological entropy, too.")
-    ] = False,
-    density: Annotated[
-        list[str] | None,
-        typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
-    ] = None,
-    picture: Annotated[
-        PictureFormat, typer.Option("--format", help="Format of the pictures.")
-    ] = PictureFormat.PNG,
-    out: Annotated[
-        Path,
-        typer.Option(
-            help="Folder for the results, made if missing; about_<command>.json says what made "
-            "them."
-        ),
-    ] = Path("out"),
+    formula: Formula,
+    parameter: Varied,
+    set_: Values = None,
+    orders: Orders = "1,2",
+    span: Ends = None,
+    given: Given = None,
+    sample: Sample = None,
+    variable: Variable = "x",
+    pieces: Pieces = BUDGET.pieces,
+    attractors: Attractors = False,
+    entropy: Entropy = False,
+    density: Density = None,
+    picture: Picture = PictureFormat.PNG,
+    out: Out = Path("out"),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
     The iterates are taken order by order. If that takes more pieces than allowed, or is ended by
     Ctrl-C, the orders that were completed are kept; Ctrl-C later keeps the diagram, and what is
-    known of the long run. Files of tables are written then, pictures are not; Ctrl-C again ends it
-    at once. What attracts in the long run, and how complex it is, is asked for by --attractors and
-    --entropy, which need a span, and by --density.
+    known of the long run in files of its own. Files of tables are written then, pictures are not;
+    Ctrl-C again ends it at once. What attracts in the long run, and how complex it is, is asked for
+    by --attractors and --entropy, which need a span, and by --density.
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
-    from pwmap.cli_longrun import LongRun
-    from pwmap.diagrams.record import keep_record, record_of
-    from pwmap.diagrams.tables import FILES, write_results
+    asked: dict[str, object] = {
+        "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
+        "given": given or [], "orders": orders, "span": span, "sample": sample or [],
+        "pieces": pieces, "attractors": attractors, "entropy": entropy,
+        "density": density or [], "format": picture,
+    }  # fmt: skip
+    kept = _Kept({"map": formula, "set": set_ or []})
+    with _told_in_a_sentence(kept):
+        from pwmap.cli_longrun import LongRun
+        from pwmap.diagrams.record import keep_record
 
-    pictures, others, interrupts = list[str](), list[str](), list[bool]()
-    try:
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
+        listed = orders_of(orders)
+        values = assignments(sample, "--sample") if sample else None
         with bar_on(errors) as bar:
-            budget = Budget(pieces=pieces, on_interrupt=lambda: interrupts.append(True))
-            found = _computed(
-                map_, parameter, span, orders_of(orders), budget,
-                assignments(sample, "--sample") if sample else None, bar,
-            )  # fmt: skip
-            more = LongRun(map_, parameter, span, interrupts, bar)
-            more.ask(
-                attractors=attractors, entropy=entropy, density=tuple(density or ()),
-                order=max(orders_of(orders)),
-            )  # fmt: skip
-        out.mkdir(parents=True, exist_ok=True)
-        asked: dict[str, object] = {
-            "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
-            "given": given or [], "orders": orders, "span": span, "sample": sample or [],
-            "pieces": pieces, "attractors": attractors, "entropy": entropy,
-            "density": density or [], "format": picture,
-        }  # fmt: skip
-        shown = more.added(found)
-        shown = replace(shown, about={**shown.about, "map": formula, "set": set_ or []})
-        write_results(shown, out)
-        others += [*FILES, *more.write(out)]
-        if not interrupts:
-            try:
+            more = LongRun(map_, parameter, span, kept.interrupts, bar)
+            with kept.going_on():
+                found = _computed(map_, parameter, span, listed, pieces, values, kept, bar)
+                more.ask(
+                    attractors=attractors, entropy=entropy, density=tuple(density or ()),
+                    order=max(listed),
+                )  # fmt: skip
+                if not kept.interrupts:
+                    kept.keep(more.added(found))
+        tables, pictures, others = _written(kept, more, out), list[str](), list[str]()
+        with kept.going_on():
+            if not kept.interrupts:
                 for name in _draw(found, more, out, picture):
                     pictures.append(name)  # each is there, if the next one is interrupted
                 for name in more.draw(out, picture):
                     others.append(name)
-                _tell(shown, more)
-            except KeyboardInterrupt:  # the tables are there
-                interrupts.append(True)
-        names = [*pictures, *others]
+                _tell(kept.diagram, more)
+        names = [*pictures, *tables, *others]
         gone = keep_record(out, "analyse", names, asked)
+    _tell_end(kept, more, out, names, gone, without="" if pictures else ", without pictures")
+
+
+@dataclass
+class _Kept:
+    """The diagram up to the orders that are completed, and its files, both made as each is.
+
+    Of many orders that takes as long as the orders themselves, and who has pressed Ctrl-C would not
+    wait for it.
+    """
+
+    about: dict[str, object]
+    interrupts: list[bool] = field(default_factory=list)
+    _now: tuple[Diagram, dict[str, bytes]] | None = None
+
+    @property
+    def diagram(self) -> Diagram:
+        """The one that is kept."""
+        assert self._now is not None
+        return self._now[0]
+
+    def keep(self, diagram: Diagram) -> None:
+        """Make the files of a diagram; after Ctrl-C those that were there stay."""
+        from pwmap.diagrams.tables import results_as_bytes
+
+        if not self.interrupts and (self._now is None or self._now[0] is not diagram):
+            about = {**diagram.about, **self.about}
+            self._now = diagram, results_as_bytes(replace(diagram, about=about))
+
+    def write(self, folder: Path) -> list[str]:
+        """Write these files, and name them."""
+        from pwmap.diagrams.files import write_whole
+
+        assert self._now is not None
+        for name, content in self._now[1].items():
+            write_whole(folder / name, content)
+        return [*self._now[1]]
+
+    @contextmanager
+    def going_on(self) -> Iterator[None]:
+        """Let Ctrl-C end what goes on here, if something is kept; another one ends the command."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            if self._now is None or self.interrupts:
+                raise
+            self.interrupts.append(True)
+
+    @property
+    def lost(self) -> str:
+        """What an interrupt that ends the command has left."""
+        return "there is nothing to keep yet" if self._now is None else "files may be missing"
+
+
+@contextmanager
+def _told_in_a_sentence(kept: _Kept) -> Iterator[None]:
+    """What ends the command is told in a sentence."""
+    try:
+        yield
     except KeyboardInterrupt:
-        kept = "files may be missing" if interrupts else "there is nothing to keep yet"
-        errors.print(f"Interrupted: {kept}", style="red")
+        errors.print(f"Interrupted: {kept.lost}", style="red")
         raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
         errors.print(f"Error: {in_words(error)}", style="red", highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
-    tell_written(console, out, (*names, record_of("analyse")), gone)
-    if interrupts:
-        for sentence in (*shown.given, *more.left_out):
-            console.print(sentence, highlight=False)
-        errors.print("Interrupted: what was finished is kept, without pictures", style="red")
-        raise typer.Exit(INTERRUPTED)
+
+
+def _computed(
+    map_: PiecewiseLinearMap,
+    parameter: str,
+    span: tuple[str, str] | None,
+    orders: list[int],
+    pieces: int,
+    sample: dict[str, str] | None,
+    kept: _Kept,
+    bar: Bar,
+) -> Diagram:
+    """The diagram, which is kept order by order; a bar says how far it is."""
+    from pwmap import bifurcation_diagram
+
+    task = bar.add_task("order 1", total=max(orders, default=1))
+
+    def tell(done: Progress) -> None:
+        more = f"order {done.order + 1}" if done.order < max(orders) else "all orders"
+        text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
+        bar.update(task, completed=done.order, description=text)
+
+    budget = Budget(pieces=pieces, on_interrupt=lambda: kept.interrupts.append(True))
+    found = bifurcation_diagram(
+        map_, parameter, span, orders, sample, budget=budget, progress=tell, finished=kept.keep
+    )
+    kept.keep(found)  # if the budget has ended it, that is what the files say
+    return found
+
+
+def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
+    """Write all tables, whole also if Ctrl-C comes meanwhile, and name them."""
+    out.mkdir(parents=True, exist_ok=True)
+    names = list[str]()
+    while not names:
+        with kept.going_on():
+            names = [*kept.write(out), *more.write(out)]
+    return names
 
 
 def _tell(found: Diagram, more: LongRun) -> None:
@@ -179,26 +276,18 @@ def _tell(found: Diagram, more: LongRun) -> None:
         console.print(table)
 
 
-def _computed(
-    map_: PiecewiseLinearMap,
-    parameter: str,
-    span: tuple[str, str] | None,
-    orders: list[int],
-    budget: Budget,
-    sample: dict[str, str] | None,
-    bar: Bar,
-) -> Diagram:
-    """The diagram; a bar says how far it is."""
-    from pwmap import bifurcation_diagram
+def _tell_end(
+    kept: _Kept, more: LongRun, out: Path, names: Sequence[str], gone: Sequence[str], without: str
+) -> None:
+    """What was written, and after Ctrl-C what was not."""
+    from pwmap.diagrams.record import record_of
 
-    task = bar.add_task("order 1", total=max(orders, default=1))
-
-    def tell(done: Progress) -> None:
-        more = f"order {done.order + 1}" if done.order < max(orders) else "points and branches"
-        text = f"{more}, {done.cells} cells and {done.pieces} pieces so far"
-        bar.update(task, completed=done.order, description=text)
-
-    return bifurcation_diagram(map_, parameter, span, orders, sample, budget=budget, progress=tell)
+    tell_written(console, out, (*names, record_of("analyse")), gone)
+    if kept.interrupts:
+        for sentence in (*kept.diagram.given, *more.left_out):
+            console.print(sentence, highlight=False)
+        errors.print(f"Interrupted: what was finished is kept{without}", style="red")
+        raise typer.Exit(INTERRUPTED)
 
 
 def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> Iterator[str]:
@@ -230,5 +319,7 @@ app.command("check")(check_files)
 
 
 def run() -> None:
-    """Entry point of the command."""
+    """Entry point of the command, which SIGTERM ends as Ctrl-C does."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     app()

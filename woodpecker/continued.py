@@ -91,8 +91,8 @@ def continuation(
         Of a point of codimension two: which of the curves that start there, see its ``starts``.
     orders
         The iterates of which branches are followed, the minimal period of the orbit among them; by
-        default no other. Where P_n flips the doubled branch starts if 2 n is one of them, and jump
-        branches of all of them start at collisions.
+        default no other. Where P_n flips the doubled branch starts if 2 n is one of them; jump
+        branches of all of them start at collisions with jumps, cycles at kinks and grazings.
     settings
         Steps, window and tolerances; the span is taken from ``span``. By default the window is
         (-2.5, -0.24) rad.

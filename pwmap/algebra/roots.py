@@ -237,13 +237,16 @@ class RealRoot:
         float
             The quotient.
         """
-        if not self.reduced(top):
+        if not top:
             return 0.0
-        numbers = integers(top), integers(bottom)
-        while True:  # neither polynomial is zero there: the root becomes close enough
+        numbers, is_zero = (integers(top), integers(bottom)), None
+        while True:  # unless it is zero there, the root becomes close enough
             (above, loose), (below, slack) = map(self._value, numbers)
             if abs(above) > loose << 60 and abs(below) > slack << 60:
                 break
+            is_zero = not self.reduced(top) if is_zero is None else is_zero
+            if is_zero:
+                return 0.0
             self.refine()
         shift = (self._bits + 1) * (len(top) - len(bottom))
         scale = QQ(numbers[1][0]) * top[0] / (bottom[0] * numbers[0][0])
@@ -315,15 +318,23 @@ class RealRoot:
 
     def __lt__(self, other: Real) -> bool:
         if not isinstance(other, RealRoot):
-            if self.low < other < self.high:
-                return (_scaled(self._coefficients, *pair(other)) > 0) == self._rises
-            return bool(self.high <= other)
+            top, bottom = pair(other)
+            scaled = top << self._bits
+            if scaled <= self._floor * bottom:
+                return False
+            if scaled >= (self._floor + 1) * bottom:
+                return True
+            return (_scaled(self._coefficients, top, bottom) > 0) == self._rises
         if self == other:
             return False
-        while self.low < other.high and other.low < self.high:
+        while not (self._ends_below(other) or other._ends_below(self)):
             self.refine()
             other.refine()
-        return bool(self.high <= other.low)
+        return self._ends_below(other)
+
+    def _ends_below(self, other: RealRoot) -> bool:
+        """Whether the step that holds this root is not above that of another one."""
+        return self._floor + 1 << other._bits <= other._floor << self._bits
 
     def __repr__(self) -> str:
         return f"RealRoot({self.to_sympy()})"

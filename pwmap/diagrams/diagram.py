@@ -22,6 +22,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.frames import Column, DataFrame, dataframe, joined
 from pwmap.diagrams.record import attributes
 from pwmap.diagrams.saved import read_record, write_record
@@ -1034,7 +1035,7 @@ class Diagram:
                 precision=float(point.precision),
                 name=point.name,
                 **_bounds(point),
-                **{f"{name}_exact": str(value) for name, value in point.exact.items()},
+                **{f"{name}_exact": text_of(value) for name, value in point.exact.items()},
             )
         for branch in self.branches:
             first, last = branch.ends
@@ -1057,7 +1058,7 @@ class Diagram:
                 ),
                 **{
                     f"{name}_exact": "; ".join(
-                        str(stretch.exact[name])
+                        text_of(stretch.exact[name])
                         for stretch in branch.words
                         if name in stretch.exact
                     )

@@ -43,11 +43,19 @@ def write_whole(path: Path, content: bytes) -> None:
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Write a table as CSV."""
+    write_whole(path, table_as_text(header, rows).encode())
+
+
+def table_as_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """What :func:`write_table` writes."""
+    return rows_as_text([header]) + rows_as_text(rows)
+
+
+def rows_as_text(rows: Iterable[Sequence[object]]) -> str:
+    """Rows of a table as CSV, for one that is put together from parts."""
     text = io.StringIO(newline="")
-    writer = csv.writer(text)
-    writer.writerow(header)
-    writer.writerows(rows)
-    write_whole(path, text.getvalue().encode())
+    csv.writer(text).writerows(rows)
+    return text.getvalue()
 
 
 class PictureFormat(StrEnum):

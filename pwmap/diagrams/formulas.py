@@ -2,15 +2,19 @@
 
 A rational number is text such as ``"5/4"``, so is an infinity; everything else is a list that
 begins with the name of what it is: ``["Symbol", "r"]``, ``["Add", ["Symbol", "r"], "-2"]``,
-``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with the coefficients of a polynomial. What is
-read has the same tree as what was written: nothing is evaluated, sorted or expanded.
+``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with the coefficients of a polynomial, and
+``["RealRootOf", polynomial, ["Symbol", "b"], 0]`` where it has another symbol, too. What
+is read has the same tree as what was written: nothing is evaluated, sorted or expanded.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import sympy
+
+from pwmap.algebra.rootfunctions import RealRootOf
 
 NUMBERS = {"oo": sympy.oo, "-oo": -sympy.oo, "nan": sympy.nan, "zoo": sympy.zoo}
 OPERATIONS = {"Add": sympy.Add, "Mul": sympy.Mul, "Pow": sympy.Pow}
@@ -37,6 +41,9 @@ def to_plain(value: sympy.Basic) -> Any:
         case sympy.CRootOf():
             coefficients = [to_plain(c) for c in value.poly.all_coeffs()]
             return ["CRootOf", coefficients, to_plain(value.poly.gen), int(value.index)]
+        case RealRootOf():
+            polynomial, symbol, number = value.args
+            return ["RealRootOf", to_plain(polynomial), to_plain(symbol), int(number)]
         case sympy.Interval():
             ends = [to_plain(value.start), to_plain(value.end)]
             return ["Interval", *ends, bool(value.left_open), bool(value.right_open)]
@@ -47,6 +54,16 @@ def to_plain(value: sympy.Basic) -> Any:
         if isinstance(value, kind):
             return [name, *map(to_plain, value.args)]
     raise TypeError(f"expected an algebraic formula or a set of such, got {value!r}")
+
+
+@lru_cache(maxsize=65536, typed=True)
+def text_of(value: object) -> str:
+    """An exact value as people read it.
+
+    It is remembered, for the files of a diagram hold each several times, and so do those of the
+    same diagram with an order more: to write a long formula takes a millisecond.
+    """
+    return str(value)
 
 
 def from_plain(data: Any) -> Any:
@@ -70,6 +87,12 @@ def from_plain(data: Any) -> Any:
             raise TypeError(f"expected a root by its symbol and number, got {symbol} and {index}")
         polynomial = sympy.Poly([_rational(c) for c in coefficients], from_plain(symbol))
         return sympy.CRootOf(polynomial, index, radicals=False)
+    if name == "RealRootOf":
+        root, symbol, number = parts
+        if symbol[0] != "Symbol" or type(number) is not int:
+            raise TypeError(f"expected a root by its symbol and number, got {symbol} and {number}")
+        arguments = from_plain(root), from_plain(symbol), sympy.Integer(number)
+        return RealRootOf(*arguments, evaluate=False)
     if name == "Interval":
         low, high, *is_open = parts
         if len(is_open) != 2 or not all(isinstance(each, bool) for each in is_open):

@@ -130,11 +130,14 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     ['lines.graphml', 'lines.dot']
     """
     path = Path(path)
-    form = _format(path)
-    clean = _rebuilt(sanitised(graph), lambda data: _typed_names(data, form.taken))
-    content = form.encode(clean)
-    write_whole(path, content)
+    write_whole(path, graph_as_bytes(graph, path))
     return path
+
+
+def graph_as_bytes(graph: nx.MultiGraph, path: Path) -> bytes:
+    """What :func:`write_graph` writes into a file of this name."""
+    form = _format(path)
+    return form.encode(_rebuilt(sanitised(graph), lambda data: _typed_names(data, form.taken)))
 
 
 def read_graph(path: str | Path) -> nx.MultiGraph:

@@ -32,9 +32,14 @@ COSTLIEST = 1e8  # of all formulas in a file, see pwmap.diagrams.formulas.cost: 
 
 def write_record(path: Path, record: Any, name: str, version: int) -> None:
     """Write a record of some name, in the version of its format; the file is whole or not there."""
-    content = {FORMAT: f"pwmap {name}", VERSION: version, name: to_plain(record)}
-    data = json.dumps(content, allow_nan=False, ensure_ascii=False, separators=(",", ":")).encode()
+    data = record_as_bytes(record, name, version)
     write_whole(path, gzip.compress(data, mtime=0) if path.suffix == ZIPPED else data)
+
+
+def record_as_bytes(record: Any, name: str, version: int) -> bytes:
+    """What :func:`write_record` writes into a file that is not compressed."""
+    content = {FORMAT: f"pwmap {name}", VERSION: version, name: to_plain(record)}
+    return json.dumps(content, allow_nan=False, ensure_ascii=False, separators=(",", ":")).encode()
 
 
 def read_record(path: Path, kind: type, name: str, version: int) -> Any:

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from rich.table import Column, Table
 
-from pwmap.diagrams.diagram import Branch, Diagram, SpecialPoint, Stretch
-from pwmap.diagrams.files import write_table
-from pwmap.diagrams.graph import write_graph
+from pwmap.diagrams.diagram import NAME, VERSION, Branch, Diagram, SpecialPoint, Stretch
+from pwmap.diagrams.files import table_as_text, write_whole
+from pwmap.diagrams.formulas import text_of
+from pwmap.diagrams.graph import graph_as_bytes
+from pwmap.diagrams.saved import record_as_bytes
 
 LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
 FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.json")
@@ -23,41 +25,50 @@ def write_results(diagram: Diagram, folder: Path) -> None:
     branches has columns of its own, empty where a branch has no such value. The last file holds
     all, for :func:`pwmap.load_diagram`.
     """
-    observed = tuple(dict.fromkeys(name for b in diagram.branches for name in b.columns))
-    exact_of_points, exact_of_branches = _names(diagram.points), _names(diagram.branches)
-    write_table(
-        folder / FILES[0],
-        (
-            *("id", "name", "kind", diagram.parameter_name, diagram.x_name, "order", "note"),
-            *("cause", "status", "precision", "interval_min", "interval_max", "branches"),
-            *(f"{name}_exact" for name in exact_of_points),
-        ),
-        (
-            (
-                *(p.id, p.name, p.kind, p.parameter, p.x, p.order, p.note, p.cause, p.status),
-                *(p.precision, *(p.interval or ("", "")), " ".join(p.branches)),
-                *(p.exact.get(name, "") for name in exact_of_points),
-            )
-            for p in diagram.points
-        ),
-    )
-    write_table(
-        folder / FILES[1],
-        (
-            *("id", "kind", "order", "word", "from", "to"),
-            *(diagram.parameter_name, diagram.x_name, "multiplier", *observed),
-            *(f"{name}_exact" for name in exact_of_branches),
-        ),
-        (
-            row
-            for branch in diagram.branches
-            for row in _rows_of(branch, observed, exact_of_branches)
-        ),
-    )
+    for name, content in results_as_bytes(diagram).items():
+        write_whole(folder / name, content)
+
+
+def results_as_bytes(diagram: Diagram) -> dict[str, bytes]:
+    """What :func:`write_results` writes, by the names of the files."""
     graph = diagram.graph()
-    for name in FILES[2:4]:
-        write_graph(graph, folder / name)
-    diagram.save(folder / FILES[4])
+    contents = (
+        _points_as_text(diagram).encode(),
+        _branches_as_text(diagram).encode(),
+        *(graph_as_bytes(graph, Path(name)) for name in FILES[2:4]),
+        record_as_bytes(diagram, NAME, VERSION),
+    )
+    return dict(zip(FILES, contents, strict=True))
+
+
+def _points_as_text(diagram: Diagram) -> str:
+    exact = _names(diagram.points)
+    header = (
+        *("id", "name", "kind", diagram.parameter_name, diagram.x_name, "order", "note"),
+        *("cause", "status", "precision", "interval_min", "interval_max", "branches"),
+        *(f"{name}_exact" for name in exact),
+    )
+    rows = (
+        (
+            *(p.id, p.name, p.kind, p.parameter, p.x, p.order, p.note, p.cause, p.status),
+            *(p.precision, *(p.interval or ("", "")), " ".join(p.branches)),
+            *(text_of(p.exact.get(name, "")) for name in exact),
+        )
+        for p in diagram.points
+    )
+    return table_as_text(header, rows)
+
+
+def _branches_as_text(diagram: Diagram) -> str:
+    observed = tuple(dict.fromkeys(name for b in diagram.branches for name in b.columns))
+    exact = _names(diagram.branches)
+    header = (
+        *("id", "kind", "order", "word", "from", "to"),
+        *(diagram.parameter_name, diagram.x_name, "multiplier", *observed),
+        *(f"{name}_exact" for name in exact),
+    )
+    rows = (row for branch in diagram.branches for row in _rows_of(branch, observed, exact))
+    return table_as_text(header, rows)
 
 
 def _rows_of(
@@ -68,7 +79,7 @@ def _rows_of(
     numbers = zip(branch.parameter, branch.x, branch.multiplier, *columns, strict=False)
     firsts = [stretch.first for stretch in branch.words]
     for stretch, start, stop in zip(branch.words, firsts, [*firsts[1:], len(branch)], strict=True):
-        texts = [str(stretch.exact.get(name, "")) for name in exact]
+        texts = [text_of(stretch.exact.get(name, "")) for name in exact]
         what = (branch.id, branch.kind, branch.order, stretch.word, *branch.ends)
         for row in islice(numbers, stop - start):
             yield (*what, *(float(each) if each != "" else each for each in row), *texts)

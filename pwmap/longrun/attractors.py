@@ -20,9 +20,9 @@ from sympy import QQ
 
 from pwmap.algebra.exact import pair
 from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, unfollowed
-from pwmap.longrun.line import Germ, Interval, Line, add, joined, length, outside
+from pwmap.longrun.line import Branch, Germ, Interval, Line, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
-from pwmap.longrun.numbers import Element, Exact, enclosed, work_of
+from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 STEPS = 600  # of an orbit, and of what grows from a break
@@ -255,8 +255,9 @@ def height(line: Line) -> int:
 
 def bits(x: Exact) -> int:
     """Of the largest denominator of a number's coefficients."""
-    parts = x.value if isinstance(x, Element) else (x,)
-    return max((pair(part)[1].bit_length() for part in parts), default=1)
+    if isinstance(x, Element):
+        return max(map(bits, x.value), default=1)
+    return pair(x)[1].bit_length()
 
 
 def _ends_in_a_cycle(orbit: Orbit, fates: Fates) -> bool:
@@ -296,7 +297,7 @@ class _Growth:
         self.scale = _scale(self.line)
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
         self.grid = 2 * bits(self.close) + ROUNDED
-        self.images = sorted({germ.x for orbit in orbits for germ in orbit.germs})
+        self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
@@ -336,7 +337,7 @@ class _Growth:
         for _ in range(GROWTH):
             if since > STILL or not _length(longest) < self.scale * LONG:
                 return self.whole(part)
-            pieces = [self.image(piece) for _, piece in self.line.parts(part)]
+            pieces = [self.image(*piece) for piece in self.line.parts(part)]
             part = max(pieces, key=_length)
             since += 1
             if _length(longest) < _length(part):
@@ -349,7 +350,7 @@ class _Growth:
         while new:
             if enough is not None and not outside([enough], known):
                 return self.known[enough]
-            pieces = [self.image(piece) for each in new for _, piece in self.line.parts(each)]
+            pieces = [self.image(*piece) for each in new for piece in self.line.parts(each)]
             new = outside(joined(pieces), known)
             add(known, new)
             if len(known) > PARTS:
@@ -382,10 +383,10 @@ class _Growth:
         near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs_(each - x))
         return near if abs_(near - x) < self.close else None
 
-    def image(self, part: Interval) -> Interval:
+    def image(self, branch: Branch, part: Interval) -> Interval:
         """The image of an interval on one piece, if it does not settle."""
         self.note([part])
-        ((low, high),) = self.line.images([part])
+        low, high = branch.over(part)
         if low == high or self.is_settled((low, high)):
             raise _Settled
         return self.rounded(low), self.rounded(high)
@@ -409,8 +410,8 @@ class _Growth:
         """The nearest number of the grid, if the fraction is a long one."""
         if bits(x) <= self.grid:
             return x
-        near = enclosed(x, self.grid)[0]
-        return QQ(((near.numerator << self.grid + 1) // near.denominator + 1) // 2, 1 << self.grid)
+        top, bottom = enclosed(x, self.grid)[0].as_integer_ratio()
+        return QQ(((top << self.grid + 1) // bottom + 1) // 2, 1 << self.grid)
 
 
 def _length(part: Interval) -> Exact:
@@ -433,7 +434,7 @@ def expanded(line: Line, intervals: Intervals, meter: Meter) -> set[Interval] | 
                 product = size * abs_(branch.slope)
                 if not product:
                     return None
-                (image,) = line.images([part])
+                image = branch.over(part)
                 if product > 2:
                     found.add(image)
                 else:

@@ -3,8 +3,9 @@
 At a rational sample the itineraries of all germs at breaks are followed until they are known to the
 end. What was decided on the way is the sign of finitely many polynomials in the parameter, and as
 long as these keep their signs the itineraries are the same, so that the graph of laps is, and its
-growth. Where the orbits of both sides of a break match they need not be followed any farther: see
-:mod:`pwmap.longrun.kneading`.
+growth. Where the orbits of both sides of a break match they need not be followed any farther, and
+next to such an interval one proof may hold for many of them, and for all places between: see
+:mod:`pwmap.longrun.matching`.
 
 The nearest roots on both sides of the sample are the ends of an interval of one entropy. An
 interval is swept with such samples, the widest gap first. Two intervals that touch are joined if
@@ -17,7 +18,7 @@ number of laps but for a factor that grows like a power, for any N.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
@@ -36,14 +37,16 @@ from pwmap.algebra.roots import (
     most_roots,
     real_roots,
     real_to_sympy,
+    roots_between,
     sign_at,
     simplest_between,
 )
 from pwmap.longrun.entropies import Entropy, exact_entropy
 from pwmap.longrun.fates import AttractingCycle, Fates
 from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
-from pwmap.longrun.kneading import growth_by_kneading, matched
+from pwmap.longrun.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.line import Line, line_at
+from pwmap.longrun.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.numbers import sign, to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -89,7 +92,7 @@ class ConstantEntropy:
     entropy
         Exact, with doubles below and above.
     samples
-        Rational values inside from which it was proved, from left to right.
+        Rational values inside, one of each part that has a proof of its own, from left to right.
     cycles
         Words of the attracting cycles at these samples, each once.
 
@@ -175,13 +178,17 @@ class EntropyIntervals:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Proved:
-    """An open interval with one entropy, and whether the same proof holds at its ends."""
+    """An open interval with one entropy, and whether the same proof holds at its ends.
+
+    Where orbits of a break match at its sample, entropy may be the same next to it.
+    """
 
     low: Real
     high: Real
     closed: tuple[bool, bool]
     growth: Real
     sample: Number
+    matches: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -203,10 +210,13 @@ class Proof:
         A number, at least 1.
     decisions
         Wherever their polynomials have the signs that they have at the place, it is the same.
+    matches
+        Whether orbits of a break match.
     """
 
     growth: Real
     decisions: tuple[Decision, ...]
+    matches: bool = False
 
 
 def constant_entropy(
@@ -298,12 +308,7 @@ class _Study:
         if all(-1 <= branch.slope <= 1 for branch in line.branches):
             units = [Multiplier((k,), unit) for k in set(self.letters) for unit in (1, -1)]
             return Proof(QQ.one, tuple(units))
-        itineraries = list[Itinerary]()
-        for number in range(len(line.breaks)):
-            itineraries += self.matched(line, number) or (
-                itinerary_of(line, germ, self.steps, self.meter)
-                for germ in line.germs[2 * number : 2 * number + 2]
-            )
+        itineraries = self.itineraries(line)
         endings = {each.ending for each in itineraries}
         if Ending.OPEN in endings:
             expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
@@ -315,7 +320,54 @@ class _Study:
         decided: dict[Decision, None] = {Slope(k): None for k in self.letters}
         for number, itinerary in enumerate(itineraries):
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
-        return Proof(growth, tuple(decided))
+        return Proof(growth, tuple(decided), None in endings)
+
+    def itineraries(self, line: Line) -> list[Itinerary]:
+        """Of all germs, each to the end, or up to where it matches that of the other side."""
+        found = list[Itinerary]()
+        for number in range(len(line.breaks)):
+            found += self.matched(line, number) or (
+                itinerary_of(line, germ, self.steps, self.meter)
+                for germ in line.germs[2 * number : 2 * number + 2]
+            )
+        return found
+
+    def proved_at_once(self, low: Real, high: Real) -> _Proved | None:
+        """A proof for all places from one to another, though orbits of one break need not match.
+
+        What orbits of all other breaks do must be the same everywhere. See
+        :mod:`pwmap.longrun.matching`.
+        """
+        if isinstance(low, RealRoot) or isinstance(high, RealRoot):
+            return None
+        family = family_of(self.map, low, high)
+        if family is None:
+            return None
+        sample = simplest_between(low, high)
+        line = self.line(sample)
+        itineraries = self.itineraries(line)
+        changing = {
+            number // 2
+            for number, each in enumerate(itineraries)
+            if each.ending is Ending.OPEN
+            or not self.lasts(self.decisions(line, number // 2, each), low, high)
+        }
+        if len(changing) != 1:
+            return None
+        (number,) = changing
+        weights = cofactors(line, itineraries, number)
+        growth = growth_of_pairs(family, number, weights, self.meter)
+        if growth is None:
+            return None
+        ends = self.admits(low), self.admits(high)
+        return _Proved(low, high, ends, growth, sample, matches=False)
+
+    def lasts(self, decisions: Iterable[Decision], low: Number, high: Number) -> bool:
+        """Whether decisions are the same at all places from one to another."""
+        return not any(
+            not sign_at(each, low) or not sign_at(each, high) or roots_between(each, low, high)
+            for each in self.polynomials(decisions)
+        )
 
     def matched(self, line: Line, number: int) -> tuple[Itinerary, Itinerary] | None:
         """The itineraries of both sides of a break, if they match wherever they are the same."""
@@ -361,9 +413,9 @@ class _Study:
             found *= sign(line.branches[k].slope)
         return found
 
-    def polynomials(self, proof: Proof) -> list[Dense]:
-        """The polynomials of a proof that are not zero everywhere, simple ones first."""
-        every = (self.axis.orbits.polynomial(decision) for decision in proof.decisions)
+    def polynomials(self, decisions: Iterable[Decision]) -> list[Dense]:
+        """The polynomials of decisions that are not zero everywhere, simple ones first."""
+        every = (self.axis.orbits.polynomial(decision) for decision in decisions)
         return sorted(dict.fromkeys(dense(each) for each in every if each), key=len)
 
     @cache  # noqa: B019  as long as the study lives
@@ -384,7 +436,7 @@ class _Study:
         proof = self.proof(self.line(sample))
         if isinstance(proof, GapCause):
             return proof
-        polynomials = self.polynomials(proof)
+        polynomials = self.polynomials(proof.decisions)
         if any(not sign_at(each, sample) for each in polynomials):
             return GapCause.SPECIAL
         for each in polynomials:
@@ -399,7 +451,8 @@ class _Study:
         def holds(end: Real) -> bool:
             return self.admits(end) and all(sign_at(each, end) for each in polynomials)
 
-        return _Proved(low, high, (holds(low), holds(high)), proof.growth, sample)
+        ends = holds(low), holds(high)
+        return _Proved(low, high, ends, proof.growth, sample, matches=proof.matches)
 
     def cycles(self, sample: Number) -> list[str]:
         """Words of the attracting cycles at a sample, to which orbits of breaks come."""
@@ -424,6 +477,7 @@ def _swept(
     """Proofs at samples in the widest gaps, and what is left, each from left to right."""
     proved, left = list[_Proved](), list[_Left]()
     gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
+    matching = set[Real]()  # ends of intervals in which orbits of a break match
     taken = 0
 
     def keep(a: Real, b: Real, causes: tuple[GapCause, ...] = ()) -> None:
@@ -436,8 +490,8 @@ def _swept(
     keep(low, high)
     while gaps:
         _, _, a, b, causes = heappop(gaps)
-        found: _Proved | GapCause = GapCause.BUDGET
-        for part in PARTS:
+        found: _Proved | GapCause = _beside(study, matching, a, b, least) or GapCause.BUDGET
+        for part in PARTS if found is GapCause.BUDGET else ():
             if taken >= samples or study.meter.stopped:
                 break
             taken += 1
@@ -449,6 +503,8 @@ def _swept(
                 break
         if isinstance(found, _Proved):
             proved.append(found)
+            if found.matches:
+                matching |= {found.low, found.high}
             keep(a, found.low)
             keep(found.high, b)
         elif found is GapCause.BUDGET:
@@ -458,6 +514,53 @@ def _swept(
             keep(sample, b, (found,))
     proved.sort(key=lambda each: each.sample)
     return proved, _contiguous(left)
+
+
+def _beside(
+    study: _Study, matching: Container[Real], low: Real, high: Real, least: Number
+) -> _Proved | None:
+    """One proof for a part of a gap, next to where orbits of a break match; or None."""
+    for start, stop in ((low, high), (high, low)):
+        if start in matching and not study.meter.stopped:
+            with study.meter.keeping((start,)):
+                found = _reached(study, start, stop, least)
+                if found is not None:
+                    return found
+    return None
+
+
+def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
+    """The longest part found of a gap that begins at an end of it and has one proof; or None.
+
+    Its other end is looked for by bisection, and at last at the simplest rational that is left.
+    """
+
+    def tried(end: Real) -> _Proved | None:
+        return study.proved_at_once(*sorted((start, end)))
+
+    ahead = 1 if start < stop else -1
+    good, bad = _between(start, bounds(start)[0] + ahead * least), stop
+    found = tried(good)
+    if found is None:
+        return None
+    whole = tried(stop)
+    while whole is None:
+        last = _width(*sorted((good, bad))) <= least
+        end = simplest_between(*sorted((good, bad))) if last else _between(good, bad)
+        longer = tried(end)
+        if longer is None:
+            bad = end
+        else:
+            found, good = longer, end
+        if last:
+            return found
+    return whole
+
+
+def _between(one: Real, other: Real) -> Number:
+    """The simplest rational near the middle between two places."""
+    low, high = sorted((one, other))
+    return _near(low, high, (1, 2))
 
 
 def _width(low: Real, high: Real) -> Number:

@@ -161,8 +161,9 @@ class Fates:
         """The orbit of a germ until its fate is known."""
         seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
-            self.meter.spend(STEP + 3 * work_of(germ.x))
-            if work_of(germ.x) > LONGEST:
+            work = work_of(germ.x)
+            self.meter.spend(STEP + 3 * work)
+            if work > LONGEST:
                 break
             place = key(germ.x), germ.side
             if place in seen:
@@ -177,8 +178,8 @@ class Fates:
                 return Orbit(tuple(germs), tuple(letters), Fate.DRAWN, cycle=drawn)
             seen[place] = step
             germs.append(germ)
-            letters.append(self.line.letter(germ))
-            germ = self.line.image(germ)
+            letter, germ = self.line.step(germ)
+            letters.append(letter)
         return Orbit(tuple(germs), tuple(letters), Fate.OPEN)
 
     def _kept(self, cycle: AttractingCycle | None) -> AttractingCycle | None:

@@ -8,59 +8,24 @@ count the preimages of breaks, and the growth of laps is one over the least root
 the determinant that they make [MilnorThurston1988].
 
 A difference is a polynomial where both orbits *match*: after as many steps they are at one place,
-with slopes of one sign. From there on they go on side by side, and what they do cancels. Where that
-is so for an interval of parameters the entropy is constant, though orbits change everywhere
-[Bruin2019].
+with slopes of one sign; see :mod:`pwmap.longrun.matching`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sympy import QQ, ZZ
+from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyElement, ring
 
 from pwmap.algebra.roots import Real, real_roots
 from pwmap.longrun.itineraries import Itinerary
-from pwmap.longrun.line import Germ, Line
-from pwmap.longrun.numbers import sign, work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.longrun.line import Line
+from pwmap.longrun.numbers import sign
 
 LARGEST = 400  # degree of a determinant whose roots are looked for
-STEP = 10  # operations of one step
-_RING, _T = ring("t", ZZ)
-
-
-def matched(
-    line: Line, number: int, steps: int, budget: Budget | Meter = BUDGET
-) -> tuple[Itinerary, Itinerary] | None:
-    """The itineraries of both sides of a break up to the step at which they match; None if none.
-
-    Parameters
-    ----------
-    line, number
-        A map, and which of its breaks, counted from the left.
-    steps
-        How far they are followed.
-    budget
-        What that may take.
-    """
-    meter = metered(budget)
-    sides = line.germs[2 * number : 2 * number + 2]
-    pieces = list[int](), list[int]()
-    for _ in range(steps):
-        meter.spend(sum(STEP + 3 * work_of(germ.x) for germ in sides))
-        for germ, word in zip(sides, pieces, strict=True):
-            word.append(line.number(germ))
-        sides = line.image(sides[0]), line.image(sides[1])
-        left, right = sides
-        if not left.side or not right.side:
-            return None
-        if left == Germ(right.x, -right.side):
-            one, other = (Itinerary(tuple(w), len(w), None) for w in pieces)
-            return one, other
-    return None
+RING, T = ring("t", QQ)
 
 
 def growth_by_kneading(line: Line, itineraries: Sequence[Itinerary]) -> Real | None:
@@ -79,35 +44,70 @@ def growth_by_kneading(line: Line, itineraries: Sequence[Itinerary]) -> Real | N
     Real or None
         None if the determinant is too large.
     """
+    rows = _matrix(line, itineraries)
+    return growth_from(_determinant(rows)) if rows else QQ.one
+
+
+def _matrix(
+    line: Line, itineraries: Sequence[Itinerary], left_out: int = 0
+) -> list[list[PolyElement]]:
+    """The differences of both sides of each break, times a polynomial that has no root in (0, 1).
+
+    Of the columns, one for each piece, any may be left out.
+    """
     signs = [sign(branch.slope) for branch in line.branches]
     rows = list[list[PolyElement]]()
     for left, right in zip(itineraries[::2], itineraries[1::2], strict=True):
         (one, below), (other, above) = (_series(signs, each) for each in (left, right))
         row = [above[k] * one - below[k] * other for k in range(len(signs))]
-        rows.append(row[1:])  # any column may be left out
-    if not rows:
-        return QQ.one
-    size = len(rows)
-    determinant = DomainMatrix(rows, (size, size), _RING.to_domain()).charpoly()[-1]
-    if determinant.degree() > LARGEST:
+        rows.append(row[:left_out] + row[left_out + 1 :])
+    return rows
+
+
+def _determinant(rows: Sequence[Sequence[PolyElement]]) -> PolyElement:
+    """The determinant of polynomials, but for its sign."""
+    matrix = DomainMatrix([list(row) for row in rows], (len(rows), len(rows)), RING.to_domain())
+    return matrix.charpoly()[-1]
+
+
+def cofactors(line: Line, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
+    """The factors of the pieces in the series of one break, which make the determinant of it.
+
+    Parameters
+    ----------
+    line, itineraries
+        As above; what those of this break are does not matter.
+    number
+        The break. The piece on its left has the factor zero.
+    """
+    rows = _matrix(line, itineraries, number)
+    units = [[RING(k == j) for k in range(len(rows))] for j in range(len(rows))]
+    found = [_determinant([*rows[:number], unit, *rows[number + 1 :]]) for unit in units]
+    return [*found[:number], RING.zero, *found[number:]]
+
+
+def growth_from(found: PolyElement) -> Real | None:
+    """One over the least root between 0 and 1 of a determinant, or 1; None if it is too large."""
+    if found.degree() > LARGEST:
         return None
-    coefficients = [QQ(int(determinant.coeff(_T**n) if n else determinant.coeff(1)))
-                    for n in range(determinant.degree() + 1)]  # fmt: skip
+    coefficients = [QQ.zero] * (found.degree() + 1)
+    for (power,), coefficient in found.terms():
+        coefficients[power] = coefficient
     roots = real_roots(coefficients)  # the lowest power first: they are one over those of it
     return max([QQ.one, *roots[-1:]])
 
 
 def _series(signs: Sequence[int], itinerary: Itinerary) -> tuple[PolyElement, list[PolyElement]]:
     """A denominator, which has no root between 0 and 1, and the numerators of the symbols."""
-    found = [_RING.zero for _ in signs]
-    later = [_RING.zero for _ in signs]
+    found = [RING.zero for _ in signs]
+    later = [RING.zero for _ in signs]
     factor, start = 1, 1
     for n, k in enumerate(itinerary.pieces):
         if n == itinerary.start:
             start = factor
         part = found if n < itinerary.start else later
-        part[k] += factor * _T**n
+        part[k] += factor * T**n
         factor *= signs[k]
     word = itinerary.word
-    bottom = 1 - factor * start * _T ** len(word) if word else _RING.one
+    bottom = 1 - factor * start * T ** len(word) if word else RING.one
     return bottom, [a * bottom + b for a, b in zip(found, later, strict=True)]

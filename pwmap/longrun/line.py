@@ -46,6 +46,11 @@ class Branch(NamedTuple):
         """The value of its formula at a point."""
         return self.slope * x + self.intercept
 
+    def over(self, interval: Interval) -> Interval:
+        """The image of an interval within its ends."""
+        first, last = self(interval[0]), self(interval[1])
+        return (first, last) if first <= last else (last, first)
+
 
 class Owner(NamedTuple):
     """The piece that a break belongs to, and its slope; None if it is a piece of its own."""
@@ -92,10 +97,14 @@ class Line:
 
     def image(self, germ: Germ) -> Germ:
         """Where a germ maps to."""
+        return self.step(germ)[1]
+
+    def step(self, germ: Germ) -> tuple[str, Germ]:
+        """The letter of the piece that a germ is mapped by, and where it maps to."""
         if not germ.side:
-            return Germ(self(germ.x), 0)
+            return self.letter(germ), Germ(self(germ.x), 0)
         branch = self.beside(germ)
-        return Germ(branch(germ.x), germ.side * sign(branch.slope))
+        return branch.letter, Germ(branch(germ.x), germ.side * sign(branch.slope))
 
     def __call__(self, x: Exact) -> Exact:
         """The value at a point."""
@@ -131,9 +140,7 @@ class Line:
                 value = self(low)
                 found.append((value, value))
                 continue
-            for branch, (a, b) in self.parts((low, high)):
-                ends = branch(a), branch(b)
-                found.append(ends if ends[0] <= ends[1] else ends[::-1])
+            found += [branch.over(part) for branch, part in self.parts((low, high))]
         return joined(found)
 
 

@@ -8,7 +8,7 @@ they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from fractions import Fraction
 from functools import total_ordering
 from typing import Any
@@ -128,6 +128,18 @@ def work_of(x: Exact) -> int:
 def sign(x: Exact) -> int:
     """The sign of a number."""
     return int(x > 0) - int(x < 0)
+
+
+def in_order(numbers: Iterable[Exact]) -> list[Exact]:
+    """Numbers from the smallest on.
+
+    Long fractions, whose comparison takes long products, are compared where their doubles are the
+    same; others differ as these do, which are the nearest.
+    """
+    listed = list(numbers)
+    if any(isinstance(x, Element) for x in listed):
+        return sorted(listed)
+    return sorted(listed, key=lambda x: (to_float(x), x))
 
 
 def to_double(x: Exact) -> float:

@@ -8,12 +8,12 @@ preimage of a break along the word's own prefix), never as numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
@@ -41,6 +41,7 @@ class Cylinder(NamedTuple):
         return self.lower is not None and self.lower == self.upper and self.lower_closed
 
 
+Ask = Callable[..., Any]  # see SignOracle.ask
 PIECE = 80  # work of a piece: its own, and what is done with it later
 WHOLE_LINE: tuple[Cylinder, ...] = (Cylinder(()),)
 
@@ -50,8 +51,11 @@ def refined(
     layout: int,
     oracle: SignOracle,
     budget: Budget | Meter = BUDGET,
+    ask: Ask | None = None,
 ) -> tuple[Cylinder, ...]:
     """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
+
+    Who is asked may know answers from elsewhere; by default it is the oracle.
 
     Raises
     ------
@@ -59,9 +63,10 @@ def refined(
         If there are too many.
     """
     pieces, meter = list[Cylinder](), metered(budget)
+    ask = ask or oracle.ask
     for cylinder in cylinders:
         meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
-        pieces += _split(cylinder, layout, oracle)
+        pieces += ask(split, cylinder, layout)
         if len(pieces) > meter.budget.pieces:
             raise BudgetError(
                 f"an iterate with words of {len(cylinder.word) + 1} letters has more than "
@@ -79,6 +84,11 @@ def cylinder_of(word: Word, layouts: Sequence[int], oracle: SignOracle) -> Cylin
         if found is None:
             break
     return found
+
+
+def split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> tuple[Cylinder, ...]:
+    """A cylinder as cylinders one letter longer, from left to right."""
+    return tuple(_split(cylinder, layout, oracle))
 
 
 def _split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> Iterator[Cylinder]:
@@ -191,18 +201,16 @@ class Iterate:
     crossings: tuple[Crossing, ...]
 
 
-def iterate_of(cylinders: tuple[Cylinder, ...], oracle: SignOracle) -> Iterate:
+def iterate_of(cylinders: tuple[Cylinder, ...], ask: Ask) -> Iterate:
     """All that an iterate shows, with every sign that it depends on."""
-    sides = [None if each.is_point else sides_of(each, oracle) for each in cylinders]
-    inclusion = tuple(
-        inclusion_of(cylinder, oracle, known)
-        for cylinder, known in zip(cylinders, sides, strict=True)
-    )
-    stable = tuple(is_stable(cylinders, i, each, oracle) for i, each in enumerate(inclusion))
-    return Iterate(cylinders, inclusion, stable, tuple(crossings(cylinders, oracle, sides)))
+    sides = [None if each.is_point else ask(sides_of, each) for each in cylinders]
+    inclusion = tuple(map(partial(ask, inclusion_of), cylinders, sides))
+    beside = (words_beside(cylinders, i, each) for i, each in enumerate(inclusion))
+    stable = tuple(bool(words) and ask(is_stable, cut, words) for cut, words in beside)
+    return Iterate(cylinders, inclusion, stable, tuple(crossings(cylinders, sides)))
 
 
-def inclusion_of(cylinder: Cylinder, oracle: SignOracle, known: Sides | None = None) -> Inclusion:
+def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) -> Inclusion:
     """Whether the fixed point of a cylinder's affine map lies in it, and where.
 
     The signs of its sides may be known.
@@ -224,24 +232,20 @@ def inclusion_of(cylinder: Cylinder, oracle: SignOracle, known: Sides | None = N
     return Inclusion.INSIDE
 
 
-def crossings(
-    cylinders: Sequence[Cylinder],
-    oracle: SignOracle,
-    known: Sequence[Sides | None] | None = None,
-) -> Iterator[Crossing]:
+def crossings(cylinders: Sequence[Cylinder], sides: Iterable[Sides | None]) -> Iterator[Crossing]:
     """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal.
 
-    The signs of the sides of all cylinders but points may be known.
+    The signs of the sides of all cylinders but points are given.
     """
-    known = known or [None if each.is_point else sides_of(each, oracle) for each in cylinders]
-    pairs = zip(cylinders, known, strict=True)
-    intervals = [(each, sides) for each, sides in pairs if sides is not None]
+    pairs = zip(cylinders, sides, strict=True)
+    intervals = [(each, signs) for each, signs in pairs if signs is not None]
     for (left, (_, before)), (right, (after, _)) in pairwise(intervals):
         if before * after < 0:
             assert right.lower is not None
             yield Crossing(right.lower, left.word, right.word)
 
 
+@lru_cache(maxsize=65536)  # a word is asked in many cells
 def minimal_period(word: Word, unit: int = 1) -> int:
     """How many units long the shortest word is of which this one is a power."""
     n = len(word)
@@ -249,36 +253,50 @@ def minimal_period(word: Word, unit: int = 1) -> int:
     return next(d for d in lengths if word[:d] * (n // d) == word) // unit
 
 
-def is_stable(
-    cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion, oracle: SignOracle
-) -> bool:
+def words_beside(
+    cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion
+) -> tuple[Cut | None, tuple[Word, ...]]:
+    """The cut at which a fixed point lies, if it does, and the words on its sides.
+
+    There is one word inside a cylinder, and none if the point does not lie in it, or not alone.
+    """
+    cylinder = cylinders[i]
+    match inclusion:
+        case Inclusion.INSIDE:
+            return None, (cylinder.word,)
+        case Inclusion.LOWER:
+            return cylinder.lower, (cylinders[i - 1].word, cylinder.word)
+        case Inclusion.UPPER:
+            return cylinder.upper, (cylinder.word, cylinders[i + 1].word)
+        case Inclusion.POINT:
+            return cylinder.lower, (cylinders[i - 1].word, cylinders[i + 1].word)
+    return None, ()
+
+
+def is_stable(cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle) -> bool:
     """Whether a fixed point attracts from both sides."""
-    return all(test() for test in stability_tests(cylinders, i, inclusion, oracle))
+    return all(test() for test in stability_tests(cut, words, oracle))
 
 
 def stability_tests(
-    cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion, oracle: SignOracle
+    cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle
 ) -> tuple[Callable[[], bool], ...]:
     """What must be true of a fixed point that attracts from both sides, each on its own.
 
     At a cut it does if the iterate is continuous there, with slopes m and n on its sides such
     that m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
     """
-    cylinder = cylinders[i]
-    if inclusion is Inclusion.INSIDE:
-        word = cylinder.word
-        return lambda: oracle.multiplier(word, 1) < 0, lambda: oracle.multiplier(word, -1) > 0
-    if inclusion not in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT):
+    if not words:
         return (lambda: False,)
-    cut = cylinder.upper if inclusion is Inclusion.UPPER else cylinder.lower
-    assert cut is not None
-    left = cylinder if inclusion is Inclusion.UPPER else cylinders[i - 1]
-    right = cylinder if inclusion is Inclusion.LOWER else cylinders[i + 1]
+    if cut is None:
+        (word,) = words
+        return lambda: oracle.multiplier(word, 1) < 0, lambda: oracle.multiplier(word, -1) > 0
+    left, right = words
     meets = partial(_meets_diagonal, oracle, cut)
     contracts = partial(_is_less_than_one, oracle)
     return (
-        *(partial(meets, side.word) for side in (left, right)),
-        *(partial(contracts, word) for word in (left.word, right.word, left.word + right.word)),
+        *(partial(meets, word) for word in words),
+        *(partial(contracts, word) for word in (left, right, left + right)),
     )
 
 

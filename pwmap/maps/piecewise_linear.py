@@ -792,7 +792,7 @@ class PiecewiseLinearMap:
         iterate = self._decided.iterates.get(self._chain)
         if iterate is not None:
             return iterate.inclusion[i]
-        return cyl.inclusion_of(self.cylinders[i], self.oracle)
+        return cyl.inclusion_of(self.cylinders[i], None, self.oracle)
 
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
         """All isolated fixed points, from left to right.
@@ -849,7 +849,8 @@ class PiecewiseLinearMap:
         if iterate is not None:
             return iterate.stable[i]
         open_ = False
-        for test in cyl.stability_tests(self.cylinders, i, inclusion, self.oracle):
+        cut, words = cyl.words_beside(self.cylinders, i, inclusion)
+        for test in cyl.stability_tests(cut, words, self.oracle):
             try:
                 if not test():
                     return False
@@ -883,8 +884,10 @@ class PiecewiseLinearMap:
     def jump_crossings(self) -> tuple[JumpCrossing, ...]:
         """All discontinuities that cross the diagonal strictly, from left to right."""
         iterate = self._decided.iterates.get(self._chain)
-        found = cyl.crossings(self.cylinders, self.oracle) if iterate is None else iterate.crossings
-        return tuple(map(self._jump_crossing, found))
+        if iterate is not None:
+            return tuple(map(self._jump_crossing, iterate.crossings))
+        sides = (None if c.is_point else cyl.sides_of(c, self.oracle) for c in self.cylinders)
+        return tuple(map(self._jump_crossing, cyl.crossings(self.cylinders, sides)))
 
     def _jump_crossing(self, crossing: Crossing) -> JumpCrossing:
         cut = crossing.cut

@@ -15,11 +15,10 @@ keep their signs.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from math import lcm, prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sympy.polys.rings import PolyElement
 
@@ -160,13 +159,6 @@ class Offset(NamedTuple):
 
 
 Decision = CriticalOrbit | Return | Slope | Multiplier | Offset
-
-
-class Mark(NamedTuple):
-    """How much an oracle knew at some time: numbers of signs and of slots."""
-
-    signs: int
-    slots: int
 
 
 class Orbits:
@@ -400,20 +392,14 @@ class SignOracle:
         self.signs: dict[Decision, int] = dict(recorded or {})
         self._keeps = recorded is not None  # when it is pickled: they may be beyond proof by then
         self.sign_of = sign_of
-        self._slots: dict[tuple[int, int, Word], int] = {}
         self._slopes: dict[Word, int] = {(): 1}
 
     def __reduce__(self) -> tuple[type[SignOracle], tuple[object, ...]]:
         return SignOracle, (self.orbits, self.sign_of, self.signs if self._keeps else None)
 
-    def mark(self) -> Mark:
-        """How much is known by now."""
-        return Mark(len(self.signs), len(self._slots))
-
-    def learn(self, other: SignOracle, mark: Mark) -> None:
-        """Take over what another oracle knew at some time, which must hold here too."""
-        self.signs.update(islice(other.signs.items(), mark.signs))
-        self._slots.update(islice(other._slots.items(), mark.slots))
+    def ask(self, question: Callable[..., Any], *about: Hashable) -> Any:
+        """What a function of some arguments and an oracle returns."""
+        return question(*about, self)
 
     def sign(self, decision: Decision) -> int:
         """The sign of the polynomial of a decision."""
@@ -440,13 +426,6 @@ class SignOracle:
 
     def slot(self, layout: int, k: int, word: Word) -> int:
         """The slot of a map in which A_word(b_k) lies."""
-        key = layout, k, word
-        found = self._slots.get(key)
-        if found is None:
-            found = self._slots[key] = self._search(layout, k, word)
-        return found
-
-    def _search(self, layout: int, k: int, word: Word) -> int:
         breaks = self.orbits.table.layouts[layout].breaks
         low, high = 0, len(breaks)
         while low < high:

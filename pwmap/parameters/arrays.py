@@ -40,12 +40,20 @@ def curve_arrays(continuation: Continuation, curve: Curve) -> tuple[BranchArrays
     """
     parts = []
     for segment, turned in zip(curve.segments, curve.turned, strict=True):
-        found = np.array(segment_arrays(continuation, segment))[:, :: -1 if turned else 1]
+        found = _known_arrays(continuation, segment)[:, :: -1 if turned else 1]
         parts.append(
             found if segment is curve.segments[-1] else found[:, : max(1, len(found[0]) - 1)]
         )
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
     return BranchArrays(*np.hstack(parts)), starts.tolist()
+
+
+def _known_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
+    known = continuation.known.arrays
+    if segment not in known:
+        known[segment] = np.array(segment_arrays(continuation, segment))
+    found: FloatArray = known[segment]
+    return found
 
 
 def segment_arrays(continuation: Continuation, segment: Segment) -> BranchArrays:

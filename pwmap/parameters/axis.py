@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -76,6 +77,14 @@ class Axis(ABC):
         self.orbits = Orbits(definition.table)
         self.sample = {}
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
+
+    def copy(self) -> Axis:
+        """The same axis, which records for itself what is decided from now on."""
+        twin = copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, dict):
+                setattr(twin, name, dict(value))
+        return twin
 
     def roots(self, decision: Decision) -> tuple[Any, ...] | None:
         """Places where the sign of a decision is zero; None if it is zero everywhere."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 from typing import Any
 
@@ -21,12 +21,12 @@ from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.record import PROGRAM
-from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
+from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
 from pwmap.parameters.arrays import curve_arrays
-from pwmap.parameters.axis import Axis
+from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.branches import (
     ALONG,
     LEFT,
@@ -36,16 +36,18 @@ from pwmap.parameters.branches import (
     End,
     Infinite,
     Junction,
+    Known,
     Segment,
 )
 from pwmap.parameters.cells import (
     Cell,
     Stage,
+    aside,
     checked_orders,
     checked_span,
     close,
     studied_at,
-    with_cells,
+    with_stages,
 )
 from pwmap.parameters.curves import Curve, Tip, connected
 
@@ -60,6 +62,7 @@ def bifurcation_diagram(
     budget: Budget | Meter = BUDGET,
     progress: Report | None = None,
     on_interrupt: Callable[[], None] | None = None,
+    finished: Callable[[Diagram], None] | None = None,
 ) -> Diagram:
     """All branches and special points of some iterates over a parameter, exactly.
 
@@ -85,6 +88,9 @@ def bifurcation_diagram(
         Called with every order that is completed.
     on_interrupt
         Called at Ctrl-C, after which the completed orders are returned, as that of the budget.
+    finished
+        Called with the diagram up to each order of these as soon as that is completed, to keep it:
+        the one that Ctrl-C in the next order leaves, and in the end the one that is returned.
 
     Returns
     -------
@@ -116,20 +122,8 @@ def bifurcation_diagram(
     orders = checked_orders(orders, meter.budget)
     studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
     limits: Span = (None, None) if span is None else checked_span(span)
-    watch = _Watch(orders, progress, meter)
-
-    def build(axis: Axis, cells: list[Cell]) -> Diagram:
-        if span is None:
-            ends = _outermost(axis, cells)
-            cells = _cut_off(axis, map_.chain, cells, ends)
-            close(axis, cells)
-        else:
-            ends = axis.place(limits[0]), axis.place(limits[1])
-        found = _assembled(map_, Continuation(axis, cells, len(map_.chain), ends), orders)
-        return replace(found, given=(*found.given, *watch.left_out))
-
-    return with_cells(
-        build,
+    return with_stages(
+        _Growing(map_, orders, limits, meter, progress, finished),
         map_,
         parameter,
         studied,  # a jump ends at cycles of smaller period too, which say what it ends in
@@ -137,44 +131,76 @@ def bifurcation_diagram(
         sample,
         with_ends=True,
         budget=meter,
-        follow=watch,
     )
 
 
-class _Watch:
+@dataclass(frozen=True, slots=True)
+class _Growing:
     """Follows how a diagram grows, and keeps what is there when that ends early.
 
-    Attributes
-    ----------
-    left_out
-        A sentence on the orders that are missing, if any are.
+    Where an interrupt is to keep something, the diagram of each order is put together as soon as
+    the order is completed: that may take as long as the order itself.
     """
 
-    def __init__(self, orders: tuple[int, ...], progress: Report | None, meter: Meter) -> None:
-        self.left_out: tuple[str, ...] = ()
-        self._orders = orders
-        self._progress = progress
-        self._meter = meter
+    map: PiecewiseLinearMap
+    orders: tuple[int, ...]
+    limits: Span
+    meter: Meter
+    progress: Report | None
+    finished: Callable[[Diagram], None] | None
 
-    def __call__(self, found: Iterator[Stage]) -> list[Cell]:
-        """The cells of the last order that was completed."""
-        self.left_out = ()
-        cells: list[Cell] = []
-        done: list[int] = []  # of those that were asked for
-        with self._meter.keeping(done):
-            self._meter.advance("orders", 0, len(self._orders))
+    def __call__(self, axis: Axis, found: Iterator[Stage]) -> Diagram:
+        """The diagram of all orders, or of those that were completed."""
+        known, cells = Known(), list[Cell]()
+        done: dict[int, Diagram | None] = {}  # up to each order of those that were asked for
+        with self.meter.keeping(done):
+            self.meter.advance("orders", 0, len(self.orders))
             for order, cells, pieces in found:
-                done += [order] * (order in self._orders)
-                self._meter.advance("orders", len(done), len(self._orders))
-                if self._progress is not None:
-                    self._progress(Progress(order, len(cells), pieces))
-        if self._meter.left_out:
-            self._leave_out(done, self._meter.stopped)
-        return cells
+                if order in self.orders:
+                    done[order] = self._upto(order, axis, cells, known)
+                self.meter.advance("orders", len(done), len(self.orders))
+                if self.progress is not None:
+                    self.progress(Progress(order, len(cells), pieces))
+        diagram = done[max(done)] or self._built(axis, cells, known)
+        return (
+            diagram if len(done) == len(self.orders) else _said(diagram, done, self.meter.stopped)
+        )
 
-    def _leave_out(self, done: Sequence[int], reason: str) -> None:
-        if len(done) < len(self._orders):
-            self.left_out = (f"stopped after orders {_listed(done)}: {reason}",)
+    def _upto(self, order: int, axis: Axis, cells: list[Cell], known: Known) -> Diagram | None:
+        """The diagram up to an order, if it is wanted now."""
+        finished = self.finished or (lambda _: None)
+        if order == self.orders[-1]:
+            diagram = self._built(axis, cells, known)
+            finished(diagram)
+            return diagram
+        if self.finished is None and self.meter.budget.on_interrupt is None:
+            return None
+        try:
+            diagram = self._built(*aside(axis, cells), known)
+        except ResampleError:  # at this order; it may be of no consequence for the next
+            return None
+        finished(_said(diagram, [n for n in self.orders if n <= order], INTERRUPTED))
+        return diagram
+
+    def _built(self, axis: Axis, cells: list[Cell], known: Known) -> Diagram:
+        """The diagram from cells of some order, what they ask of the axis recorded."""
+        close(axis, cells)
+        low, high = self.limits
+        if low is None:
+            ends = _outermost(axis, cells)
+            cells = _cut_off(axis, self.map.chain, cells, ends)
+            close(axis, cells)
+        else:
+            ends = axis.place(low), axis.place(high)
+        known = known if not axis.sample else Known()
+        continuation = Continuation(axis, cells, len(self.map.chain), ends, known)
+        return _assembled(self.map, continuation, self.orders)
+
+
+def _said(diagram: Diagram, done: Iterable[int], reason: str) -> Diagram:
+    """A diagram with a sentence on the orders that it has, and why not more."""
+    sentence = f"stopped after orders {_listed([*done])}: {reason}"
+    return replace(diagram, given=(*diagram.given, sentence))
 
 
 def _listed(orders: Sequence[int]) -> str:
@@ -342,6 +368,13 @@ def _spelled(map_: PiecewiseLinearMap, segment: Segment) -> str:
 
 def _formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
     """The exact expressions of a segment, by name."""
+    known = continuation.known.formulas
+    if segment not in known:
+        known[segment] = _new_formulas(continuation, segment)
+    return known[segment]
+
+
+def _new_formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
     key, axis, orbits = segment.key, continuation.axis, continuation.orbits
     low, high = (axis.to_sympy(place) for place in segment.places)
     exact: dict[str, sympy.Basic] = {"interval": _interval(segment, low, high)}

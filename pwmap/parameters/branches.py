@@ -16,9 +16,11 @@ from itertools import pairwise
 from math import inf
 from typing import Any, NamedTuple
 
+from sympy import Basic
+
 from pwmap.algebra.exact import Fraction_, cancelled, is_constant
 from pwmap.diagrams.diagram import BranchKind
-from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, minimal_period
+from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, Iterate, minimal_period
 from pwmap.maps.words import Orbits, SignOracle, Word
 from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
@@ -27,6 +29,7 @@ Borders = set[tuple[int, int]]  # edge and word length of fixed points that othe
 EndValues = dict[Any, dict[Any, float]]  # for each place exact values, and their floats
 EPSILON = 2.0**-52  # spacing of doubles at 1
 Position = Fraction_ | None  # an x as a quotient; None is infinite
+NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed point
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
 
@@ -176,6 +179,30 @@ class Junction:
     attracts: int
 
 
+Present = list[tuple[BranchKey, Location | None]]  # what of an iterate lies on the diagonal
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """What was computed of keys and segments, which is the same whatever the cells are.
+
+    Who follows the cells of one order after the other hands it on, so that only what is new with an
+    order is computed; not where other parameters are symbolic, of which every comparison asks
+    something.
+    """
+
+    keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each
+    present: dict[int, tuple[Iterate, Present]] = field(default_factory=dict)  # by id
+    positions: dict[BranchKey, Fraction_] = field(default_factory=dict)
+    numbers: dict[tuple[BranchKey, Any], float] = field(default_factory=dict)
+    values: dict[tuple[BranchKey, Any], Any] = field(default_factory=dict)
+    units: dict[tuple[Any, Any], int] = field(default_factory=dict)
+    segments: dict[Hashable, Segment] = field(default_factory=dict)  # by all that they hold
+    ends: dict[Segment, tuple[End, End]] = field(default_factory=dict)
+    formulas: dict[Segment, dict[str, Basic]] = field(default_factory=dict)
+    arrays: dict[Segment, Any] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, eq=False)
 class Continuation:
     """What lies on the diagonal, followed through the cells of a parameter from left to right.
@@ -186,16 +213,15 @@ class Continuation:
         Of the words of order 1: how many maps are composed.
     span
         Places of the first and the last value of the parameter, as far as the assumptions reach.
+    known
+        From other cells of the same axis, if there were any.
     """
 
     axis: Axis
     cells: Sequence[Cell]
     length: int
     span: tuple[Any, Any]
-    _positions: dict[BranchKey, Fraction_] = field(default_factory=dict, init=False, repr=False)
-    _values: dict[tuple[BranchKey, Any], Any] = field(default_factory=dict, init=False, repr=False)
-    _ends: dict[Segment, tuple[End, End]] = field(default_factory=dict, init=False, repr=False)
-    _units: dict[tuple[Any, Any], int] = field(default_factory=dict, init=False, repr=False)
+    known: Known = field(default_factory=Known, repr=False)
 
     @property
     def orbits(self) -> Orbits:
@@ -209,11 +235,8 @@ class Continuation:
         A fixed point that is a cylinder of its own has no slope, and is named by its cut too. But
         at an edge, where it belongs to a branch of the cells beside, it has that branch's key.
         """
-        same = dict[BranchKey, BranchKey]()  # one object for each: then dictionaries need no ==
-        found = [
-            {same.setdefault(key, key): where for key, where in self._keys(cell)}
-            for cell in self.cells
-        ]
+        same = self.known.keys  # so that dictionaries need no ==
+        found = [dict(self._keys(cell)) for cell in self.cells]
         for i, keys in enumerate(found):
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
             for key in [key for key, location in keys.items() if location and location.is_isolated]:
@@ -223,25 +246,34 @@ class Continuation:
         return found
 
     def _keys(self, cell: Cell) -> Iterator[tuple[BranchKey, Location | None]]:
-        oracle = cell.study.oracle
+        known = self.known.present
         for order, iterate in cell.study.iterates.items():
-            for cylinder, inclusion, stable in zip(
-                iterate.cylinders, iterate.inclusion, iterate.stable, strict=True
-            ):
-                if self._is_own(cylinder, inclusion, order, oracle):
-                    for cut in _cuts(cylinder, inclusion):
-                        key = BranchKey(BranchKind.FIXED_POINT, (cylinder.word,), cut)
-                        yield key, Location(inclusion, stable)
-            for crossing in iterate.crossings:
-                words = crossing.left, crossing.right
-                yield BranchKey(BranchKind.JUMP, words, crossing.cut), None
+            if id(iterate) not in known:  # cells have those of lower orders in common
+                found = [
+                    (self.known.keys.setdefault(key, key), location)
+                    for key, location in self._of_iterate(order, iterate, cell.study.oracle)
+                ]
+                known[id(iterate)] = iterate, found
+            yield from known[id(iterate)][1]
+
+    def _of_iterate(
+        self, order: int, iterate: Iterate, oracle: SignOracle
+    ) -> Iterator[tuple[BranchKey, Location | None]]:
+        for cylinder, inclusion, stable in zip(
+            iterate.cylinders, iterate.inclusion, iterate.stable, strict=True
+        ):
+            if inclusion not in NOWHERE and self._is_own(cylinder, inclusion, order, oracle):
+                for cut in _cuts(cylinder, inclusion):
+                    key = BranchKey(BranchKind.FIXED_POINT, (cylinder.word,), cut)
+                    yield key, Location(inclusion, stable)
+        for crossing in iterate.crossings:
+            words = crossing.left, crossing.right
+            yield BranchKey(BranchKind.JUMP, words, crossing.cut), None
 
     def _is_own(
         self, cylinder: Cylinder, inclusion: Inclusion, order: int, oracle: SignOracle
     ) -> bool:
-        """Whether there are fixed points whose minimal period is the order."""
-        if inclusion in (Inclusion.VIRTUAL, Inclusion.NONE):
-            return False
+        """Whether the fixed points of a cylinder have the order as their minimal period."""
         period = minimal_period(cylinder.word, self.length)
         if inclusion is Inclusion.BAND and order == 2 * period:
             return oracle.slope(cylinder.word[: len(cylinder.word) // 2]) < 0
@@ -294,8 +326,10 @@ class Continuation:
 
     def _changes(self, key: BranchKey, i: int) -> bool:
         """Whether a fixed point changes its stability at an edge through which it passes."""
+        if key.kind is BranchKind.JUMP:
+            return False
         stable = {location.stable for k in (i - 1, i, i + 1) if (location := self.present[k][key])}
-        if len(stable) > 1 or key.kind is BranchKind.JUMP or key.cut is not None:
+        if len(stable) > 1 or key.cut is not None:
             return len(stable) > 1
         oracle = self.cells[i].study.oracle
         hits = any(oracle.multiplier(key.word, unit) == 0 for unit in (1, -1))
@@ -317,7 +351,7 @@ class Continuation:
             for k, place in enumerate(segment.places):
                 value = self._value(segment, k) if place in passed else None
                 if value is not None and not isinstance(value, Infinite):
-                    found[place][value] = self.axis.number(self.position(key), place)
+                    found[place][value] = self._number(key, place)
         for cylinder, place in bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
@@ -360,7 +394,7 @@ class Continuation:
         Their floats, right but for the last bit, tell most of them apart; only where they do not,
         the exact value is taken.
         """
-        x = self.axis.number(self.position(key), place)
+        x = self._number(key, place)
         near = any(
             not abs(x - other) > 4.0 * EPSILON * max(abs(x), abs(other))  # also if they overflow
             for other in values.values()
@@ -369,13 +403,17 @@ class Continuation:
 
     def _segment(self, key: BranchKey, stretch: Sequence[int]) -> Segment:
         first, last = self.cells[stretch[0]], self.cells[stretch[-1]]
-        return Segment(
+        return self._kept(
             key,
             (first.lower, last.upper),
             (first.is_edge, last.is_edge),
             next((self.present[i][key] for i in stretch if not self.cells[i].is_edge), None)
             or self.present[stretch[0]][key],
         )
+
+    def _kept(self, *held: Any) -> Segment:
+        """A segment of some key, places and more; the one that is known if there is one."""
+        return self.known.segments.setdefault(held, Segment(*held))
 
     def _at_end(self, i: int) -> bool:
         """Whether the cells end at a cell: what exists there only is left out."""
@@ -441,8 +479,8 @@ class Continuation:
                 cylinder.lower_closed or j > 0,
                 cylinder.upper_closed or j < len(stops) - 2,
             )
-            yield Segment(
-                BranchKey(BranchKind.FIXED_POINT, (word,)), (place, place), closed, band=band
+            yield self._kept(
+                BranchKey(BranchKind.FIXED_POINT, (word,)), (place, place), closed, None, band
             )
 
     # --- Junctions ------------------------------------------------------------------------------
@@ -490,7 +528,7 @@ class Continuation:
 
     def ends(self, segment: Segment) -> tuple[End, End]:
         """Both ends of a segment."""
-        if segment not in self._ends:
+        if segment not in self.known.ends:
             along = segment.places[0] == segment.places[1]
             is_steep = self._is_steep(segment)
             first, last = (
@@ -505,20 +543,26 @@ class Continuation:
                 )
                 for which, side in ((0, RIGHT), (1, LEFT))
             )
-            self._ends[segment] = first, last
-        return self._ends[segment]
+            self.known.ends[segment] = first, last
+        return self.known.ends[segment]
 
     def position(self, key: BranchKey) -> Fraction_:
         """The x of what has a key, as a quotient in lowest terms."""
-        if key not in self._positions:
-            self._positions[key] = key.x(self.orbits)
-        return self._positions[key]
+        if key not in self.known.positions:
+            self.known.positions[key] = key.x(self.orbits)
+        return self.known.positions[key]
 
     def _at(self, key: BranchKey, place: Any) -> Any:
         """The x of what has a key at a place, in canonical form."""
-        if (key, place) not in self._values:
-            self._values[key, place] = self.axis.value(self.position(key), place)
-        return self._values[key, place]
+        if (key, place) not in self.known.values:
+            self.known.values[key, place] = self.axis.value(self.position(key), place)
+        return self.known.values[key, place]
+
+    def _number(self, key: BranchKey, place: Any) -> float:
+        """The same as a float."""
+        if (key, place) not in self.known.numbers:
+            self.known.numbers[key, place] = self.axis.number(self.position(key), place)
+        return self.known.numbers[key, place]
 
     def _x(self, segment: Segment, which: int) -> Position:
         """The x of an end as a quotient."""
@@ -552,11 +596,11 @@ class Continuation:
             return 0
         if not self.is_finite(slope, place):
             return 0
-        if (slope, place) not in self._units:
+        if (slope, place) not in self.known.units:
             compare = self.axis.compare
             units = (u for u in (1, -1) if compare(slope, (u * one, one), place) == 0)
-            self._units[slope, place] = next(units, 0)
-        return self._units[slope, place]
+            self.known.units[slope, place] = next(units, 0)
+        return self.known.units[slope, place]
 
     def is_finite(self, fraction: Fraction_, place: Any) -> bool:
         """Whether a quotient has a value; a denominator may vanish at an open end of the span."""

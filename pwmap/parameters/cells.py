@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import Any, NamedTuple, TypeVar
 
 import sympy
@@ -27,6 +26,7 @@ from pwmap.algebra.terms import own_name, shortened
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.cylinders import (
     WHOLE_LINE,
+    Ask,
     Cylinder,
     Inclusion,
     Iterate,
@@ -34,7 +34,7 @@ from pwmap.maps.cylinders import (
     refined,
 )
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
-from pwmap.maps.words import Mark, SignOracle
+from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
     AdmittedInterval,
     Span,
@@ -44,6 +44,7 @@ from pwmap.parameters.admitted import (
 )
 from pwmap.parameters.axes import axis_of, identical
 from pwmap.parameters.axis import Axis, ResampleError
+from pwmap.parameters.persistence import Answers
 
 Result = TypeVar("Result")
 
@@ -115,14 +116,15 @@ def grown(
     *,
     shown: bool,
     budget: Budget | Meter = BUDGET,
+    ask: Ask | None = None,
 ) -> Study:
     """A study of one order more, with every sign that its fixed points depend on if it is shown."""
     oracle, current, iterates = study.oracle, study.cylinders, study.iterates
-    meter = metered(budget)
+    meter, ask = metered(budget), ask or oracle.ask
     for layout in chain:
-        current = refined(current, layout, oracle, meter)
+        current = refined(current, layout, oracle, meter, ask)
     if shown:
-        iterates = {**iterates, order: iterate_of(current, oracle)}
+        iterates = {**iterates, order: iterate_of(current, ask)}
     return Study(oracle, iterates, current)
 
 
@@ -143,8 +145,8 @@ def stages(
 ) -> Iterator[Stage]:
     """Cut cells of which nothing is known into cells and edges, order by order.
 
-    What a cell knows of lower orders holds in all its parts and on the edges between them, so that
-    only the decisions of the new order are made there.
+    What a cell knows of lower orders holds in all its parts and on the edges between them. What the
+    new order finds is kept from one place to the next (:mod:`pwmap.parameters.persistence`).
 
     Parameters
     ----------
@@ -158,9 +160,9 @@ def stages(
     """
     pieces, meter = 0, metered(budget)
 
-    def grow(study: Study) -> Study:
+    def grow(study: Study, ask: Ask) -> Study:
         nonlocal pieces
-        more = grown(study, chain, order, shown=order in orders, budget=meter)
+        more = grown(study, chain, order, shown=order in orders, budget=meter, ask=ask)
         pieces += len(more.cylinders)
         if pieces > meter.budget.pieces:
             raise BudgetError(
@@ -169,7 +171,8 @@ def stages(
         return more
 
     for order in range(1, max(orders) + 1):
-        cells = [part for cell in cells for part in _parts(axis, cell, grow)]
+        answers = Answers(axis, cells[0].lower, cells[-1].upper)
+        cells = [part for cell in cells for part in _parts(axis, cell, answers, grow)]
         yield Stage(order, cells, pieces)
 
 
@@ -178,34 +181,38 @@ def last(found: Iterable[Stage]) -> list[Cell]:
     return deque(found, maxlen=1).pop().cells
 
 
-def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]:
+def _parts(
+    axis: Axis, cell: Cell, answers: Answers, grow: Callable[[Study, Ask], Study]
+) -> list[Cell]:
     """A cell, or what an order more cuts it into: cells and the edges between them."""
     if cell.is_excluded:
         return [cell]
-    mark = cell.study.oracle.mark()
-    if cell.is_edge:
-        return [_edge(axis, cell.sample, grow(cell.study), mark)]
 
     def study_at(place: Any) -> Study:
-        oracle = axis.oracle(place)
-        oracle.learn(cell.study.oracle, mark)
-        return grow(replace(cell.study, oracle=oracle))
+        known = cell.study.oracle
+        oracle = known if place is cell.sample else axis.oracle(place)
+        oracle = SignOracle(oracle.orbits, oracle.sign_of)
+        oracle.signs.update(known.signs)
+        answers.move(place, oracle)
+        found = grow(replace(cell.study, oracle=oracle), answers.ask)
+        answers.tell(oracle)
+        return found
 
+    if cell.is_edge:
+        return [_edge(axis, cell.sample, study_at(cell.sample), answers)]
     opened: list[Cell] = []
     waiting = [(cell.lower, cell.upper)]
     while waiting:
         left, right = waiting.pop()
         old = (left is None or left < cell.sample) and (right is None or cell.sample < right)
         sample = cell.sample if old else axis.between(left, right)
-        study = grow(cell.study) if old else study_at(sample)
-        new = islice(study.oracle.signs.items(), mark.signs, None)
-        edge = _edge_at(axis, study.oracle, sample, mark)
+        study = study_at(sample)
+        edge = _edge_at(axis, sample, answers)
         if edge is not None:  # the sample is no inner point of a cell
             waiting += [(left, edge), (edge, right)]
             continue
-        roots = {root for decision, _ in new for root in axis.roots(decision) or ()}
-        start = max((x for x in roots if x < sample and (left is None or left < x)), default=left)
-        stop = min((x for x in roots if sample < x and (right is None or x < right)), default=right)
+        answers.keep()
+        start, stop = answers.nearest(left, right)
         opened.append(Cell(start, stop, study, sample))
         if start is not left:
             waiting.append((left, start))
@@ -214,8 +221,19 @@ def _parts(axis: Axis, cell: Cell, grow: Callable[[Study], Study]) -> list[Cell]
     opened.sort(key=lambda part: part.sample)
     parts = opened[:1]
     for part in opened[1:]:
-        parts += [_edge(axis, part.lower, study_at(part.lower), mark), part]
+        parts += [_edge(axis, part.lower, study_at(part.lower), answers), part]
     return parts
+
+
+def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
+    """Copies of an axis and its cells: what is decided there is recorded in neither."""
+
+    def copied(cell: Cell) -> Cell:
+        oracle = cell.study.oracle
+        oracle = SignOracle(oracle.orbits, oracle.sign_of, oracle.signs)
+        return replace(cell, study=replace(cell.study, oracle=oracle))
+
+    return axis.copy(), [copied(cell) for cell in cells]
 
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
@@ -226,18 +244,18 @@ def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Ce
     return Cell(place, place, study, place)
 
 
-def _edge(axis: Axis, place: Any, study: Study, mark: Mark) -> Cell:
-    found = _edge_at(axis, study.oracle, place, mark)
+def _edge(axis: Axis, place: Any, study: Study, answers: Answers) -> Cell:
+    found = _edge_at(axis, place, answers)
     if found is not None and not identical(found, place):
         raise ResampleError
     return Cell(place, place, study, place)
 
 
-def _edge_at(axis: Axis, oracle: SignOracle, place: Any, mark: Mark) -> Any:
+def _edge_at(axis: Axis, place: Any, answers: Answers) -> Any:
     """The root that a place hits, if a new sign is zero there but not everywhere."""
     found = None
-    for decision, sign in islice(oracle.signs.items(), mark.signs, None):
-        roots = axis.roots(decision) if sign == 0 else None
+    for decision in answers.zeros():
+        roots = axis.roots(decision)
         if roots is None:
             continue
         hit = next((root for root in roots if root == place), None)
@@ -446,12 +464,34 @@ def with_cells(
     *,
     with_ends: bool = False,
     budget: Budget | Meter = BUDGET,
-    follow: Callable[[Iterator[Stage]], list[Cell]] = last,
 ) -> Result:
-    """Build something from the cells of a parameter, at the first sample that is generic.
+    """Build something from the cells of a parameter for all orders, as :func:`with_stages` does."""
+
+    def built(axis: Axis, found: Iterator[Stage]) -> Result:
+        cells = last(found)
+        close(axis, cells)
+        return build(axis, cells)
+
+    return with_stages(
+        built, map_, parameter, orders, span, sample, with_ends=with_ends, budget=budget
+    )
+
+
+def with_stages(
+    build: Callable[[Axis, Iterator[Stage]], Result],
+    map_: PiecewiseLinearMap,
+    parameter: object,
+    orders: Sequence[int],
+    span: Span,
+    sample: Mapping[Any, object] | None,
+    *,
+    with_ends: bool = False,
+    budget: Budget | Meter = BUDGET,
+) -> Result:
+    """Build something from cells that are cut order by order, at the first generic sample.
 
     With ``with_ends`` the ends of the span, and of what the assumptions admit of it, are edges too
-    if they are admitted. Who follows the stages says which cells are built from.
+    if they are admitted. Who builds has the axis record what its cells ask of it: :func:`close`.
     """
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
@@ -467,9 +507,8 @@ def with_cells(
         axis = axis_of(map_.definition, name, values)
         try:
             found = admitted_intervals(axis, span)
-            cells = follow(stages(axis, map_.chain, orders, uncut(axis, found, with_ends), meter))
-            close(axis, cells)
-            return build(axis, cells)
+            cells = uncut(axis, found, with_ends)
+            return build(axis, stages(axis, map_.chain, orders, cells, meter))
         except ResampleError:
             continue
     only = {key: value for key, value in tried[-1].items() if {t[key] for t in tried} == {value}}

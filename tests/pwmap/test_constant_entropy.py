@@ -9,6 +9,7 @@ from itertools import pairwise
 import pytest
 import sympy
 from sympy import QQ, Rational, log, sqrt
+from sympy.polys.rings import PolyElement
 
 from pwmap import (
     Budget,
@@ -19,12 +20,21 @@ from pwmap import (
     constant_entropy,
     dynamics,
 )
-from pwmap.algebra.roots import most_roots, real_to_sympy, simplest_between
+from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_between
 from pwmap.longrun import constant
 from pwmap.longrun.entropies import lap_numbers
 from pwmap.longrun.itineraries import Ending, growth_at, itinerary_of
-from pwmap.longrun.kneading import growth_by_kneading
+from pwmap.longrun.kneading import RING, T, growth_by_kneading
 from pwmap.longrun.line import Line, line_of
+from pwmap.longrun.matching import (
+    TOGETHER,
+    Step,
+    _growth,
+    family_of,
+    growth_of_pairs,
+    matched,
+)
+from pwmap.maps.budget import metered
 from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Orbits, Return
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
@@ -135,19 +145,145 @@ def test_where_orbits_of_a_break_match_the_entropy_is_constant() -> None:
     assert found.gaps == ()
 
 
+@pytest.mark.parametrize("span", [("1/6", "2/3"), ("1/8", "7/10"), ("1/5", "1/4")])
+def test_the_plateau_of_the_golden_mean_is_one_interval(span: tuple[str, str]) -> None:
+    """From 1/6 to 2/3 [Bruin2019], though intervals in which orbits match accumulate there."""
+    found = constant_entropy(MATCHING, "g", span, samples=12)
+    (only,) = found.intervals
+    ends = max(Rational(span[0]), Rational(1, 6)), min(Rational(span[1]), Rational(2, 3))
+    assert (only.lower, only.upper, only.closed) == (*ends, (True, True))
+    assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
+
+
+def never_matching(map_: PiecewiseLinearMap, places: list[sympy.Rational]) -> Iterator[Line]:
+    """The map where both orbits of its break come back, and do not match before."""
+    for place in places:
+        line = line_of(map_, {"g": place})
+        if matched(line, 0, 400) is None:
+            yield line
+
+
+def test_where_orbits_never_match_the_growth_is_the_golden_mean_too() -> None:
+    """Of 1184 rationals in [1/6, 2/3] 18 are such; there the graph of laps is finite.
+
+    At 5/24 the left orbit comes to the cycle of 1/3, 7/3, -5/3 and -2/3.
+    """
+    places = sorted({Rational(p, q) for q in range(1, 89) for p in range(q // 6, q)})
+    places = [each for each in places if Rational(1, 6) <= each <= Rational(2, 3)]
+    lines = list(never_matching(MATCHING, places))
+    assert {Rational(1, 6), Rational(5, 24), Rational(2, 3)} <= {
+        QQ.to_sympy(line.breaks[0]) for line in lines
+    }
+    assert len(lines) == 18
+    for line in lines:
+        growth = growth_at(line, [itinerary_of(line, germ, 400) for germ in line.germs])
+        assert growth is not None
+        assert real_to_sympy(growth) == Rational(1, 2) + sqrt(5) / 2
+
+
+def test_below_the_plateau_the_entropy_is_another_one() -> None:
+    """At 4/25 it is less than log of the golden mean: nothing is proved from there on."""
+    assert dynamics(MATCHING, {"g": "4/25"}).entropy.high < 0.48 < float(log(GOLDEN))
+    family = family_of(MATCHING, QQ(4, 25), QQ(1, 3))
+    assert family is not None
+    assert growth_of_pairs(family, 0, [RING.zero, RING.one]) is None
+    family = family_of(MATCHING, QQ(1, 6), QQ(1, 3))
+    assert family is not None
+    growth = growth_of_pairs(family, 0, [RING.zero, RING.one])
+    assert growth is not None
+    assert real_to_sympy(growth) == Rational(1, 2) + sqrt(5) / 2
+
+
 @pytest.mark.slow
-def test_the_plateau_of_the_golden_mean_is_covered() -> None:
-    """It reaches from 1/6 to 2/3 [Bruin2019]; gaps are left between ever shorter intervals."""
-    found = constant_entropy(MATCHING, "g", ("1/6", "2/3"))
-    assert found.share > 0.99
-    assert {each.entropy.value for each in found.intervals} == {log(Rational(1, 2) + sqrt(5) / 2)}
-    rng = random.Random(11)
-    for each in found.intervals[::9]:
-        place = each.lower + (each.upper - each.lower) * Rational(rng.randint(1, 99), 100)
-        seen = dynamics(MATCHING, {"g": place}).entropy
-        assert seen.low <= each.entropy.high
-        assert each.entropy.low <= seen.high
-        assert seen.high - seen.low < 1e-11
+@pytest.mark.parametrize("s", [3, 4, 5])
+def test_plateaus_of_other_slopes(s: int) -> None:
+    """Of x + 1 and 1 + s (1 - x) from s/(s + 1) - 1/s to s/(s + 1).
+
+    At the lower end s - 1 - s g, to which the left orbit comes, is the fixed point of s - s x. In
+    the upper part orbits go along L R L^(s-1) R and R R L^s to s^2 g - s (s - 1) + 1, and
+    D = 1 - 2 t + t^(s+1) = (1 - t) (1 - t - ... - t^s).
+    """
+    map_ = PiecewiseLinearMap.from_sympy(f"Piecewise((x + 1, x <= g), ({1 + s} - {s}*x, True))")
+    found = constant_entropy(map_, "g", (Rational(1, 4), Rational(9, 10)), samples=20)
+    upper = Rational(s, s + 1)
+    (only,) = (each for each in found.intervals if each.upper == upper)
+    assert (only.lower, only.closed) == (upper - Rational(1, s), (True, True))
+    growth = sympy.exp(only.entropy.value)
+    t = sympy.Symbol("t")
+    assert sympy.Poly(sympy.minimal_polynomial(growth, t), t).all_coeffs() == [1] + s * [-1]
+    assert disagreements(map_, found, 10)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [
+        ("Piecewise((x + 1, x <= 0), (3 - 3*g - 2*x, True))", []),
+        ("Piecewise((x + 1, x <= g), (3 - 2*x, x <= 5), (8 - 3*x, True))", ["0 < g", "g < 1"]),
+    ],
+    ids=["moved by g", "three pieces"],
+)
+def test_the_plateau_of_the_same_map_written_otherwise(text: str, given: list[str]) -> None:
+    """A map with its break at 0, and one with a break at 5 that orbits do not reach."""
+    map_ = PiecewiseLinearMap.from_sympy(text, given=given)
+    (only,) = constant_entropy(map_, "g", ("1/7", "3/4"), samples=12).intervals
+    assert (only.lower, only.upper) == (Rational(1, 6), Rational(2, 3))
+    assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
+
+
+@pytest.mark.slow
+def test_a_plateau_with_a_piece_that_contracts() -> None:
+    """Of x/2 + 1 and g - 2 x from 2 to 14/5, where r^3 = r^2 + 1."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (g - 2*x, True))")
+    found = constant_entropy(map_, "g", ("19/10", "29/10"), samples=20)
+    (only,) = (each for each in found.intervals if each.upper == Rational(14, 5))
+    assert (only.lower, only.closed) == (2, (True, True))
+    t = sympy.Symbol("t")
+    assert sympy.minimal_polynomial(sympy.exp(only.entropy.value), t) == t**3 - t**2 - 1
+    assert disagreements(map_, found, 20)[0] == 0
+
+
+@pytest.mark.slow
+def test_plateaus_of_random_maps() -> None:
+    """At the ends and at random places inside laps grow as one proof for all of them says."""
+    rng, looked = random.Random(1), 0
+    while looked < 60:
+        slopes = rng.choice([(-2, 1), (1, -3), (-4, 1), (-3, "1/2"), ("-1/2", -2)])
+        one, other = (f"{m}*x + {rng.randint(-3, 3)} + {rng.randint(-1, 1)}*g" for m in slopes)
+        text = f"Piecewise(({one}, x <= g), ({other}, True))"
+        map_ = PiecewiseLinearMap.from_sympy(text)
+        low = QQ(rng.randint(1, 150), 100)
+        high = low + QQ(rng.randint(1, 20), 100)
+        family = family_of(map_, low, high)
+        assert family is not None
+        growth = growth_of_pairs(family, 0, [RING.zero, RING.one])
+        if growth is None:
+            continue
+        rate = sympy.log(real_to_sympy(growth)).evalf(30)
+        for part in (QQ.zero, QQ(rng.randint(1, 99), 100), QQ.one):
+            place = QQ.to_sympy(low + part * (high - low))
+            seen = dynamics(map_, {"g": place}, orders=(48,)).entropy
+            assert seen.low <= rate <= seen.high, (text, place)
+            looked += 1
+
+
+def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
+    """One pair leads to where orbits match, and to itself with the term -a t p and the factor t.
+
+    With p = 1 - t - t^2, D of n rounds is p Q, Q = 1 - a t (1 + t + ... + t^(n-1)). For ever it is
+    zero at 1/(1 + a): beyond the root of p, 0.618, for a = 1/2, and before it for a = 1.
+    """
+    p, pair = 1 - T - T**2, TOGETHER._replace(lag=1)
+    start, together = Step(p, RING.one, pair), Step(RING.zero, RING.one, TOGETHER)
+
+    def growth(term: PolyElement) -> Real | None:
+        steps = {pair: [together, Step(term, T, pair)], TOGETHER: []}
+        return _growth(start, steps, metered(Budget()))
+
+    found = growth(-T * p / 2)
+    assert found is not None
+    assert real_to_sympy(found) == Rational(1, 2) + sqrt(5) / 2
+    assert growth(-T * p) is None
+    assert growth(-T) is None  # no multiple of p
 
 
 @pytest.mark.slow
@@ -174,6 +310,13 @@ def test_a_budget_leaves_gaps() -> None:
     causes = {cause for gap in found.gaps for cause in gap.causes}
     assert GapCause.BUDGET in causes
     assert found.share < constant_entropy(HALF, "r", (2, 3), samples=20).share
+    found = constant_entropy(MATCHING, "g", ("1/6", "2/3"), budget=Budget(work=8_000))
+    (gap,) = found.gaps
+    assert (gap.lower, gap.upper, gap.causes) == (
+        Rational(1, 6),
+        Rational(1, 3),
+        (GapCause.BUDGET,),
+    )
 
 
 # --- By another way ------------------------------------------------------------------------------

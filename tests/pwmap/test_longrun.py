@@ -12,12 +12,19 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import sympy
-from sympy import Interval, Rational, log, sqrt
+from sympy import QQ, Interval, Rational, log, sqrt
 
-from pwmap import Attractor, Budget, Extremum, PiecewiseLinearMap, dynamics
+from pwmap import Attractor, Budget, Extremum, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
 from pwmap.longrun.line import Branch, Line, line_of
-from pwmap.longrun.numbers import Exact, algebraic, exact_to_sympy, to_double
+from pwmap.longrun.numbers import (
+    Element,
+    Exact,
+    algebraic,
+    exact_to_sympy,
+    in_order,
+    to_double,
+)
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
@@ -237,6 +244,18 @@ def test_an_enclosed_measure_is_a_double_too() -> None:
     halves = [density.measure(*pair) for pair in ((low, middle), (middle, high))]
     assert abs(sum(map(float, halves)) - 1.0) < 1e-15  # their width, and a rounding of each
     assert all(abs(half.mid - float(half)) < 2.0**-53 for half in halves)
+
+
+def test_numbers_in_order() -> None:
+    """Also where their doubles are the same, or infinite, and beside a field of roots."""
+    close = [QQ(1, 3) + QQ(k, 2**80) for k in (2, -1, 0, 1, -2)]
+    numbers = [*close, QQ(-(10**400)), QQ(10**400), QQ(10**400 + 1), QQ(0), QQ(1, 3)]
+    assert len({*map(float, close)}) == 1
+    assert in_order(numbers) == sorted(numbers)
+    root = algebraic(sqrt(2))
+    assert isinstance(root, RealRoot)
+    elements = [Element(root, root.reduced((c, QQ(1)))) for c in close]
+    assert in_order(elements) == [elements[k] for k in (4, 1, 2, 3, 0)]
 
 
 # --- Entropy -------------------------------------------------------------------------------------

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import signal
-import subprocess
 import sys
 import time
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from processes import SIGNALS, seconds, started, wait_until
 from sympy import Rational
 from test_pwmap_cli import run
 
@@ -18,6 +19,7 @@ from pwmap import (
     Advance,
     Budget,
     BudgetError,
+    Diagram,
     Meter,
     PiecewiseLinearMap,
     attractor_diagram,
@@ -25,17 +27,24 @@ from pwmap import (
     cli_longrun,
     constant_entropy,
     cycles,
+    load_diagram,
     parameter_plane,
     plane_raster,
     tongues,
     word_family,
 )
+from pwmap.diagrams import files, tables
+from pwmap.diagrams.encoding import to_plain
+from pwmap.diagrams.tables import FILES
 from pwmap.longrun.constant import GapCause
 from pwmap.maps.budget import cost
+from pwmap.parameters.axis import Axis
+from pwmap.parameters.cells import Cell, aside, close, with_cells
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
 SPANS = ("1/4", "3/2"), (-5, "-1/2")
 TENT = PiecewiseLinearMap([("m*x", "x <= 1/2"), ("m - m*x", "x > 1/2")])
+LEVELS = PiecewiseLinearMap([("a*x + m", "x <= 0"), ("b*x + m + l", "x > 0")])
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
 CIRCLE = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
 
@@ -252,20 +261,116 @@ def test_attractors_are_kept_wherever_an_interrupt_comes(parts: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")
-def test_a_command_with_many_orders_ends_soon_after_an_interrupt(tmp_path: Path) -> None:
-    """The orders that are kept are written, pictures are not."""
+@pytest.mark.skipif(sys.platform != "linux", reason="asks /proc for the time of a process")
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_command_keeps_the_orders_that_are_completed(
+    number: signal.Signals, tmp_path: Path
+) -> None:
+    """Tables are those of a shorter list of orders; pictures would take their time."""
     text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
-    orders = ",".join(map(str, range(1, 15)))
-    command = subprocess.Popen(
-        [sys.executable, "-m", "pwmap", "analyse", text, "--parameter", "m", "--span", "0", "2",
-         "--orders", orders, "--pieces", str(10**9), "--out", str(tmp_path)],
-        stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    time.sleep(5.0)
-    command.send_signal(signal.SIGINT)
-    told, _ = command.communicate(timeout=60.0)  # before, it took longer with pictures alone
-    assert command.returncode == 130
-    assert "interrupted" in told
-    assert (tmp_path / "graph.json").exists()
-    assert not list(tmp_path.glob("*.png"))
+    orders = ",".join(map(str, range(1, 15)))  # the last ones would take minutes
+    arguments = ("analyse", text, "--parameter", "m", "--span", "0", "2", "--orders", orders)
+    with started(
+        "-m", "pwmap", *arguments, "--pieces", str(10**9), "--out", str(tmp_path)
+    ) as process:
+        wait_until(lambda: seconds(process.pid) > 4.0)  # of which starting takes one at most
+        process.send_signal(number)
+        told, complaint = process.communicate(timeout=60.0)
+    assert process.returncode == 130, complaint
+    assert complaint == "Interrupted: what was finished is kept, without pictures\n"
+    kept = load_diagram(tmp_path / "diagram.json")
+    last = max(branch.order for branch in kept.branches)
+    assert kept.given == (f"stopped after orders 1..{last}: interrupted",)
+    assert kept.given[0] in told
+    expected = bifurcation_diagram(TENT, "m", (0, 2), range(1, last + 1))
+    assert [(b.word, b.ends) for b in kept.branches] == [
+        (b.word, b.ends) for b in expected.branches
+    ]
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}
+
+
+def test_an_interrupt_while_an_order_is_put_together_keeps_those_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = list[Diagram]()
+
+    def interrupted(diagram: Diagram) -> dict[str, bytes]:
+        made.append(diagram)
+        if len(made) == 3:
+            raise KeyboardInterrupt
+        return results(diagram)
+
+    results = tables.results_as_bytes
+    monkeypatch.setattr(tables, "results_as_bytes", interrupted)
+    text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
+    code, told = run(
+        text, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3", out=tmp_path
+    )
+    assert code == 130
+    assert "stopped after orders 1..2: interrupted" in told
+    kept = load_diagram(tmp_path / "diagram.json")
+    assert {branch.order for branch in kept.branches} == {1, 2}
+
+
+def test_tables_are_whole_also_if_an_interrupt_comes_while_they_are_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, written = files.write_whole, list[Path]()
+
+    def interrupted(path: Path, content: bytes) -> None:
+        written.append(path)
+        if len(written) == 3:
+            raise KeyboardInterrupt
+        write(path, content)
+
+    monkeypatch.setattr(files, "write_whole", interrupted)
+    text = "Piecewise((r - 2, x <= 0), (r - 5*x/4, True))"
+    code, told = run(text, "--parameter", "r", "--span", "-1", "3", out=tmp_path)
+    assert code == 130
+    assert "Interrupted: what was finished is kept, without pictures" in told
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "about_analyse.json"}
+    assert load_diagram(tmp_path / "diagram.json").given == ()
+
+
+@pytest.mark.parametrize(
+    ("map_", "parameter", "span", "sample"),
+    [
+        (TENT, "m", (0, 2), None),
+        (P1L, "r", None, None),
+        (SKEW, "b", (-5, -1), {"a": "1/2"}),
+        (LEVELS, "m", None, {"a": "1/2", "b": "-3/2", "l": "1/3"}),
+    ],
+    ids=["rational", "column", "column-span", "symbolic"],
+)
+def test_what_is_put_together_on_the_way_leaves_no_trace(
+    map_: PiecewiseLinearMap, parameter: str, span: Any, sample: Any
+) -> None:
+    """Neither in the diagram of all orders, nor in what it asks of other parameters."""
+    whole = bifurcation_diagram(map_, parameter, span, range(1, 5), sample)
+    made = list[Diagram]()
+    again = bifurcation_diagram(map_, parameter, span, range(1, 5), sample, finished=made.append)
+    assert again is made[-1]
+    assert to_plain(again) == to_plain(whole)
+    for last, diagram in enumerate(made[:-1], start=1):
+        short = bifurcation_diagram(map_, parameter, span, range(1, last + 1), sample)
+        assert diagram.given == (*short.given, f"stopped after orders {_upto(last)}: interrupted")
+        assert to_plain(diagram.branches) == to_plain(short.branches)
+        assert to_plain(diagram.points) == to_plain(short.points)
+
+
+def test_copies_of_cells_and_their_axis_record_for_themselves() -> None:
+    def build(axis: Axis, cells: list[Cell]) -> bool:
+        before = axis.given, [dict(cell.study.oracle.signs) for cell in cells]
+        twin, copies = aside(axis, cells)
+        for cell in copies:
+            cell.study.oracle.multiplier((0, 1, 1, 1), -1)  # asks on which side of -1 a b^3 is
+        close(twin, copies)
+        assert len(twin.given) > len(axis.given)
+        return before == (axis.given, [cell.study.oracle.signs for cell in cells])
+
+    sample = {"a": "1/2", "b": "-3/2", "l": "1/3"}
+    assert with_cells(build, LEVELS, "m", (1, 2), (None, None), sample)
+
+
+def _upto(last: int) -> str:
+    return "1" if last == 1 else f"1..{last}"

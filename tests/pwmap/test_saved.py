@@ -19,7 +19,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 from same import differences
-from sympy import Rational, sqrt
+from sympy import Integer, Rational, sqrt
 from test_diagram import diagram as with_open_point
 
 from pwmap import (
@@ -34,6 +34,7 @@ from pwmap import (
     load_diagram,
     with_attractors,
 )
+from pwmap.algebra.rootfunctions import RealRootOf
 from pwmap.diagrams import formulas
 from pwmap.diagrams.tables import FILES, write_results
 
@@ -169,6 +170,7 @@ def test_every_double_and_text(values: list[float], at: float, note: str) -> Non
         Rational(-7, 3), sympy.oo, -sympy.oo, sympy.nan, sqrt(2),
         (1 + sqrt(5)) / 2, sympy.Mul(2, A + 1, evaluate=False), A**-2 * (R - 2) ** 3,
         sympy.CRootOf(X**5 - X - 1, 0), sympy.CRootOf(X**3 - 2, 0) + 1,
+        RealRootOf(A * R**3 + 1, R, Integer(0)), RealRootOf(R**5 - A * R - 1, R, Integer(2)) ** 2,
         sympy.Symbol("a", positive=True) + A, sympy.Interval.Lopen(A, sympy.oo),
         sympy.FiniteSet(1, sqrt(2)), sympy.Union(sympy.Interval(0, 1), sympy.Interval(2, 3)),
     ],
@@ -356,6 +358,8 @@ def test_versions_that_are_none_are_refused(version: object, tmp_path: Path) -> 
         (["CRootOf", [], ["Symbol", "t"], 0], "is no saved diagram"),
         (["CRootOf", "12", ["Symbol", "t"], 0], "is no saved diagram"),
         (["CRootOf"], "is no saved diagram"),
+        (["RealRootOf", ["Symbol", "a"], "2", 0], "a root by its symbol and number, got 2 and 0"),
+        (["RealRootOf", ["Symbol", "a"], ["Symbol", "b"]], "is no saved diagram"),
         (["Pow", "2"], "is no saved diagram"),
         (["Union", "2"], "is no saved diagram"),
     ],

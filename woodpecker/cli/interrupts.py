@@ -9,10 +9,13 @@ nothing of Python runs for many seconds: the process is ended by the system then
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
 AGAIN = 1.0  # s: until a request is repeated
+REQUESTS = signal.SIGINT, signal.SIGTERM
 
 _REPEATS = hasattr(signal, "setitimer")  # not on Windows
 
@@ -21,7 +24,7 @@ def listen() -> None:
     """Take requests to end, in a process that is a command's own."""
     from woodpecker.base import linking
 
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in REQUESTS:
         signal.signal(number, _interrupt)
     if _REPEATS:
         signal.signal(signal.SIGALRM, _interrupt)
@@ -38,3 +41,28 @@ def heard() -> None:
     """The request is heard: what follows takes the time that it takes."""
     if _REPEATS and signal.getsignal(signal.SIGALRM) is _interrupt:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Around what is short and must be whole, as files are: a request is taken behind it."""
+    if signal.getsignal(signal.SIGTERM) is not _interrupt:
+        yield
+        return
+    came = list[bool]()
+    for number in REQUESTS:
+        signal.signal(number, lambda *_: came.append(True))
+    try:
+        yield
+    finally:
+        for number in REQUESTS:
+            signal.signal(number, _interrupt)
+    if came:
+        raise KeyboardInterrupt
+
+
+def finished() -> None:
+    """All is there, and is about to be told: requests come too late."""
+    if signal.getsignal(signal.SIGTERM) is _interrupt:
+        for number in REQUESTS:
+            signal.signal(number, signal.SIG_IGN)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from pwmap.diagrams.files import PictureFormat, in_format
-from woodpecker.cli.interrupts import heard
+from pwmap.diagrams.files import PictureFormat, in_format, rows_as_text, write_whole
+from woodpecker.cli.interrupts import finished, heard, held
 from woodpecker.cli.options import (
     INTERRUPTED,
     Format,
@@ -25,6 +26,7 @@ from woodpecker.cli.options import (
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
     from rich.table import Table
 
     from woodpecker import ReturnMap
@@ -46,84 +48,94 @@ def draw_map(
     """Compute and draw the return map P_j with the diagonal and its jumps.
 
     The picture looks closer at steep places to tell jumps from flanks, and says how many it leaves
-    open. Ctrl-C keeps what there is.
+    open. Ctrl-C keeps the starts that are finished, as a table without the picture.
 
     Example: woodpecker map --eps-n1 0.125 --window -1.2 -0.4
     """
     import numpy as np
 
-    from pwmap.diagrams.files import write_figure
     from woodpecker.base.checks import interval
     from woodpecker.plot.curve import Link
-    from woodpecker.plot.figures import plot_curve
     from woodpecker.simulation.returns import checked_starts
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
     files = in_format(FILES, picture)
-    with results_in(out) as target:
-        found = _computed(toy, order, starts)
-        write_figure(
-            target / files[0], plot_curve(found.curve, order=order, returns=found.returns).figure
-        )
-        _write_table(found.returns, target / files[1])
+    with results_in(out) as target, progress() as bar:
+        found = _computed(toy, order, starts, bar)
+        curve = None
+        try:
+            with held():
+                write_whole(target / files[1], found.table.encode())
+            if not found.stopped:
+                curve = _drawn(toy, found.returns, order, target / files[0], bar)
+        except KeyboardInterrupt:  # the table is there
+            heard()
+        finished()
     console.print(_outcomes(found.returns))
-    if found.curve.between(Link.OPEN).size:
-        say(_left_out(found.curve, order))
-    report(target, *files)
-    if found.stopped:
-        kept = f"{len(found.returns.start)} of {points} starts are kept"
-        complain(f"Interrupted: {kept}, and the picture is as far as it was")
+    if curve is not None and curve.between(Link.OPEN).size:
+        say(_left_out(curve, order))
+    report(target, *(files[1:] if curve is None else files))
+    if curve is None:
+        complain(f"Interrupted: {len(found.returns)} of {points} starts are kept, as a table")
         raise typer.Exit(INTERRUPTED)
 
 
 class _Computed(NamedTuple):
-    """A return map, and whether Ctrl-C ended it."""
+    """A return map, the same as CSV, and whether Ctrl-C ended it."""
 
     returns: ReturnMap
-    curve: Curve
+    table: str
     stopped: bool
 
 
-def _computed(toy: Toy, order: int, starts: Floats) -> _Computed:
-    """The map at the starts, and its picture; after Ctrl-C as much as there is."""
-    from woodpecker import return_map
-    from woodpecker.plot.figures import curves
-    from woodpecker.simulation.returns import CHUNK, joined
+def _computed(toy: Toy, order: int, starts: Floats, bar: Bar) -> _Computed:
+    """The map at the starts, as many as are finished at Ctrl-C.
 
-    parts: list[ReturnMap] = []
-    curve, stopped = None, False
+    The table grows with it: a million rows take many seconds to become text, which nobody who
+    wants the command to end would wait for.
+    """
+    from woodpecker import return_map
+    from woodpecker.simulation.returns import chunk_of, joined
+
+    parts: list[tuple[ReturnMap, str]] = []
+    stopped, step = False, 4 * chunk_of(order)
     return_map(toy, starts[:1], order)  # compiled in this thread, which hears of signals
-    with progress() as bar:
-        task = bar.add_task(f"P_{order}", total=len(starts))
-        try:
-            for k in range(0, len(starts), 4 * CHUNK):
-                parts.append(return_map(toy, starts[k : k + 4 * CHUNK], order))
-                bar.advance(task, len(parts[-1].start))
-            bar.update(task, description="steep places", total=None)
-            for curve in curves(toy, joined(parts), order):
-                bar.update(task, description=f"steep places, {curve.evaluations} more starts")
-        except KeyboardInterrupt:
-            heard()
-            stopped = True
+    task = bar.add_task(f"P_{order}", total=len(starts))
+    try:
+        for k in range(0, len(starts), step):
+            part = return_map(toy, starts[k : k + step], order)
+            parts.append((part, rows_as_text(_rows(part))))
+            bar.advance(task, len(part))
+    except KeyboardInterrupt:
+        heard()
+        stopped = True
     if not parts:
         raise KeyboardInterrupt
-    returns = joined(parts)
-    if curve is None:
-        curve = next(curves(toy, returns, order))
-    return _Computed(returns, curve, stopped)
+    returns, texts = zip(*parts, strict=True)
+    return _Computed(joined(returns), "".join((rows_as_text([COLUMNS]), *texts)), stopped)
 
 
-def _write_table(returns: ReturnMap, path: Path) -> None:
-    """One row for each start."""
-    from pwmap.diagrams.files import write_table
+def _drawn(toy: Toy, returns: ReturnMap, order: int, path: Path, bar: Bar) -> Curve:
+    """Draw the picture, and give what it shows."""
+    from pwmap.diagrams.files import write_figure
+    from woodpecker.plot.figures import curves, plot_curve
 
+    task = bar.add_task("steep places", total=None)
+    for curve in curves(toy, returns, order):
+        bar.update(task, description=f"steep places, {curve.evaluations} more starts")
+    write_figure(path, plot_curve(curve, order=order, returns=returns).figure)
+    return curve
+
+
+def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
+    """One row of the table for each start."""
     names = [reason.name.lower() for reason in returns.status]
     numbers = (
         column.tolist()
         for column in (returns.start, returns.phi_s, returns.period, returns.drop, returns.slope)
     )
-    write_table(path, COLUMNS, zip(*numbers, names, returns.words, strict=True))
+    return zip(*numbers, names, returns.words, strict=True)
 
 
 def _outcomes(returns: ReturnMap) -> Table:

@@ -17,7 +17,7 @@ from rich.markup import escape
 from pwmap.cli_screen import bar_on, in_words, screen, tell_written
 from pwmap.diagrams.files import PictureFormat
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.interrupts import heard
+from woodpecker.cli.interrupts import finished, heard
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -174,6 +174,7 @@ def report(where: Path, *names: str) -> None:
     """
     from pwmap.diagrams.record import keep_record, record_of
 
+    finished()
     command, asked = _asked.get()
     gone = keep_record(where, command, names, asked)
     tell_written(console, where, (*names, record_of(command)), gone)

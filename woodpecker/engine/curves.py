@@ -202,8 +202,8 @@ class Arc:
     def _left(self) -> float:
         """How far the parameter is off as the end is only close to a border that is steep there.
 
-        A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it; twice that
-        of other roots.
+        A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it; twice
+        that of other roots.
         """
         if self.border is None:
             return 0.0
@@ -237,11 +237,6 @@ class TestFunction:
     value: Callable[[Sample], float]
     condition: Condition | None = None
     border: tuple[int, int] | None = None
-
-    @property
-    def is_bound(self) -> bool:
-        """Whether it is positive inside, and zero where a curve begins at it."""
-        return self.stop not in MULTIPLIERS
 
 
 class End(NamedTuple):
@@ -279,7 +274,6 @@ class Curve:
     settings: CurveSettings
     ignored: frozenset[tuple[int, int]] = frozenset()
     tests: tuple[Stop, ...] = MULTIPLIERS
-    parameters: int = 1
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
@@ -326,9 +320,9 @@ class Curve:
         return completed(found.orbit, last.orbit) if found.converged else None
 
     def _leaves(self, start: Sample) -> Stop | None:
-        """Whether a sample lies at the end of a span or of the window, and the curve leaves there."""
+        """Whether a sample lies at an end of span or window, and the curve leaves there."""
         orbit = start.orbit
-        columns, low, high, stops = self._limits(orbit.x.shape, orbit.outer is not None)
+        columns, low, high, stops = self._limits(orbit)
         at, along = orbit.unknowns[columns], start.tangent
         out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
         return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
@@ -387,7 +381,8 @@ class Curve:
             found = found or self.advance(last, step, before)
             turned = math.inf if found is None else _angle(last, found) / settings.max_turn
             if found is None or turned > 1.0:
-                step, grows, given_up = max(0.25, min(0.5, KEPT_TURN / turned)) * step, False, Stop.SHORT
+                step *= max(0.25, min(0.5, KEPT_TURN / turned))
+                grows, given_up = False, Stop.SHORT
                 continue
             try:
                 ends = self._ends(last, found, step, starts=len(samples) == 1)
@@ -422,9 +417,8 @@ class Curve:
 
     def _ends(self, a: Sample, b: Sample, step: float, *, starts: bool) -> list[End]:
         """What ends the arc between two samples, by distance; UnclearError if that is not clear."""
-        found = []
-        for test in (*self._borders(a, b, step), *self._bounds(a, b, step)):
-            found.append(self._bounded(a, b, step, test))
+        bounds = (*self._borders(a, b, step), *self._bounds(a, b, step))
+        found = [self._bounded(a, b, step, test) for test in bounds]
         found += self._multipliers(a, b, step, starts)
         found.sort(key=lambda end: end.distance)
         if found and not self._is_first(found[0]):
@@ -506,23 +500,23 @@ class Curve:
     def _bounds(self, a: Sample, b: Sample, step: float) -> Iterator[TestFunction]:
         """Ends of spans, of the window and of the share that are passed between two samples."""
         orbit = b.orbit
-        columns, low, high, stops = self._limits(orbit.x.shape, orbit.outer is not None)
+        columns, low, high, stops = self._limits(orbit)
         at = orbit.unknowns[columns]
         for k in np.flatnonzero((at < low) | (at > high)).tolist():
             column = int(columns[k])
             end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
-            yield TestFunction(stops[k], _inside(column, float(end), inward), Held(column, float(end)))
+            yield TestFunction(
+                stops[k], _inside(column, float(end), inward), Held(column, float(end))
+            )
 
-    def _limits(
-        self, shape: tuple[int, int], crosses: bool
-    ) -> tuple[Ints, Floats, Floats, list[Stop]]:
+    def _limits(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
-        (n, d), settings = shape, self.settings
+        (n, d), settings = orbit.x.shape, self.settings
         columns = [*range(n * d), *(n * d + each for each in self.problem.free)]
         ends = [*settings.window * n, *settings.spans]
         stops = [Stop.WINDOW] * (n * d) + [Stop.SPAN] * len(settings.spans)
-        if crosses:
-            columns.append(n * d + self.parameters)
+        if orbit.outer is not None:
+            columns.append(n * d + len(orbit.p))
             ends.append((0.0, 1.0))
             stops.append(Stop.SHARE)
         low, high = np.array(ends).T
@@ -549,15 +543,10 @@ class Curve:
             return End(0.0, test, a)
         if before < 0.0:
             raise UnclearError
-        return End(*self._position(a, step, test, before, after, b))
-
-    def _position(
-        self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample
-    ) -> tuple[float, TestFunction, Sample]:
         distance, sample = self._located(a, step, test, before, after, b)
         if test.border is not None and self.rate(sample, *test.border) > 0.0:
             raise UnclearError  # it has vanished before, and is back
-        return distance, test, sample
+        return End(distance, test, sample)
 
     @staticmethod
     def _is_at(a: Sample, test: TestFunction, value: float) -> bool:

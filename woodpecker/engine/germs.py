@@ -270,34 +270,56 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
     """All jump crossings between two paths, with neither a side nor a tangent yet."""
     problem = base.problem
     for one, other in combinations(all_, 2):
-        order = len(one.images)
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
         if problem.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
             continue
         if _steepness(one.images[head - 1]) > _steepness(other.images[head - 1]):
             one, other = other, one  # where a root ends at a jump, the other side locates it
-        border = shared(one.images[head - 1], other.images[head - 1], one.x[head - 1], p)
         way = (other.end - one.end) / problem.x_scale
         length = float(way @ way)
         share = float((x - one.end) / problem.x_scale @ way) / length if length > 0.0 else -1.0
-        if border is None or not (-SAME <= share <= 1.0 + SAME):
+        if not (-SAME <= share <= 1.0 + SAME):
             continue
         share = 0.0 if abs(share) <= SAME else 1.0 if abs(share - 1.0) <= SAME else share
         if not problem.same(one.end + share * (other.end - one.end), x, SAME):
             continue
-        inner, outer = (chained(path.images[head - 1 :]) for path in (one, other))
-        orbit = Orbit(one.x[:head], p, share, (*one.images[: head - 1], inner), outer)
-        rounds = order - head + 1  # of the chains, see `chained`
-        at_border = (head - 1, rounds * border[0][0])
-        ignored = frozenset(
-            (image, rounds * code)
-            for image, codes in zip((head - 1, head), border, strict=True)
-            for code in codes
-        )
-        crossing = problem.with_(OnBorder(*at_border))
-        curve = replace(base, problem=crossing, ignored=ignored)
-        yield Beginning(order, curve, Sample(orbit, np.empty(0)))
+        sides = one.images[head - 1 :], other.images[head - 1 :]
+        found = joined(base, one.images[: head - 1], sides, one.x[:head], p, share)
+        if found is not None:
+            yield found
+
+
+def joined(
+    base: Curve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
+    x: Floats, p: Floats, share: float,
+) -> Beginning | None:  # fmt: skip
+    """The jump crossing between two limits, with no tangent yet; None if no border parts them.
+
+    Parameters
+    ----------
+    base
+        Curves of cycles: the map, scales, how they are followed.
+    heads
+        The images of its points before the border.
+    limits
+        Those that lead to its limits, in turn: of the border point first, as many of both.
+    x, p, share
+        (n, d) its points, parameters, and the share of the second limit.
+    """
+    border = shared(limits[0][0], limits[1][0], x[-1], p)
+    if border is None:
+        return None
+    inner, outer = map(chained, limits)
+    last, rounds = len(heads), len(limits[0])  # rounds count in codes of chains, see `chained`
+    ignored = frozenset(
+        (last + k, rounds * code) for k, codes in enumerate(border) for code in codes
+    )
+    curve = replace(
+        base, problem=base.problem.with_(OnBorder(last, rounds * border[0][0])), ignored=ignored
+    )
+    orbit = Orbit(x, p, share, (*heads, inner), outer)
+    return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
 
 def _steepness(image: Image) -> float:

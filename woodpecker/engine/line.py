@@ -7,28 +7,84 @@ itself: which distance it was proposed at does not matter then.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Image
-from woodpecker.piecewise import pieces
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.engine.maps import ACCUMULATE, Image
 
 DISTANCES = (2.0**-22, 2.0**-28, 2.0**-34, 2.0**-40, 2.0**-16, 2.0**-10)  # scaled, of proposals
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
 ROOT = 4.0  # times steeper at that distance: a square root
-ACCUMULATE = "borders accumulate"
+NEAREST = min(DISTANCES)
+
+
+class Imaged(Protocol):
+    """What a piece of a map of the line makes of a point, see :class:`woodpecker.Image`."""
+
+    @property
+    def value(self) -> float:
+        """P(x, p)."""
+
+    @property
+    def slope(self) -> float:
+        """dP/dx."""
+
+    @property
+    def d_parameter(self) -> float:
+        """dP/dp."""
+
+    @property
+    def margins(self) -> Floats:
+        """(m,) positive where the map takes the piece."""
+
+    @property
+    def gradients(self) -> Floats:
+        """(m, 2) their derivatives in x and p."""
+
+    @property
+    def causes(self) -> Ints:
+        """(m,) ascending codes that tell the margins apart."""
+
+    @property
+    def piece(self) -> PieceOfLine:
+        """The piece."""
+
+    @property
+    def reason(self) -> str:
+        """Why there is no value; empty if there is one."""
+
+
+class OfLine(Protocol):
+    """A map of the line with one parameter, see :class:`woodpecker.PiecewiseMap`."""
+
+    def at(self, x: float, p: float) -> Imaged:
+        """The image of a point under the piece that the map takes there."""
+
+
+class PieceOfLine(OfLine, Protocol):
+    """A piece of one, see :class:`woodpecker.Piece`."""
+
+    @property
+    def key(self) -> Hashable:
+        """The same for two pieces just if they are one."""
+
+    @property
+    def word(self) -> str:
+        """Its name for people."""
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
 
 
 class LinePiece(NamedTuple):
     """A piece of a map of the line as one of R^1."""
 
-    own: pieces.Piece
+    own: PieceOfLine
 
     @property
     def key(self) -> Hashable:
@@ -60,7 +116,7 @@ class LineMap(NamedTuple):
         Lengths that count as 1.
     """
 
-    own: pieces.PiecewiseMap
+    own: OfLine
     x_scale: float = 1.0
     p_scale: float = 1.0
 
@@ -71,26 +127,28 @@ class LineMap(NamedTuple):
     def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
         """The image of a point under the piece that the map takes infinitesimally beside it.
 
-        If no proposal is accepted, as where pieces accumulate, the image says so in its reason.
+        If no proposal is accepted the image has a reason: the map has no value right beside the
+        point, or its pieces accumulate there.
         """
         scale = np.array([self.x_scale, self.p_scale])
-        unit = direction / np.abs(direction / scale).max()
-        seen, lost, around = set[Hashable](), "", None
+        length = float(np.abs(direction / scale).max())
+        if length == 0.0:
+            return replace(self.at(x, p), reason=ACCUMULATE)
+        unit, seen = direction / length, set[Hashable]()
+        lost, around = "", None
         for distance in DISTANCES:
             proposal = self.at(x + distance * unit[:1], p + distance * unit[1:])
-            if proposal.reason:
-                lost = lost or proposal.reason
-                continue
-            if lost and not seen and distance < DISTANCES[0]:
-                lost = ""
-            if proposal.piece.key in seen:
+            if distance == NEAREST:
+                lost = proposal.reason
+            if proposal.reason or proposal.piece.key in seen:
                 continue
             seen.add(proposal.piece.key)
             image = limit(proposal, x, p, unit)
-            if image.begins_along(x, p, unit):
-                if image.tied(x, p).any():
-                    return image
-                around = around or image  # its border is elsewhere: a thinner piece may begin here
+            if image.reason or not image.begins_along(x, p, unit):
+                continue
+            if image.tied(x, p).any():
+                return image
+            around = around or image  # its border is elsewhere: a thinner piece may begin here
         return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
 
 
@@ -109,7 +167,9 @@ def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
     closer = near.piece.at(x + away[:1], p + away[1:])
     if closer.reason:
         return closer
-    rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(1.0, float(np.abs(near.jacobian).max()))
+    rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(
+        1.0, float(np.abs(near.jacobian).max())
+    )
     along = closer.jacobian @ away
     value = closer.value - (2.0 * along if rooted else along)
     return replace(
@@ -123,7 +183,7 @@ def _alike(one: Floats, other: Floats, within: float) -> bool:
     return bool(np.abs(one - other).max() <= within * size)
 
 
-def _image(own: pieces.Image) -> Image:
+def _image(own: Imaged) -> Image:
     return Image(
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
         own.gradients, own.causes, LinePiece(own.piece), own.reason,

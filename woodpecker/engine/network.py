@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import chain, pairwise
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,23 +19,16 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import MULTIPLIERS, Arc, Curve, CurveSettings, Sample, Stop
-from woodpecker.engine.germs import (
-    Beginning,
-    beginnings,
-    cycle_at_limit,
-    cycle_through,
-    judged,
-    once,
-)
+from woodpecker.engine.curves import Curve, CurveSettings, Sample, Stop
+from woodpecker.engine.germs import Beginning, beginnings, judged, once
 from woodpecker.engine.maps import PiecewiseMap
-from woodpecker.engine.newton import Problem, cycles, other_direction, solve
+from woodpecker.engine.newton import Problem, cycles, directions, other_direction, solve
 from woodpecker.engine.orbits import Held, Orbit, orbit_of
+from woodpecker.engine.tracing import APART, Arrival, Trace, beside, trace
 
+MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
 NODE = 1e-7  # scaled: special points closer than this are one
-AWAY = 2.0**-10  # scaled: so far from a branch point another branch is looked for
 ALONG = 0.9  # cosine of the angle within which two curves leave a point the same way
-MOST_ARCS = 1000  # of one branch
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,42 +172,6 @@ class Node:
     waiting: list[Beginning] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Trace:
-    """A branch from its beginning to a special point.
-
-    Attributes
-    ----------
-    begin
-        What it is a curve of.
-    arcs
-        Its arcs; all but the last end at borders where only the word changes.
-    end
-        The special point.
-    """
-
-    begin: Beginning
-    arcs: tuple[Arc, ...]
-    end: Node
-
-    @property
-    def samples(self) -> list[Sample]:
-        """Those of all arcs; one at a border has the pieces before it."""
-        before = () if self.begin.before is None else (self.begin.before,)
-        later = (arc.samples[1:] for arc in self.arcs[1:])
-        return [*before, *self.arcs[0].samples, *chain.from_iterable(later)]
-
-    @property
-    def words(self) -> list[Stretch]:
-        """Where its words begin, with what happens there."""
-        found = [Stretch(0, self.begin.sample.orbit.word)]
-        first = len(self.arcs[0].samples) + (self.begin.before is not None)
-        for before, arc in pairwise(self.arcs):
-            found.append(Stretch(first, arc.samples[0].orbit.word, _cause(before)))
-            first += len(arc.samples) - 1
-        return found
-
-
 class Network:
     """What has been found: special points, branches, and what is left to follow."""
 
@@ -223,7 +179,7 @@ class Network:
         self.base, self.map, self.problem, self.orders = base, base.map, base.problem, orders
         self.max_branches = max_branches
         self.nodes: list[Node] = []
-        self.branches: list[tuple[Trace, Node]] = []  # each with the point where it begins
+        self.branches: list[tuple[Trace, Node, Node]] = []  # with the points where they begin, end
         self.todo: deque[tuple[Node, Beginning]] = deque()
 
     def explore(self, start: Orbit) -> None:
@@ -232,128 +188,99 @@ class Network:
         It is followed one way to a special point, and from there as any other.
         """
         first = self.base.start(start)
-        ahead = self._trace(Beginning(len(start.x), self.base, first))
-        if ahead.arcs[-1].stop is Stop.CLOSED:
-            self.branches.append((ahead, ahead.end))
+        ahead = trace(Beginning(len(start.x), self.base, first), self.orders)
+        end = self._arrive(ahead)
+        if ahead.stop is Stop.CLOSED:
+            self.branches.append((ahead, end, end))
             return
-        last = ahead.arcs[-1].samples[-1]  # from there it is followed the whole way back
-        back = Beginning(len(start.x), self.base, Sample(last.orbit, -last.tangent))
-        ahead.end.waiting.insert(0, back)
-        self.todo.appendleft((ahead.end, back))
+        last = ahead.samples[-1]  # from there it is followed the whole way back
+        back = Beginning(len(start.x), ahead.curve, Sample(last.orbit, -last.tangent))
+        end.waiting.insert(0, back)
+        self.todo.appendleft((end, back))
         while self.todo and len(self.branches) < self.max_branches:
             node, begin = self.todo.popleft()
             if begin in node.waiting:  # else a branch has arrived along it
                 node.waiting.remove(begin)
-                self.branches.append((self._trace(begin), node))
-
-    def _trace(self, begin: Beginning) -> Trace:
-        """Follow a curve to a special point, through borders where only its word changes."""
-        arcs, at = list[Arc](), begin
-        for _ in range(MOST_ARCS):
-            arcs.append(at.curve.follow(at.sample))
-            onward = self._onward(at, arcs[-1])
-            if onward is None:
-                break
-            at = onward
-        return Trace(begin, tuple(arcs), self._arrive(at, arcs[-1]))
+                found = trace(begin, self.orders)
+                self.branches.append((found, node, self._arrive(found)))
 
     # --- Ends of branches -------------------------------------------------------------------------
 
-    def _onward(self, begin: Beginning, arc: Arc) -> Beginning | None:
-        """How a crossing goes on where another point of its orbit meets a border.
-
-        It does if just one crossing of its order starts there besides that which has arrived, and
-        no cycle goes through that point.
-        """
-        if arc.stop is not Stop.BORDER or not begin.is_crossing or self._cycle(arc) is not None:
-            return None
-        orbit = arc.samples[-1].orbit
-        starts = beginnings(self.base, orbit.x[:1], orbit.p, (begin.order,))
-        others = [each for each in starts if each.key != _key_at_end(begin, arc)]
-        return others[0] if len(others) == 1 else None
-
-    def _cycle(self, arc: Arc) -> Orbit | None:
-        """The cycle that meets a border where an arc ends, run through once."""
-        orbit = arc.samples[-1].orbit
-        if orbit.outer is None:
-            return once(orbit, self.problem)
-        if arc.stop is Stop.SHARE:
-            return cycle_at_limit(orbit, self.problem)
-        return cycle_through(self.map, orbit.x[0], orbit.p, self.orders, self.problem)
-
-    def _arrive(self, begin: Beginning, arc: Arc) -> Node:
-        """The point where an arc ends; what else starts there is left to follow."""
-        if arc.stop in MULTIPLIERS:
-            return self._at_multiplier(begin, arc)
-        cycle = self._cycle(arc) if arc.stop in (Stop.SHARE, Stop.BORDER) else None
-        if cycle is not None:
-            return self._at_border(begin, arc, cycle)
-        note, is_open = arc.stop.value, arc.stop.is_open
-        if arc.stop is Stop.BORDER:
-            note, is_open = "two borders at once", True
+    def _arrive(self, found: Trace) -> Node:
+        """The point where a branch ends; what else starts there is left to follow."""
+        arrival = found.arrival
+        if arrival.collides:
+            return self._at_border(found, arrival)
+        if arrival.kind in MULTIPLIERS:
+            return self._at_multiplier(found, arrival)
         node = Node(
-            PointKind.EP, arc.samples[-1].orbit, begin.order, note, _cause(arc), arc.precision,
-            PointStatus.OPEN if is_open else PointStatus.LOCATED,
+            arrival.kind, arrival.orbit, found.begin.order, arrival.note, arrival.cause,
+            arrival.precision, arrival.status,
         )  # fmt: skip
         self.nodes.append(node)
         return node
 
-    def _at_border(self, begin: Beginning, arc: Arc, cycle: Orbit) -> Node:
-        """The border collision of a cycle, where an arc ends."""
+    def _at_border(self, found: Trace, arrival: Arrival) -> Node:
+        """The border collision of a cycle, where a branch ends."""
+        cycle = arrival.orbit
         node, order = self._known(cycle, PointKind.BC), len(cycle.x)
         if node is None:
             wanted = sorted({*self.orders, order, 2 * order})
-            starts = beginnings(self.base, cycle.x, cycle.p, wanted)
+            starts = tuple(beginnings(self.base, cycle.x, cycle.p, wanted))
             node = Node(
-                PointKind.BC, cycle, order, cause=_cause(arc), precision=arc.precision,
-                starts=tuple(starts),
+                PointKind.BC, cycle, order, cause=arrival.cause, precision=arrival.precision,
+                starts=starts, waiting=[each for each in starts if each.order in self.orders],
             )  # fmt: skip
-            node.waiting = [each for each in node.starts if each.order in self.orders]
             self.nodes.append(node)
             self.todo += [(node, each) for each in node.waiting]
-        arrived = _key_at_end(begin, arc)
+        arrived = found.arrived.key
         node.waiting = [each for each in node.waiting if each.key != arrived]
         return node
 
-    def _at_multiplier(self, begin: Beginning, arc: Arc) -> Node:
+    def _at_multiplier(self, found: Trace, arrival: Arrival) -> Node:
         """A fold, a flip, a pair on the unit circle, a branch point: the curve goes on there."""
-        sample, curve, order = arc.samples[-1], begin.curve, begin.order
-        single = sample.orbit if begin.is_crossing else once(sample.orbit, self.problem)
-        halved = len(single.x) < len(sample.orbit.x)  # cycles of twice the period come to its flip
-        kind = PointKind.PD if halved else PointKind[arc.stop.name]
-        node = self._known(single, kind)
+        begin, last = found.begin, found.samples[-1]
+        single = last.orbit if begin.is_crossing else once(last.orbit, self.problem)
+        halved = len(single.x) < len(last.orbit.x)
+        node = self._known(single, arrival.kind)
         if node is not None:
-            node.waiting = [each for each in node.waiting if not _is_back(each, arc)]
+            node.waiting = [each for each in node.waiting if not _is_back(each, last)]
             return node
-        node = Node(kind, single, len(single.x) if halved else order, precision=arc.precision)
+        node = Node(
+            arrival.kind, single, len(single.x) if halved else begin.order, cause=arrival.cause,
+            precision=arrival.precision,
+        )  # fmt: skip
         self.nodes.append(node)
-        if not halved and arc.beyond is not None:
-            node.waiting.append(Beginning(order, curve, arc.beyond, sample))
-        for wanted, start in self._others(begin, arc, single, halved):
-            found = curve.advance(start, AWAY) if wanted in self.orders else None
-            if found is not None:
-                node.waiting.append(Beginning(wanted, curve, found, start))
+        if arrival.onward is not None:
+            node.waiting.append(arrival.onward)
+        for wanted, start in self._others(found, arrival, single, halved):
+            there = beside(Beginning(wanted, found.curve, start), APART)
+            if wanted in self.orders and there.before is not None:
+                node.waiting.append(there)
         self.todo += [(node, each) for each in node.waiting]
         return node
 
     @staticmethod
     def _others(
-        begin: Beginning, arc: Arc, single: Orbit, halved: bool
+        found: Trace, arrival: Arrival, single: Orbit, halved: bool
     ) -> list[tuple[int, Sample]]:
         """Other curves through a point where a multiplier is 1 or -1: orders, and which way."""
-        sample, curve = arc.samples[-1], begin.curve
-        orbit, order, size = sample.orbit, begin.order, sample.orbit.x.size
+        sample, curve, order = found.samples[-1], found.curve, found.begin.order
+        orbit, size = sample.orbit, sample.orbit.x.size
         if halved:
             along = curve.start(single).tangent
             return [(len(single.x), Sample(single, sign * along)) for sign in (1.0, -1.0)]
-        if arc.stop is Stop.PD and not begin.is_crossing:
+        if arrival.kind is PointKind.PD and not found.begin.is_crossing:
             pieces = [image.piece for image in orbit.images] * 2
             twice = orbit_of(pieces, np.tile(orbit.x, (2, 1)), orbit.p)
             along = np.append(np.tile(sample.tangent[:size], 2), sample.tangent[size:])
-            return [(2 * order, Sample(twice, other_direction(curve.problem, twice, along)))]
-        if arc.stop is Stop.BP:
-            across = other_direction(curve.problem, orbit, sample.tangent)
-            return [(order, Sample(orbit, sign * across)) for sign in (1.0, -1.0)]
+            way = other_direction(curve.problem, twice, along)
+            return [] if way is None else [(2 * order, Sample(twice, way))]
+        if arrival.kind is PointKind.BP:
+            ways = directions(curve.problem, orbit)
+            across = min(ways, key=lambda way: abs(float(way @ sample.tangent)), default=None)
+            if across is not None:
+                return [(order, Sample(orbit, sign * across)) for sign in (1.0, -1.0)]
         return []
 
     def _known(self, cycle: Orbit, kind: PointKind) -> Node | None:
@@ -373,20 +300,20 @@ class Network:
         places: list[_Place] = []
         branches: list[Branch] = []
         letters: Counter[str] = Counter()
-        for trace, first in self.branches:
-            samples = trace.samples
-            for column in range(1 if trace.begin.is_crossing else trace.begin.order):
-                letter = "J" if trace.begin.is_crossing else "F"
+        for found, first, last in self.branches:
+            samples = found.samples
+            for column in range(1 if found.begin.is_crossing else found.begin.order):
+                letter = "J" if found.begin.is_crossing else "F"
                 letters[letter] += 1
                 name = f"{letter}{letters[letter]}"
                 ends = [
                     self._place(places, node, sample.orbit.x[column])
-                    for node, sample in ((first, samples[0]), (trace.end, samples[-1]))
+                    for node, sample in ((first, samples[0]), (last, samples[-1]))
                 ]
                 for end in ends:
                     end.branches.append(name)
                 ids = ends[0].id, ends[1].id
-                branches.append(self._branch(name, trace, ids, column, names))
+                branches.append(self._branch(name, found, ids, column, names))
         diagram = Diagram(
             parameter_name=names[0], x_name=names[1], branches=tuple(branches),
             points=tuple(self._point(place) for place in places),
@@ -398,7 +325,11 @@ class Network:
         for each in places:
             if each.node is node and self.problem.same(each.x, x, NODE):
                 return each
-        kind, note = (node.kind, node.note) if not node.starts else judged(node.starts, node.order, x, self.problem)
+        kind, note = (
+            (node.kind, node.note)
+            if not node.starts
+            else judged(node.starts, node.order, x, self.problem)
+        )
         count = sum(each.kind is kind for each in places) + 1
         places.append(_Place(node, x, kind, note, f"{kind.value}{count}"))
         return places[-1]
@@ -417,15 +348,15 @@ class Network:
         )  # fmt: skip
 
     def _branch(
-        self, name: str, trace: Trace, ends: tuple[str, str], column: int, names: Sequence[str]
+        self, name: str, found: Trace, ends: tuple[str, str], column: int, names: Sequence[str]
     ) -> Branch:
-        begin, orbits = trace.begin, [sample.orbit for sample in trace.samples]
+        begin, orbits = found.begin, [sample.orbit for sample in found.samples]
         at = np.array([orbit.x[column] for orbit in orbits])
         multiplier = np.full(len(orbits), np.nan)
         if not begin.is_crossing:
             largest = [orbit.multipliers()[0] for orbit in orbits]
             multiplier = np.array([abs(m) if m.imag else m.real for m in largest])
-        words = trace.words
+        words = _words(found)
         return Branch(
             id=name, kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
             order=begin.order, word=words[0].word, words=tuple(words), multiplier=multiplier,
@@ -447,22 +378,19 @@ class _Place:
     branches: list[str] = field(default_factory=list)
 
 
-def _key_at_end(begin: Beginning, arc: Arc) -> object:
-    """What tells a curve that has come to a point from others that start there."""
-    return replace(begin, sample=arc.samples[-1]).key
+def _words(found: Trace) -> list[Stretch]:
+    """Where the words of a branch begin, with what happens there; a border has those before it."""
+    stretches = [Stretch(0, found.begin.sample.orbit.word)]
+    for change in found.changes:
+        first = change.sample + 1
+        if first < len(found.samples):
+            stretches.append(Stretch(first, found.samples[first].orbit.word, change.cause))
+    return stretches
 
 
-def _cause(arc: Arc) -> str:
-    """What happens where an arc ends at a border; empty if it ends elsewhere."""
-    if arc.stop not in (Stop.BORDER, Stop.SHARE):
-        return ""
-    image, code = arc.border or min(arc.curve.ignored)
-    return arc.samples[-1].orbit.taken[image].piece.cause(code)
-
-
-def _is_back(begin: Beginning, arc: Arc) -> bool:
-    """Whether a curve that starts at a point is the one that an arc has come along."""
-    if begin.before is None or begin.sample.orbit.x.shape != arc.samples[-1].orbit.x.shape:
+def _is_back(begin: Beginning, last: Sample) -> bool:
+    """Whether a curve that starts at a point is the one that a branch has come along."""
+    if begin.before is None or begin.sample.orbit.x.shape != last.orbit.x.shape:
         return False
     away = begin.curve.problem.step_between(begin.before.orbit, begin.sample.orbit)
-    return float(away @ arc.samples[-1].tangent) < -ALONG * float(np.linalg.norm(away))
+    return float(away @ last.tangent) < -ALONG * float(np.linalg.norm(away))

@@ -288,9 +288,7 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     return problem.moved(near, found.x[:columns])
 
 
-def _noise(
-    problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROUNDED
-) -> Floats:
+def _noise(problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROUNDED) -> Floats:
     """What rounding may leave of the residuals."""
     unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
     unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)

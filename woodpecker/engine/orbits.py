@@ -279,18 +279,14 @@ def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
     (n, d), k = orbit.x.shape, len(orbit.p)
     at = orbit.unknowns
     at[column] = value
-    return replace(
-        orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1])
-    )
+    return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
 
 def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
     """Other points under the pieces of an orbit."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
-    images = [
-        image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)
-    ]
+    images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
     if orbit.outer is None:
         return Orbit(x, p, share, tuple(images))
     images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
@@ -326,7 +322,7 @@ def completed(head: Orbit, crossing: Orbit) -> Orbit:
 
 
 def _inside(before: Image, image: Image, orbit: Orbit, x: Floats, p: Floats) -> Image:
-    """An image of a border point; just inside of a piece if it has no value or slopes right there."""
+    """An image of a border point; from just inside if its piece has no value or slopes there."""
     if not image.reason and np.isfinite(image.jacobian).all():
         return image
     codes = np.flatnonzero(before.tied(orbit.x[-1], orbit.p))

@@ -14,34 +14,32 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Curve, Halt, Sample, Stop
 from woodpecker.engine.germs import (
     SAME,
+    TILT,
     Beginning,
     beginnings,
     crossings_at,
-    lost_beyond,
-    shared,
-    TILT,
     cycle_at_limit,
     cycle_through,
     is_inside,
+    joined,
+    lost_beyond,
     once,
 )
-from woodpecker.engine.maps import Image, chained, links
+from woodpecker.engine.maps import ACCUMULATE, Image, links
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Chained, Held, Multiplier, OnBorder, Orbit
 
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = (2.0**-20, 2.0**-24, 2.0**-28, 2.0**-34, 2.0**-40)  # scaled: where the first sample beyond a point is looked for
+BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40))  # scaled: where a first sample is looked for
 APART = tuple(2.0**-n for n in range(8, 21, 2))  # the same where curves cross, which part slowly
 PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
+NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 AGAIN = 1e-4  # scaled: first step beyond a border at least
 MOST_ARCS = 2000  # of one branch
-LOWER = "a cycle of a multiple period ends on one of smaller period"
-NOTHING = "no branch beyond a border"
-ACCUMULATE = "borders accumulate"
 LIMIT_LOST = "a limit of the jump is lost"
 
 
@@ -109,6 +107,8 @@ class Trace:
         The special point.
     stop
         What ended it.
+    arrived
+        Its last part, as something that starts at its end.
     """
 
     begin: Beginning
@@ -116,10 +116,27 @@ class Trace:
     changes: tuple[Change, ...]
     arrival: Arrival
     stop: Stop
+    arrived: Beginning
+
+    @property
+    def curve(self) -> Curve:
+        """What the last part of it is a curve of."""
+        return self.arrived.curve
 
 
-def trace(begin: Beginning, halt: Halt | None = None) -> Trace:
-    """Follow a curve to a special point, through borders where only its word changes."""
+def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> Trace:
+    """Follow a curve to a special point, through borders where only its word changes.
+
+    Parameters
+    ----------
+    begin
+        Where it begins.
+    orders
+        Periods of the cycles that are wanted: a jump crossing ends where one of them meets its
+        border, and passes by others.
+    halt
+        What else ends it.
+    """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
     changes, at, step = list[Change](), begin, math.inf
@@ -128,25 +145,30 @@ def trace(begin: Beginning, halt: Halt | None = None) -> Trace:
         step = max(arc.step, AGAIN)
         arc, outer = _settled(arc)
         samples += arc.samples[1:]
-        passed = _met(at, arc, outer)
+        passed = _met(at, arc, outer, orders)
         if isinstance(passed, Arrival):
-            return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop)
+            break
         at, cause, smooth = passed
         changes.append(Change(len(samples) - 1, cause, smooth))
         if at.before is not None:
             samples.append(at.sample)
-    end = _given_up(at, arc)
-    return Trace(begin, tuple(samples), tuple(changes), end, Stop.MANY)
+    else:
+        arc = replace(arc, stop=Stop.MANY, condition=None)
+        passed = _given_up(at, arc)
+    arrived = replace(at, sample=samples[-1], before=None)
+    return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
 
 
-def _met(begin: Beginning, arc: Arc, outer: Image | None) -> Arrival | Onward:
+def _met(
+    begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int]
+) -> Arrival | Onward:
     """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
         return _at_multiplier(begin, arc)
     if outer is not None:
         return _at_border(begin, arc, outer)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
-        return _at_crossing(begin, arc)
+        return _at_crossing(begin, arc, orders)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return _passed_over(begin, arc, ACCUMULATE) or _given_up(begin, arc)
     return _given_up(begin, arc)
@@ -198,11 +220,12 @@ def _settled(arc: Arc) -> tuple[Arc, Image | None]:
 
 
 def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
+    """What cycles come to at a border, with what the map takes beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = _cause(arc)
     cycle = once(orbit, curve.problem)
-    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):
-        return Arrival(PointKind.BC, orbit, LOWER, cause, arc.precision)
+    if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # it was born there
+        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
     if outer.reason:
@@ -220,21 +243,23 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         sample = curve.start(replace(orbit, images=images), arc.samples[-1].tangent)
         if is_inside(curve, sample):
             return Beginning(begin.order, curve, sample), cause, True
-    others = [
-        each
-        for each in beginnings(curve, orbit.x[:1], orbit.p, (begin.order,))
-        if each.key != replace(begin, sample=arc.samples[-1]).key
-    ]
+    arrived = replace(begin, sample=arc.samples[-1]).key
+    wanted = [begin.order]
+    if orbit.x.shape[1] > 1:  # in R^1 cycles double just where the others change their stability
+        wanted.append(2 * begin.order)
+    starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
+    others = [each for each in starts if each.order == begin.order and each.key != arrived]
     if not others:
         return _passed_over(begin, arc, cause) or collision
     if len(others) > 1 or others[0].is_crossing:
         return collision
-    there = others[0]
+    there, doubles = others[0], any(each.order > begin.order for each in starts)
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
     before, after = (each.orbit.monodromy() for each in (arc.samples[-1], there.sample))
-    if folds or _changes_stability(before, after):
+    if folds or doubles or _changes_stability(before, after):
         return replace(
-            collision, note="fold" if folds else "persistence",
+            collision,
+            note="fold" if folds else "persistence",
             onward=beside(there),
         )
     return there, cause, smooth
@@ -321,7 +346,7 @@ def _at_nearest(arc: Arc) -> Arc:
         for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
             if (i, code) not in arc.curve.ignored and slope > 0.0:
                 best = min(best, (abs(float(margin / slope)), (i, code)))
-    if best[0] > 1e-9:
+    if best[0] > NEAR:
         return arc
     return replace(arc, stop=Stop.BORDER, border=best[1], condition=OnBorder(*best[1]))
 
@@ -342,7 +367,9 @@ def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | N
         return None
     for away in PASSED:
         p = end.orbit.p.copy()
-        p[column] = min(max(p[column] + math.copysign(away, rate) * problem.p_scale[column], low), high)
+        p[column] = min(
+            max(p[column] + math.copysign(away, rate) * problem.p_scale[column], low), high
+        )
         if p[column] == end.orbit.p[column]:
             return None
         along = (p[column] - end.orbit.p[column]) / problem.p_scale[column] / rate
@@ -357,8 +384,10 @@ def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | N
         if not found.converged or not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
             continue
         sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
-        if all(curve.map.at(point, p).piece.key == image.piece.key
-               for point, image in zip(found.orbit.x, found.orbit.images, strict=True)):
+        if all(
+            curve.map.at(point, p).piece.key == image.piece.key
+            for point, image in zip(found.orbit.x, found.orbit.images, strict=True)
+        ):
             return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None
 
@@ -389,11 +418,13 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
     if rate == 0.0:
         return None
     head = replace(end.orbit, outer=None, share=0.0)
-    base = replace(curve, problem=replace(problem, conditions=(Closed(),)), ignored=frozenset())
+    base = _of_cycles(curve)
     low, high = curve.settings.spans[0]
     for away in PASSED:
         to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
-        held = Held(size + len(end.orbit.p) * 0 + column, min(max(to, low), high))
+        if min(max(to, low), high) == end.orbit.p[column]:
+            return None
+        held = Held(size + column, min(max(to, low), high))
         border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
         found = solve(border, head)
         if not found.converged:
@@ -416,7 +447,7 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
 # --- Crossings ------------------------------------------------------------------------------------
 
 
-def _at_crossing(begin: Beginning, arc: Arc) -> Arrival | Onward:
+def _at_crossing(begin: Beginning, arc: Arc, orders: Sequence[int]) -> Arrival | Onward:
     """Where a jump crossing closes as a cycle, or another of its points meets a border."""
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, _cause(arc)
     if arc.stop is Stop.SHARE:
@@ -425,17 +456,21 @@ def _at_crossing(begin: Beginning, arc: Arc) -> Arrival | Onward:
     beyond = _one_side_beyond(begin, arc)
     if beyond is not None:
         return beyond, cause, True
-    orders = tuple(n for n in range(1, begin.order + 1) if begin.order % n == 0)
-    base = replace(curve, problem=replace(curve.problem, conditions=curve.problem.conditions[:1]), ignored=frozenset())
-    cycle = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
-    if cycle is not None:
-        return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
-    starts = beginnings(base, orbit.x[:1], orbit.p, (begin.order,))
+    through = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
+    if through is not None:
+        return Arrival(PointKind.BC, through, "", cause, arc.precision, collides=True)
+    starts = beginnings(_of_cycles(curve), orbit.x[:1], orbit.p, (begin.order,))
     arrived = replace(begin, sample=arc.samples[-1]).key
     others = [each for each in starts if each.is_crossing and each.key != arrived]
     if len(others) == 1:
         return others[0], cause, True
     return _crossing_beyond(begin, arc, cause) or _given_up(begin, arc, "the jump ends", cause)
+
+
+def _of_cycles(curve: Curve) -> Curve:
+    """Curves of cycles, of the map whose jump crossings a curve is of."""
+    problem = replace(curve.problem, conditions=curve.problem.conditions[:1])
+    return replace(curve, problem=problem, ignored=frozenset())
 
 
 def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
@@ -444,48 +479,47 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
     None unless the limit is continuous there, and the crossing goes on.
     """
     sample, curve = arc.samples[-1], begin.curve
-    orbit, (i, code) = sample.orbit, arc.border or (0, 0)
+    orbit, (i, code) = sample.orbit, arc.border or (-1, 0)
     last = len(orbit.x) - 1
     if i < last:
         return None
-    images = list(links(orbit.taken[i], orbit.x[last], orbit.p))
-    at, own = code % len(images), code // len(images)
-    way = curve.motion(sample, last)
-    d = orbit.x.shape[1]
-    point = orbit.x[last]
-    for image in images[:at]:
+    x, p = orbit.x[last], orbit.p
+    limits = [list(links(image, x, p)) for image in orbit.taken[last:]]
+    own = limits[i - last]
+    at = code % len(own)
+    point, way = _arriving(curve, sample, own[:at])
+    if at == 0:  # on this side of the jump
+        inward = own[0].gradients[own[0].place(_border_code(curve, i, len(own)))]
+        way = way / np.linalg.norm(way) + TILT * inward / np.linalg.norm(inward)
+    other = curve.map.beside(point, p, way)
+    if other.reason or not curve.problem.same(other.value, own[at].value, SAME):
+        return None
+    own[at] = other
+    there = joined(
+        _of_cycles(curve), orbit.images[:last], (limits[0], limits[1]), orbit.x, p, orbit.share
+    )
+    if there is None:
+        return None
+    start = there.curve.start(there.sample.orbit, sample.tangent)
+    if not np.isfinite(start.tangent).all() or not is_inside(there.curve, start):
+        return None
+    return replace(there, sample=start)
+
+
+def _arriving(curve: Curve, sample: Sample, before: Sequence[Image]) -> tuple[Floats, Floats]:
+    """Where the orbit of a limit comes to after some images, and how that moves (d + k,)."""
+    orbit = sample.orbit
+    point, d = orbit.x[-1], orbit.x.shape[1]
+    way = curve.motion(sample, len(orbit.x) - 1)
+    for image in before:
         way = np.append(image.jacobian @ way, way[d:])
         point = image.value
-    if at == 0:  # on this side of the jump
-        inward = sum(
-            images[0].gradients[images[0].place(c // len(images))]
-            for k, c in curve.ignored
-            if k == i and c % len(images) == 0
-        )
-        way = way / np.linalg.norm(way) + TILT * inward / np.linalg.norm(inward)
-    other = curve.map.beside(point, orbit.p, way)
-    if other.reason or not curve.problem.same(other.value, images[at].value, SAME):
-        return None
-    images[at] = other
-    side = chained(images)
-    taken = [*orbit.images, orbit.outer]
-    taken[i] = side
-    if at == 0:
-        border = shared(links(taken[last], orbit.x[last], orbit.p)[0],
-                        links(taken[last + 1], orbit.x[last], orbit.p)[0], orbit.x[last], orbit.p)
-        if border is None:
-            return None
-        rounds = len(images)
-        ignored = frozenset((k, rounds * c) for k, codes in zip((last, last + 1), border) for c in codes)
-        curve = replace(
-            curve, ignored=ignored,
-            problem=replace(curve.problem, conditions=(Closed(), OnBorder(last, rounds * border[0][0]))),
-        )
-    there = replace(orbit, images=tuple(taken[:-1]), outer=taken[-1])
-    start = curve.start(there, sample.tangent)
-    if not np.isfinite(start.tangent).all() or not is_inside(curve, start):
-        return None
-    return Beginning(begin.order, curve, start)
+    return point, way
+
+
+def _border_code(curve: Curve, image: int, rounds: int) -> int:
+    """Which margin of the piece on one side of a jump vanishes along its crossing."""
+    return min(code for i, code in curve.ignored if i == image) // rounds
 
 
 def _cause(arc: Arc) -> str:

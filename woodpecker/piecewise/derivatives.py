@@ -37,7 +37,8 @@ def check_derivatives(
         If a derivative is wrong: the sentence says which, where, and what it should be. Also if
         the map has no value at a point, or there is none.
     TypeError
-        If the map has no pieces.
+        If the map has no pieces, or one of them lacks what a piece has: ``key``, ``word``, ``at``
+        and ``cause``.
 
     Examples
     --------
@@ -55,6 +56,7 @@ def check_derivatives(
         here = map_.at(x, p)
         if here.reason:
             raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
+        _complete(here, x, p)
         for claim in _claims(here):
             found, doubt = _difference(here.piece, claim, x, p)
             if math.isnan(found):
@@ -69,6 +71,25 @@ def check_derivatives(
                     f"x = {x}, p = {p} is given as {claim.given:.10g}, but differences of values "
                     f"say {found:.10g}"
                 )
+
+
+def _complete(image: Image, x: float, p: float) -> None:
+    """Complain of a piece that lacks something, or whose margins cannot be told apart."""
+    for name in ("key", "word", "at", "cause"):
+        if not hasattr(image.piece, name):
+            raise TypeError(f"a piece must have {name!r}, {image.piece!r} has not")
+    try:
+        hash(image.piece.key)
+    except TypeError as error:
+        raise TypeError(
+            f"the key of a piece must be hashable, got {image.piece.key!r} of {image.piece.word!r}"
+        ) from error
+    causes, m = image.causes.tolist(), len(image.margins)
+    if image.gradients.shape != (m, 2) or len(causes) != m or sorted(set(causes)) != causes:
+        raise ValueError(
+            f"piece {image.piece.word!r} at x = {x}, p = {p} must give as many margins as pairs of "
+            f"derivatives and as ascending codes, got {m}, {image.gradients.shape}, {causes}"
+        )
 
 
 def _pairs(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -11,11 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import brief
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import whole
 from woodpecker.base.executors import Serial, scheduler
 from woodpecker.base.shown import shown
 from woodpecker.piecewise.checkpoint import Record, past_of
 from woodpecker.piecewise.explorer import Explorer, Progress, Seen
+from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.piecewise.search import Past, Search, complete
@@ -89,7 +92,8 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
     Raises
     ------
     ValueError
-        If the method does not converge.
+        If the method does not converge, or comes to a cycle that is virtual: the map takes another
+        piece at one of its points.
     TypeError
         If the map has no pieces.
 
@@ -107,9 +111,17 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
     points = np.atleast_1d(np.asarray(x, dtype=float))
     pieces = [map_of_pieces(map_).at(float(each), p).piece for each in points]
     found = solve(orbit_of(pieces, points, p), (Closed(), Coordinate(-1, p)), settings)
+    near = ", ".join(f"{each:.6g}" for each in points)
     if not found.converged:
-        near = ", ".join(f"{each:.6g}" for each in points)
         raise ValueError(f"expected a guess near a cycle of the map at {p}, got {near}")
+    least = -settings.same * settings.x_scale  # a point may lie on a border
+    for at, image in zip(found.orbit.x.tolist(), found.orbit.images, strict=True):
+        if depth(image) < least:
+            raise ValueError(
+                f"expected a guess near a cycle of the map at {p}, got {near}: from there a "
+                f"virtual one is found, at {at:.6g} the map takes another piece than "
+                f"{brief(image.piece.word)!r}"
+            )
     return found.orbit
 
 
@@ -138,7 +150,8 @@ def connected(
         Span, window, steps and tolerances.
     orders
         The iterates of which branches are followed, that of the cycle among them; by default no
-        other. Where P_n flips the doubled branch starts if 2 n is one of them.
+        other. Where P_n flips the doubled branch starts if 2 n is one of them; where it meets a
+        kink or the beginning of a square root, all cycles of these orders that are born there do.
     parameter_name, x_name
         What the diagram calls them.
     progress
@@ -152,7 +165,8 @@ def connected(
     Raises
     ------
     ValueError
-        If there is no cycle near the guess, or its period is none of the orders.
+        If there is no cycle near the guess, its period is none of the orders, or it lies outside
+        of the span or of the window.
     TypeError
         If the map has no pieces.
 
@@ -168,11 +182,21 @@ def connected(
     [('F1', 'L', ('EP1', 'BC1')), ('J1', 'L / R', ('BC1', 'BC2')), ('F2', 'R', ('BC2', 'EP2'))]
     """
     start = once(cycle_near(map_, x, p, settings), settings)
+    _within("span", np.array([start.p]), settings.span)
+    _within("window", start.x, settings.window)
     wanted = orders_with(start, orders)
     worker = Serial(Worker(map_, settings))
     explorer = Explorer(map_, worker, settings, wanted, progress or _nothing)
     explorer.follow(start)
     return explorer.diagram(parameter_name, x_name)
+
+
+def _within(name: str, values: Floats, interval: tuple[float, float]) -> None:
+    """Complain of a cycle that lies outside of the span or of the window."""
+    low, high = interval
+    if values.min() < low or values.max() > high:
+        shown_values = ", ".join(f"{value:.6g}" for value in values.tolist())
+        raise ValueError(f"{name} must hold the cycle, at {shown_values}, got ({low}, {high})")
 
 
 def once(cycle: Orbit, settings: Settings) -> Orbit:

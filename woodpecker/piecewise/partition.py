@@ -89,13 +89,13 @@ Side = Callable[[float, float], int]
 def beside_window(settings: Settings) -> Side:
     """Below or above the window: values from which an orbit does not go on."""
     low, high = settings.window
-    return lambda _, value: (value > high) - (value < low)
+    return lambda _, value: int(value > high) - int(value < low)
 
 
 def beside_diagonal(settings: Settings) -> Side:
     """Below or above the diagonal, and not near: pieces that have no fixed point."""
     near = settings.near * settings.x_scale
-    return lambda x, value: (value - x > near) - (value - x < -near)
+    return lambda x, value: int(value - x > near) - int(value - x < -near)
 
 
 def partition(

@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.diagrams.diagram import BranchKind, Diagram
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, real_array, whole
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, newton_step, orbit_of, solve
@@ -268,7 +268,7 @@ def period_of(x: Floats, settings: Settings) -> int:
 
 
 def unexplained(
-    orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float = 1e-3,
+    orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float | None = None,
     settings: Settings | None = None,
 ) -> list[SettledOrbit]:  # fmt: skip
     """Orbits that end on a cycle of which the diagram has no stable branch.
@@ -284,7 +284,8 @@ def unexplained(
     map_
         This map.
     distance
-        How far a branch may stray from the line between two of its samples.
+        How far a branch may stray from the line between two of its samples; by default as far as
+        they are apart in x, for the Newton step tells.
     settings
         Tolerances.
 
@@ -307,22 +308,29 @@ def unexplained(
     """
     chosen = settings or Settings()
     held = {branch.order for branch in diagram.branches}
-    slices: dict[float, list[tuple[int, float]]] = {}
+    slices: dict[float, list[tuple[int, float, float]]] = {}
     left = []
     for orbit in orbits.orbits:
         if orbit.period not in held or (orbit.exponent > 0.0 and math.isfinite(orbit.exponent)):
             continue
         if orbit.p not in slices:
             slices[orbit.p] = [
-                (hit.branch.order, hit.x)
+                (hit.branch.order, hit.x, _apart(hit.branch, orbit.p))
                 for hit in diagram.at(orbit.p)
                 if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.multiplier) <= 1.0
             ]
-        stable = np.array([x for order, x in slices[orbit.p] if order == orbit.period])
+        stable = np.array([each[1:] for each in slices[orbit.p] if each[0] == orbit.period])
         cycle = _cycle(map_, orbit, chosen)
-        if cycle is None or not _passes(stable, cycle, distance, chosen):
+        if cycle is None or not _passes(stable.reshape(-1, 2), cycle, distance, chosen):
             left.append(orbit)
     return left
+
+
+def _apart(branch: Branch, p: float) -> float:
+    """How far the samples of a branch on both sides of a parameter are apart in x."""
+    low, high = np.sort([branch.parameter[:-1], branch.parameter[1:]], axis=0)
+    around = (low <= p) & (p <= high)
+    return float(np.abs(np.diff(branch.x))[around].max(initial=0.0))
 
 
 def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit | None:
@@ -336,12 +344,18 @@ def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit
     return found.orbit if found.converged else None
 
 
-def _passes(points: Floats, cycle: Orbit, distance: float, settings: Settings) -> bool:
-    """Whether points of branches stand for a cycle: one Newton step leads from them to it."""
-    if not len(points):
+def _passes(hits: Floats, cycle: Orbit, distance: float | None, settings: Settings) -> bool:
+    """Whether points of branches stand for a cycle: one Newton step leads from them to it.
+
+    ``hits`` (n, 2) are points, and how far their branches may stray from there.
+    """
+    if not len(hits):
         return False
-    nearest = points[np.abs(points[:, None] - cycle.x).argmin(axis=0)]
+    chosen = hits[np.abs(hits[:, :1] - cycle.x).argmin(axis=0)]
+    nearest = chosen[:, 0]
     before = float(np.abs(nearest - cycle.x).max())
+    same = settings.same * settings.x_scale
+    distance = max(same, float(chosen[:, 1].max())) if distance is None else distance
     if before > distance or before <= settings.same * settings.x_scale:
         return before <= distance
     guess = orbit_of(cycle.pieces, nearest, cycle.p)

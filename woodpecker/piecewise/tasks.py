@@ -130,7 +130,9 @@ class Tasks:
 
     def _trace(self, begin: Beginning) -> Trace:
         allowed = Allowance(self.map, self.settings.of_branch(begin.order))
-        return trace(begin, Halt(lambda: allowed.spent, self._asked(begin)))
+        n = begin.order
+        orders = tuple(d for d in range(1, n + 1) if n % d == 0)
+        return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
 
     def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:
         """Whether a branch is to end at a sample."""

@@ -28,7 +28,7 @@ EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
 # to bounce: the cube root of the kernel's rounding
 ORDER_MOST = 100_000  # returns of one call; each has room for a word of EVENT_LIMIT symbols
-CHUNK = 256  # starts handed to one worker at a time
+CHUNK = 256  # starts handed to one worker at a time, of a low order
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 
 
@@ -227,7 +227,7 @@ def return_map(
     [-0.901261, -0.54036, -0.635028]
     """
     starts, order = checked_starts(toy, phi_s), whole("order", order, most=ORDER_MOST)
-    chunk = max(1, CHUNK // math.ceil(order / 100))  # words need room
+    chunk = chunk_of(order)
     parts = [starts[k : k + chunk] for k in range(0, len(starts), chunk)] or [starts]
     if not (executor is None or hasattr(executor, "map")):
         raise TypeError(f"executor must have a method map, got {shown(executor)}")
@@ -239,6 +239,11 @@ def return_map(
     else:
         results = [_chunk(toy, part, order) for part in parts]
     return joined(results)
+
+
+def chunk_of(order: int) -> int:
+    """How many starts are handed to one worker at a time: those of a high order need room."""
+    return max(1, CHUNK // math.ceil(order / 100))
 
 
 def joined(parts: Sequence[ReturnMap]) -> ReturnMap:

@@ -2,14 +2,10 @@
 
 import csv
 import json
-import os
 import re
-import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +18,12 @@ from typer.testing import CliRunner
 import woodpecker
 from pwmap import read_graph
 from pwmap.cli import app as pwmap_app
-from woodpecker.base.compiled import COMPILED
 from woodpecker.cli import options as options_module
 from woodpecker.cli.app import app
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, description, parameters
 from woodpecker.plot import figures as plot
 from woodpecker.plot.curve import Curve, Detail
-from woodpecker.simulation.returns import first_return, return_map
+from woodpecker.simulation.returns import first_return
 
 runner = CliRunner()
 
@@ -406,10 +401,9 @@ def test_ctrl_c_while_the_picture_is_refined(
     monkeypatch.setattr(plot, "curves", interrupted)
     status, text = run("map", "--points", "50", "--out", str(tmp_path))
     assert status == 130
-    assert "Interrupted: 50 of 50 starts are kept" in text
-    assert left_open(text) > 0
+    assert "Interrupted: 50 of 50 starts are kept, as a table" in text
     assert len(rows(tmp_path / "return_map.csv")) == 50
-    assert (tmp_path / "return_map.png").stat().st_size > 10_000
+    assert not (tmp_path / "return_map.png").exists()  # it would take its time
 
 
 def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -421,45 +415,6 @@ def test_ctrl_c_before_anything_is_there(monkeypatch: pytest.MonkeyPatch, tmp_pa
     assert status == 130
     assert "Interrupted before anything was finished" in text
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not COMPILED, reason="the first starts take long without numba")
-@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C is sent to a whole console there")
-def test_an_interrupted_map_keeps_what_there_is(tmp_path: Path) -> None:
-    """Ctrl-C as a terminal sends it, while a million starts would take minutes.
-
-    The command runs elsewhere, so that it takes the package that was compiled here.
-    """
-    return_map(Toy(), np.linspace(-1.0, -0.9, 1024))  # compiles, if that was not done before
-    command = [sys.executable, "-m", "woodpecker", "map", "--order", "10"]
-    folder = tmp_path / "out"
-    process = subprocess.Popen(
-        [*command, "--points", "1000000", "--out", str(folder)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path,
-        env={**os.environ, "COLUMNS": "200"},
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # if it was ignored
-    )  # fmt: skip
-    try:
-        for _ in range(600):
-            if folder.exists():  # made right before the first starts
-                break
-            time.sleep(0.1)
-        time.sleep(5.0)
-        process.send_signal(signal.SIGINT)
-        text, complaint = process.communicate(timeout=120.0)
-    finally:
-        process.kill()
-    assert process.returncode == 130, complaint
-    kept = re.search(r"Interrupted: (\d+) of 1000000 starts are kept", complaint)
-    assert kept is not None
-    assert "wrote" in text
-    table = rows(folder / "return_map.csv")
-    assert 0 < len(table) == int(kept[1]) < 1_000_000
-    assert float(table[0]["phi_s_start"]) == -2.5
-    assert (folder / "return_map.png").stat().st_size > 10_000
-    names = {"return_map.png", "return_map.csv"}
-    assert {path.name for path in folder.iterdir()} == {*names, "about_map.json"}
 
 
 @pytest.mark.slow

@@ -5,19 +5,19 @@ The commands run elsewhere, as real processes; they take the kernel that is cach
 
 from __future__ import annotations
 
-import os
+import csv
+import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from needs import NEEDS_NUMBA
+from processes import SIGNALS, seconds, started, wait_until
 from typer.testing import CliRunner
 
 import woodpecker
@@ -29,31 +29,8 @@ from woodpecker.cli import curves as curves_command
 from woodpecker.cli.app import app
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc who is there")
-SIGNALS = [signal.SIGINT, signal.SIGTERM]
 AT_ONCE = 2.0  # s, on a machine that has nothing else to do; busy ones take a multiple
 BUSY = 15.0
-
-
-@contextmanager
-def started(*command: str) -> Iterator[subprocess.Popen[str]]:
-    """A process with Ctrl-C as it is from a terminal, also where the tests' own is ignored."""
-    process = subprocess.Popen(
-        [sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env={**os.environ, "COLUMNS": "200", "PYTHONPATH": os.pathsep.join(sys.path)},
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
-def wait_until(there: Callable[[], Any], within: float = 120.0) -> None:
-    deadline = time.monotonic() + within
-    while not there():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 def children(pid: int) -> list[int]:
@@ -101,6 +78,30 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
     assert len(kept.branches) == len(saved_diagram(run).branches) > 0
     assert "points.csv" in text
     assert not list(tmp_path.glob("*.png"))  # pictures would take their time
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_map_keeps_the_starts_that_are_finished(number: signal.Signals, tmp_path: Path) -> None:
+    """A million starts would take minutes, and many seconds to become a table."""
+    return_map(Toy(), [-0.9])  # compiles, if that was not done before
+    folder = tmp_path / "out"
+    arguments = ("map", "--order", "10", "--points", "1000000", "--out", str(folder))
+    with started("-m", "woodpecker", *arguments) as process:
+        wait_until(folder.exists)  # made right before the first starts
+        begin = seconds(process.pid)
+        wait_until(lambda: seconds(process.pid) > begin + 3.0)
+        text, complaint = ended(process, number)
+    assert process.returncode == 130
+    kept = re.search(r"Interrupted: (\d+) of 1000000 starts are kept, as a table\n", complaint)
+    assert kept is not None
+    assert "wrote" in text
+    with (folder / "return_map.csv").open(encoding="utf-8", newline="") as file:
+        table = list(csv.DictReader(file))
+    assert 0 < len(table) == int(kept[1]) < 1_000_000
+    assert float(table[0]["phi_s_start"]) == -2.5
+    assert {path.name for path in folder.iterdir()} == {"return_map.csv", "about_map.json"}
 
 
 PROOF = """
@@ -183,6 +184,31 @@ def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
         text, complaint = process.communicate(timeout=30.0)
     assert text.split() == ["dropped", "heard"]
     assert "Exception ignored" in complaint
+    assert process.returncode == 0
+
+
+WHOLE = """
+from woodpecker.cli.interrupts import finished, held, listen
+import os, signal
+listen()
+try:
+    with held():
+        os.kill(os.getpid(), signal.SIGTERM)
+        print("written", flush=True)
+    print("not reached")
+except KeyboardInterrupt:
+    print("taken")
+finished()
+os.kill(os.getpid(), signal.SIGINT)
+print("told")
+"""
+
+
+@pytest.mark.slow
+def test_files_are_written_whole_before_a_request_is_taken() -> None:
+    with started("-c", WHOLE) as process:
+        text, complaint = process.communicate(timeout=30.0)
+    assert (text.split(), complaint) == (["written", "taken", "told"], "")
     assert process.returncode == 0
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import sympy
 
-from pwmap.diagrams.diagram import BranchKind, PointKind
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
+from woodpecker.engine import tracing
 from woodpecker.engine.curves import Curve, CurveSettings
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.germs import beginnings
@@ -155,3 +156,33 @@ def test_a_start_at_the_end_of_the_span() -> None:
         ends = {(point.note, point.parameter) for point in diagram.points}
         assert ends == {("end of the parameter span", at), ("end of the parameter span", other)}
         assert len(diagram.branches) == 1
+
+
+def test_a_cycle_comes_to_the_kink_where_it_was_born() -> None:
+    """2 x/5 + p and p - 2 x: followed from the 2-cycle, or from a fixed point, all hangs together.
+
+    The 2-cycle lives at 7/9 p and -5/9 p, for p > 0; at p = 0 its points are one.
+    """
+    pieces = {"L": (2 * x / 5 + p,), "R": (p - 2 * x,)}
+    kinked = expression_map((x,), (p,), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+    settings = CurveSettings(spans=((-1.0, 1.0),), window=((-3.0, 3.0),))
+    starts = ([-1.0], -0.6), ([[7 / 18], [-5 / 18]], 0.5)
+    for start, at in starts:
+        diagram = connected(kinked, start, [at], settings, orders=(1, 2)).diagram
+        (born,) = (q for q in diagram.points if q.kind is PointKind.BC)
+        assert (born.parameter, born.x) == pytest.approx((0.0, 0.0), abs=1e-14)
+        assert born.note == "persistence"
+        assert sorted(b.order for b in diagram.branches) == [1, 1, 2, 2]
+        assert len(born.branches) == 4
+
+
+def test_a_branch_of_too_many_words_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After as many changes of word as are allowed a branch says that it was given up."""
+    monkeypatch.setattr(tracing, "MOST_ARCS", 1)
+    smooth = {"L": (x / 2 + p,), "R": (x / 2 + p,)}
+    named = expression_map((x,), (p,), smooth, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
+    settings = CurveSettings(spans=((-1.0, 1.0),), window=((-3.0, 3.0),))
+    diagram = connected(named, [-1.0], [-0.5], settings, orders=(1,)).diagram
+    left = [q for q in diagram.points if q.status is PointStatus.OPEN]
+    assert [q.note for q in left] == ["as many samples as allowed"]
+    assert left[0].parameter == pytest.approx(0.0, abs=1e-14)

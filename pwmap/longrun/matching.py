@@ -1,0 +1,414 @@
+"""Orbits of both sides of a break that match, and the growth of laps where only almost all do.
+
+Both orbits *match* if after as many steps they are at one place, with slopes of one sign. From
+there on they go on side by side, and what they do cancels in the kneading determinant D. Intervals
+of a parameter on which that is so accumulate at places at which they never match; yet growth can be
+the same there, too [Bruin2019]. Here is a proof for an interval G of the parameter at once.
+
+Let each step move one of both orbits: that of the smaller slope, or else the one that is behind.
+Let slopes not depend on the parameter, and intercepts and breaks be affine in it. Then the right
+orbit is at ratio x + offset where the left one is at x. A *pair* is such a relation, with the lag
+between both. If G admits finitely many pairs, D follows a path of a finite graph: with R_v for what
+is left of D at the pair v, each step from v to u says R_v = w +- t^n R_u, with a known w, and R is
+0 where orbits have matched.
+
+Along a shortest path to there each pair v gets a polynomial h_v. Let p be the polynomial of the
+least root of the D of such a path between 0 and 1. If w +- t^n h_u - h_v is a multiple of p for
+*every* step, R_v - h_v is one, too, whatever path is followed, as is D: D = p Q, and Q follows the
+same graph with other terms. The graph gives bounds of Q. If it is not 0 from 0 to the root, that is
+the least root of D on every path, and growth is one over it for all of G.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from sympy import QQ
+from sympy.polys.rings import PolyElement
+
+from pwmap.algebra.exact import Number, dense, floor, is_constant
+from pwmap.algebra.roots import Real, RealRoot, bounds, value_at
+from pwmap.longrun.itineraries import Itinerary
+from pwmap.longrun.kneading import RING, T, growth_from
+from pwmap.longrun.line import Germ, Line
+from pwmap.longrun.numbers import sign, work_of
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+
+STEP = 10  # operations of one step
+PAIRS = 200  # of a graph, at most
+CHANGES = 30  # of the region of a pair, until the graph is given up
+ROUNDS = 40  # of coming closer with bounds of Q
+PARTS = 16  # into which the way to the root is cut for them, at most
+GRID = QQ(1, 2**40)  # to multiples of which they are rounded
+
+Ends = tuple[Number, Number]  # what is affine in the parameter, at both ends of an interval of it
+Range = tuple[Number, Number]  # of a number: all from one to another
+
+
+def matched(
+    line: Line, number: int, steps: int, budget: Budget | Meter = BUDGET
+) -> tuple[Itinerary, Itinerary] | None:
+    """The itineraries of both sides of a break up to the step at which they match; None if none.
+
+    Parameters
+    ----------
+    line, number
+        A map, and which of its breaks, counted from the left.
+    steps
+        How far they are followed.
+    budget
+        What that may take.
+    """
+    meter = metered(budget)
+    sides = line.germs[2 * number : 2 * number + 2]
+    pieces = list[int](), list[int]()
+    for _ in range(steps):
+        meter.spend(sum(STEP + 3 * work_of(germ.x) for germ in sides))
+        for germ, word in zip(sides, pieces, strict=True):
+            word.append(line.number(germ))
+        sides = line.image(sides[0]), line.image(sides[1])
+        left, right = sides
+        if not left.side or not right.side:
+            return None
+        if left == Germ(right.x, -right.side):
+            one, other = (Itinerary(tuple(w), len(w), None) for w in pieces)
+            return one, other
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Family:
+    """A map over an interval of its parameter.
+
+    Attributes
+    ----------
+    slopes
+        Of its pieces from left to right, the same everywhere, and none is zero.
+    intercepts
+        Of its pieces, affine in the parameter.
+    breaks
+        Between pieces, affine in the parameter.
+    """
+
+    slopes: tuple[Number, ...]
+    intercepts: tuple[Ends, ...]
+    breaks: tuple[Ends, ...]
+
+
+def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> Family | None:
+    """A map over an interval of its one parameter; None if it depends on it in another way."""
+    table = map_.definition.table
+    layout = table.layouts[map_.chain[0]]
+    slopes = [table.slopes[k] for k in layout.slots[::2]]
+    affine = [[table.intercepts[k] for k in layout.slots[::2]],
+              [table.breaks[k] for k in layout.breaks]]  # fmt: skip
+    if not all(map(is_constant, (*slopes, table.denominator))) or not all(slopes):
+        return None
+    if any(len(dense(each)) > 2 for group in affine for each in group):
+        return None
+
+    def ends(number: Number) -> Ends:
+        unit, polynomial = dense(table.denominator)[0], dense(number)
+        return value_at(polynomial, low) / unit, value_at(polynomial, high) / unit
+
+    intercepts, breaks = (tuple(map(ends, group)) for group in affine)
+    return Family(tuple(ends(slope)[0] for slope in slopes), intercepts, breaks)
+
+
+def _along(slope: Number, x: Ends, intercept: Ends) -> Ends:
+    """The values of slope x + intercept."""
+    return slope * x[0] + intercept[0], slope * x[1] + intercept[1]
+
+
+class Pair(NamedTuple):
+    """The orbits of both sides of a break: the left one at x, the right one at ratio x + offset.
+
+    Attributes
+    ----------
+    ratio, offset
+        The slope of the right one is so many times that of the left one, too.
+    lag
+        How many steps more the left one has made.
+    """
+
+    ratio: Number
+    offset: Ends
+    lag: int
+
+    @property
+    def left_is_next(self) -> bool:
+        """Whether the left orbit moves next."""
+        return abs(self.ratio) > 1 or (abs(self.ratio) == 1 and self.lag <= 0)
+
+
+TOGETHER = Pair(QQ.one, (QQ.zero, QQ.zero), 0)  # at the break, and where orbits match
+
+
+class Move(NamedTuple):
+    """One step of the left or the right orbit of a pair by a piece, and the pair that it makes."""
+
+    left: bool
+    piece: int
+    onward: Pair
+
+
+class Step(NamedTuple):
+    """What is left of the determinant at a pair: term + factor times that at another one."""
+
+    term: PolyElement
+    factor: PolyElement
+    onward: Pair
+
+
+def _move(family: Family, pair: Pair, left: bool, piece: int) -> Move:
+    slope, intercept = family.slopes[piece], family.intercepts[piece]
+    ratio, offset, lag = pair
+    if left:
+        ratio /= slope
+        return Move(left, piece, Pair(ratio, _along(-ratio, intercept, offset), lag + 1))
+    return Move(left, piece, Pair(ratio * slope, _along(slope, offset, intercept), lag - 1))
+
+
+def _step(family: Family, weights: Sequence[PolyElement], pair: Pair, move: Move) -> Step:
+    """What a move says of the series of the right orbit minus that of the left one.
+
+    Both series begin where the orbits are, with the power of t from the earlier time on. The
+    difference is counted in signs of the slope of the left orbit.
+    """
+    left, right = max(pair.lag, 0), max(-pair.lag, 0)
+    weight = weights[move.piece]
+    if move.left:
+        factor = sign(family.slopes[move.piece]) * T ** min(left + 1, right)
+        return Step(-weight * T**left, factor, move.onward)
+    return Step(sign(pair.ratio) * weight * T**right, T ** min(left, right + 1), move.onward)
+
+
+class Region(NamedTuple):
+    """Where the left orbit of a pair may be: from one affine bound to another."""
+
+    low: Ends
+    high: Ends
+
+    def with_(self, other: Region) -> Region:
+        """The smallest region that holds two of them."""
+        low, high = zip(self.low, other.low, strict=True), zip(self.high, other.high, strict=True)
+        (a, b), (c, d) = map(min, low), map(max, high)
+        return Region((a, b), (c, d))
+
+    def between(self, low: Ends | None, high: Ends | None) -> Region | None:
+        """A region that holds its part between two bounds; None if there is none.
+
+        Of two bounds that cross the new one is taken, so that there are few of them.
+        """
+        lows = [self.low] if low is None else [low, self.low]
+        highs = [self.high] if high is None else [high, self.high]
+        if any(a[0] > b[0] and a[1] > b[1] for a in lows for b in highs):
+            return None
+        least = next(a for a in lows if a is self.low or not _at_most(a, self.low))
+        most = next(a for a in highs if a is self.high or not _at_most(self.high, a))
+        return Region(least, most)
+
+
+def _at_most(one: Ends, other: Ends) -> bool:
+    """Whether one bound is not above another over all of the interval."""
+    return bool(one[0] <= other[0] and one[1] <= other[1])
+
+
+def _graph(
+    family: Family, number: int, first: Pair, meter: Meter
+) -> Mapping[Pair, Sequence[Move]] | None:
+    """The moves from the pair that follows a break, and from all that follow then.
+
+    Regions are larger than what orbits do, so that none is missed.
+
+    Returns
+    -------
+    mapping or None
+        None if they are too many, or if both orbits come together after different numbers of steps.
+    """
+    start = family.breaks[number]
+    regions = {first: _moved(family, Region(start, start), number)}
+    found, changes, waiting = dict[Pair, list[Move]](), Counter[Pair](), deque([first])
+    while waiting:
+        pair = waiting.popleft()
+        found[pair] = []
+        if pair[:2] == TOGETHER[:2]:
+            if pair.lag:  # what is left is a series of the place times 1 - t^lag
+                return None
+            continue
+        for move, region in _moves(family, pair, regions[pair], meter):
+            found[pair].append(move)
+            known = regions.get(move.onward)
+            joined = region if known is None else region.with_(known)
+            if joined != known:
+                regions[move.onward] = joined
+                changes[move.onward] += 1
+                if move.onward not in waiting:
+                    waiting.append(move.onward)
+        if len(regions) > PAIRS or changes[pair] > CHANGES:
+            return None
+    return found
+
+
+def _moves(
+    family: Family, pair: Pair, region: Region, meter: Meter
+) -> Iterator[tuple[Move, Region]]:
+    """The moves from a pair with its left orbit in a region, and where that is afterwards."""
+    ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # where the orbit is that moves
+    cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in family.breaks]
+    for piece in range(len(family.slopes)):
+        meter.spend(STEP + 3 * sum(work_of(x) for ends in region for x in ends))
+        sides = cuts[piece - 1] if piece else None, cuts[piece] if piece < len(cuts) else None
+        inside = region.between(*(sides if ratio > 0 else sides[::-1]))
+        if inside is not None:
+            move = _move(family, pair, pair.left_is_next, piece)
+            yield move, _moved(family, inside, piece) if move.left else inside
+
+
+def _moved(family: Family, region: Region, piece: int) -> Region:
+    """Where a piece maps a region to."""
+    slope = family.slopes[piece]
+    low, high = (_along(slope, ends, family.intercepts[piece]) for ends in region)
+    return Region(low, high) if slope > 0 else Region(high, low)
+
+
+def growth_of_pairs(
+    family: Family,
+    number: int,
+    weights: Sequence[PolyElement],
+    budget: Budget | Meter = BUDGET,
+) -> Real | None:
+    """The growth of laps if it is one number over an interval, its ends among it.
+
+    Parameters
+    ----------
+    family, number
+        A map over the interval, and which of its breaks has orbits that need not match.
+    weights
+        Of pieces in the series of an orbit, of which the determinant is a difference.
+    budget
+        What that may take.
+
+    Returns
+    -------
+    Real or None
+        Above 1; None if nothing is proved.
+    """
+    meter = metered(budget)
+    left = _move(family, TOGETHER, True, number)
+    right = _move(family, left.onward, False, number + 1)
+    one, other = (
+        _step(family, weights, pair, move)
+        for pair, move in ((TOGETHER, left), (left.onward, right))
+    )
+    start = Step(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
+    graph = _graph(family, number, start.onward, meter)
+    if graph is None:
+        return None
+    steps = {pair: [_step(family, weights, pair, move) for move in moves]
+             for pair, moves in graph.items()}  # fmt: skip
+    return _growth(start, steps, meter)
+
+
+def _growth(start: Step, steps: Mapping[Pair, Sequence[Step]], meter: Meter) -> Real | None:
+    """One over the least root of the determinant, if it is the same on every path; else None."""
+    rests = _matching(steps)
+    if not steps.keys() <= rests.keys():
+        return None
+    found = start.term + start.factor * rests[start.onward]
+    growth = growth_from(found)
+    if growth is None or growth == 1:
+        return None
+    of_growth = growth.polynomial if isinstance(growth, RealRoot) else (QQ.one, -growth)
+    divisor = sum((c * T**k for k, c in enumerate(of_growth)), start=RING.zero)
+    quotients = dict[Pair, list[Step]]()
+    for pair, each in steps.items():
+        quotients[pair] = []
+        for step in each:
+            difference = step.term + step.factor * rests[step.onward] - rests[pair]
+            term, left_over = difference.div(divisor)
+            if left_over:
+                return None
+            quotients[pair].append(step._replace(term=term))
+    start = start._replace(term=found.quo(divisor))
+    return growth if _has_no_root(start, quotients, 1 / bounds(growth)[0], meter) else None
+
+
+def _matching(steps: Mapping[Pair, Sequence[Step]]) -> dict[Pair, PolyElement]:
+    """What is left of the determinant at each pair on a shortest path to where orbits match."""
+    found = {TOGETHER: RING.zero}
+    while True:
+        more = {
+            pair: step.term + step.factor * found[step.onward]
+            for pair, each in steps.items() if pair not in found
+            for step in each if step.onward in found
+        }  # fmt: skip
+        if not more:
+            return found
+        found |= more
+
+
+def _has_no_root(
+    start: Step, steps: Mapping[Pair, Sequence[Step]], end: Number, meter: Meter
+) -> bool:
+    """Whether what paths make of terms and factors is not zero from 0 to some place below 1."""
+    parts = [(QQ.zero, end)]
+    for _ in range(PARTS if end < 1 else 0):
+        low, high = parts.pop()
+        found = _bounds((low, high), start, steps, meter)
+        if not found[0] > 0 and not found[1] < 0:
+            middle = (low + high) / 2
+            parts += [(low, middle), (middle, high)]
+        if not parts:
+            return True
+    return False
+
+
+def _bounds(part: Range, start: Step, steps: Mapping[Pair, Sequence[Step]], meter: Meter) -> Range:
+    """Bounds of what paths make of terms and factors, for all t in a part of [0, 1).
+
+    So many steps as there are pairs come back to one of them, which takes a power of t: that gives
+    first bounds, and what steps make of bounds is bounds again.
+    """
+    ranges = {
+        pair: [(_range(s.term, part), _range(s.factor, part), s.onward) for s in each]
+        for pair, each in steps.items()
+    }
+    largest = max(
+        (abs(x) for each in ranges.values() for term, _, _ in each for x in term), default=QQ.zero
+    )
+    most = len(steps) * largest / (1 - part[1])
+    found = {pair: (-most, most) if each else (QQ.zero, QQ.zero) for pair, each in ranges.items()}
+
+    def after(term: Range, factor: Range, onward: Pair) -> Range:
+        products = [x * y for x in factor for y in found[onward]]
+        return term[0] + min(products), term[1] + max(products)
+
+    for _ in range(ROUNDS):
+        meter.spend(STEP * sum(map(len, ranges.values())))
+        before = found
+        found = {pair: _hull([after(*each) for each in steps_]) if steps_ else found[pair]
+                 for pair, steps_ in ranges.items()}  # fmt: skip
+        if found == before:
+            break
+    return after(_range(start.term, part), _range(start.factor, part), start.onward)
+
+
+def _hull(ranges: Sequence[Range]) -> Range:
+    """The smallest range of multiples of the grid that holds others."""
+    low, high = min(each[0] for each in ranges), max(each[1] for each in ranges)
+    return floor(low / GRID) * GRID, -floor(-high / GRID) * GRID
+
+
+def _range(polynomial: PolyElement, part: Range) -> Range:
+    """Bounds of a polynomial between two places that are not negative."""
+    low: Number = QQ.zero
+    high: Number = QQ.zero
+    for (power,), coefficient in polynomial.terms():
+        one, other = (coefficient * t**power for t in part)
+        low, high = low + min(one, other), high + max(one, other)
+    return low, high

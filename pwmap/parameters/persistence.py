@@ -1,0 +1,124 @@
+"""What signs decide at a place of an axis, kept for as long as these signs are.
+
+An answer, such as the parts that a cylinder is cut into, follows from the signs of a few decisions.
+Along the axis it can change only at roots of these. So where a map is studied at one place after
+the other, just the answers are found anew that have a root in between. In a kinetic data structure
+such signs are called certificates, and their roots events [Basch1999].
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from pwmap.maps.words import Decision, SignOracle
+from pwmap.parameters.axis import Axis
+
+Asked = tuple[Hashable, ...]  # a function of an oracle, and its other arguments
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """What a function returned, and the signs that it asked for."""
+
+    asked: Asked
+    value: Any
+    signs: dict[Decision, int]
+
+
+class Answers:
+    """The answers at one place of an axis after the other.
+
+    Parameters
+    ----------
+    axis
+        On which decisions have their roots.
+    low, high
+        Places between which all others lie; None is an infinite end.
+    """
+
+    def __init__(self, axis: Axis, low: Any, high: Any) -> None:
+        self._axis = axis
+        self._ends = low, high
+        self._place: Any = None
+        self._known: dict[Asked, Answer] = {}  # those that were kept and hold here
+        self._used: dict[Answer, None] = {}  # here
+        self._new: list[Answer] = []  # of these, those that were found here
+        self._roots: list[Any] = []  # of all decisions behind what was kept, from left to right
+        self._deciding: dict[Any, list[Decision]] = {}  # of which a place is a root
+        self._behind: dict[Decision, list[Answer]] = {}  # what depends on one
+
+    def move(self, place: Any, oracle: SignOracle) -> None:
+        """Go to another place, where an oracle decides what may be otherwise than here."""
+        if self._place is not None:
+            low, high = sorted((self._place, place))
+            between = slice(bisect_left(self._roots, low), bisect_right(self._roots, high))
+            for root in self._roots[between]:
+                for decision in self._deciding[root]:
+                    for answer in self._behind[decision]:
+                        if self._known.get(answer.asked) is answer:
+                            del self._known[answer.asked]
+                    self._behind[decision] = []
+        self._place, self._oracle = place, oracle
+        self._used, self._new = {}, []
+
+    def ask(self, question: Callable[..., Any], *about: Hashable) -> Any:
+        """What a function of some arguments and an oracle returns here."""
+        asked = question, *about
+        found = self._known.get(asked)
+        if found is None:
+            oracle = SignOracle(self._oracle.orbits, self._oracle.sign_of)
+            found = Answer(asked, question(*about, oracle), oracle.signs)
+            self._new.append(found)
+        self._used[found] = None
+        return found.value
+
+    def tell(self, oracle: SignOracle) -> None:
+        """Let an oracle of this place know all signs behind the answers here."""
+        for answer in self._used:
+            oracle.signs.update(answer.signs)
+
+    def zeros(self) -> Iterator[Decision]:
+        """Decisions behind the new answers that are zero here."""
+        return (d for answer in self._new for d, sign in answer.signs.items() if not sign)
+
+    def keep(self) -> None:
+        """Remember the new answers, where this place is no root of what decided them."""
+        for answer in self._new:
+            self._known[answer.asked] = answer
+            for decision in answer.signs:
+                if decision not in self._behind:
+                    self._behind[decision] = []
+                    self._register(decision)
+                self._behind[decision].append(answer)
+
+    def _register(self, decision: Decision) -> None:
+        """Note the roots of a decision, as far as places lie beyond them."""
+        low, high = self._ends
+        for root in self._axis.roots(decision) or ():
+            if (low is None or not root < low) and (high is None or not high < root):
+                if root not in self._deciding:
+                    self._roots.insert(bisect_left(self._roots, root), root)
+                    self._deciding[root] = []
+                self._deciding[root].append(decision)
+
+    def nearest(self, low: Any, high: Any) -> tuple[Any, Any]:
+        """The nearest roots on both sides at which an answer here may change.
+
+        One end or the other of an interval where there is none inside it.
+        """
+        roots = self._roots
+        first = 0 if low is None else bisect_right(roots, low)
+        last = len(roots) if high is None else bisect_left(roots, high)
+        here = bisect_left(roots, self._place)
+        return (
+            next(filter(self._may_change, reversed(roots[first:here])), low),
+            next(filter(self._may_change, roots[here:last]), high),
+        )
+
+    def _may_change(self, root: Any) -> bool:
+        """Whether an answer that was used here may change at a root."""
+        behind = (self._behind[decision] for decision in self._deciding[root])
+        return any(answer in self._used for answers in behind for answer in answers)
