@@ -20,7 +20,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample
 from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chained
 from woodpecker.engine.newton import Problem
-from woodpecker.engine.orbits import OnBorder, Orbit, orbit_of
+from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
@@ -315,9 +315,9 @@ def joined(
     ignored = frozenset(
         (last + k, rounds * code) for k, codes in enumerate(border) for code in codes
     )
-    curve = replace(
-        base, problem=base.problem.with_(OnBorder(last, rounds * border[0][0])), ignored=ignored
-    )
+    closing = Chained() if x.shape[1] == 1 else Closed()  # on the line the border says where it is
+    conditions = (closing, OnBorder(last, rounds * border[0][0]))
+    curve = replace(base, problem=replace(base.problem, conditions=conditions), ignored=ignored)
     orbit = Orbit(x, p, share, (*heads, inner), outer)
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
@@ -340,10 +340,9 @@ def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
         return
-    for sign in (1.0, -1.0):
-        turned = Sample(orbit, sign * sample.tangent)
-        if is_inside(curve, turned):
-            yield Beginning(order, curve, turned)
+    for each in (sample, sample.turned):
+        if is_inside(curve, each):
+            yield Beginning(order, curve, each)
 
 
 def is_inside(curve: Curve, sample: Sample) -> bool:
@@ -361,7 +360,7 @@ def is_inside(curve: Curve, sample: Sample) -> bool:
                 return False
     if orbit.outer is None:
         return True
-    rises = float(sample.tangent[-1])
+    rises = curve.rate_of_share(sample)
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 

@@ -27,7 +27,7 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, links
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit
 
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
@@ -255,7 +255,7 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         return collision
     there, doubles = others[0], any(each.order > begin.order for each in starts)
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
-    before, after = (each.orbit.monodromy() for each in (arc.samples[-1], there.sample))
+    before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
     if folds or doubles or _changes_stability(before, after):
         return replace(
             collision,
@@ -415,7 +415,7 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
     (column,), rate = problem.free, end.tangent[size]
-    if rate == 0.0:
+    if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone say where it is
         return None
     head = replace(end.orbit, outer=None, share=0.0)
     base = _of_cycles(curve)
@@ -431,7 +431,7 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
             continue
         there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
-            sample = each.curve.start(each.sample.orbit, np.eye(size + 2)[size] * rate)
+            sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
             if len(each.sample.orbit.x) == len(end.orbit.x):
                 return replace(each, sample=sample, before=end), _passed(cause), True
         reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
@@ -469,7 +469,7 @@ def _at_crossing(begin: Beginning, arc: Arc, orders: Sequence[int]) -> Arrival |
 
 def _of_cycles(curve: Curve) -> Curve:
     """Curves of cycles, of the map whose jump crossings a curve is of."""
-    problem = replace(curve.problem, conditions=curve.problem.conditions[:1])
+    problem = replace(curve.problem, conditions=(Closed(),))
     return replace(curve, problem=problem, ignored=frozenset())
 
 

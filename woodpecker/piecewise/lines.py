@@ -83,7 +83,7 @@ def curve_of(
         if not words or keys != words[-1].keys:
             words.append(curves.Word(k, text_of(sample.orbit), keys))
     multiplier = [
-        math.nan if begin.is_crossing else float(sample.orbit.monodromy()[0, 0])
+        math.nan if begin.is_crossing else float(sample.orbit.monodromy[0, 0])
         for sample in samples
     ]
     return curves.Curve(

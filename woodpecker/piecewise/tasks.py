@@ -77,7 +77,7 @@ class Tasks:
         for begin in found:
             orbit = begin.sample.orbit
             if len(orbit.x) == len(jump.head) and agree(keys_of_engine(orbit), wanted):
-                ahead = np.eye(len(jump.head) + 2)[-2]
+                ahead = np.eye(len(jump.head) + 1)[-1]
                 return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
         return None
 
@@ -118,8 +118,7 @@ class Tasks:
         end = self._end(ahead)
         if ahead.stop is Stop.CLOSED:
             return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
-        turned = replace(begin.sample, tangent=-begin.sample.tangent)
-        behind = self._trace(replace(begin, sample=turned))
+        behind = self._trace(replace(begin, sample=begin.sample.turned))
         first = self._end(behind)
         n = len(behind.samples) - 1
         changes = [each._replace(sample=n - 1 - each.sample) for each in reversed(behind.changes)]
@@ -143,7 +142,7 @@ class Tasks:
 
         def asked(sample: Sample) -> bool:
             orbit = sample.orbit
-            multiplier = math.nan if begin.is_crossing else float(orbit.monodromy()[0, 0])
+            multiplier = math.nan if begin.is_crossing else float(orbit.monodromy[0, 0])
             x, word = orbit.x[:, 0].copy(), text_of(orbit)
             return bool(
                 rule(BranchState(kind, begin.order, float(orbit.p[0]), x, multiplier, word))
