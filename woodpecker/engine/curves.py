@@ -46,6 +46,7 @@ LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely 
 CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
 ITERATIONS = 80  # of that: halvings alone take fifty
 ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
+STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
@@ -373,7 +374,7 @@ class Curve:
         Each turn of the loop either keeps a sample, of which there are ``max_samples``, or shortens
         the step, of which ``min_step`` is the end.
         """
-        settings, samples, grows = self.settings, [start], True
+        settings, samples, grows, bent = self.settings, [start], True, 0.0
         step = min(first, settings.step)
         given_up, halt = Stop.SHORT, halt or Halt()
         leaves = self._leaves(start)
@@ -390,7 +391,9 @@ class Curve:
             before = samples[-2] if len(samples) > 1 else None
             found = to_end = self._to_end(last, step)
             found = found or self.advance(last, step, before)
-            turned = math.inf if found is None else _angle(last, found) / settings.max_turn
+            turned = math.inf
+            if found is not None and not self._strays(last, found, bent):
+                turned = _angle(last, found) / settings.max_turn
             if found is None or turned > 1.0:
                 step *= max(0.25, min(0.5, KEPT_TURN / turned))
                 grows, given_up = False, Stop.SHORT
@@ -403,7 +406,7 @@ class Curve:
                 step, grows, given_up = 0.5 * step, False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
-            if not self._agrees(found.orbit if end is None else end.sample.orbit, end):
+            if not self.agrees(found.orbit if end is None else end.sample.orbit, end):
                 step, grows, given_up = 0.25 * step, False, Stop.OTHER_PIECE
                 continue
             if end is not None:
@@ -420,9 +423,21 @@ class Curve:
             if len(samples) > 2 and self._closes(start, last, found, step):
                 return Arc((*samples, start), Stop.CLOSED, self)
             samples.append(found)
+            bent = turned * settings.max_turn
             growth = min(2.0 if grows else 1.0, KEPT_TURN / max(turned, 1e-3))
             step, grows = min(settings.max_step, step * growth), True
         return Arc(tuple(samples), Stop.MANY, self)
+
+    def _strays(self, a: Sample, b: Sample, bent: float) -> bool:
+        """Whether a sample is one of another curve, though its tangent is much the same.
+
+        A smooth curve goes about along the mean of its tangents; by how much not, they tell by how
+        they turn, in this step or in the one before.
+        """
+        chord = self.problem.step_between(a.orbit, b.orbit)
+        length, mean = float(np.linalg.norm(chord)), a.tangent + b.tangent
+        off = float(np.linalg.norm(chord / length - mean / np.linalg.norm(mean)))
+        return off > 0.5 * max(_angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
 
     # --- What is looked at ------------------------------------------------------------------------
 
@@ -604,7 +619,7 @@ class Curve:
             return sample.bordered
         return float(np.linalg.det(np.vstack([self.problem.matrix(sample.orbit), sample.tangent])))
 
-    def _agrees(self, orbit: Orbit, end: End | None) -> bool:
+    def agrees(self, orbit: Orbit, end: End | None = None) -> bool:
         """Whether the map takes the pieces of an orbit, at points on borders aside."""
         at_border = {orbit.place(i) for i, _ in self.ignored}
         if end is not None and end.test.border is not None:

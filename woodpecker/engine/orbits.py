@@ -186,7 +186,7 @@ class Chained:
 
 @dataclass(frozen=True, slots=True)
 class OnBorder:
-    """A margin vanishes.
+    """A margin vanishes, or has another value.
 
     Attributes
     ----------
@@ -194,16 +194,19 @@ class OnBorder:
         Of which image: 0 .. n - 1, or n for the outer one.
     code
         Which of its margins.
+    value
+        What it is to be: right beside a border a little more than zero.
     """
 
     image: int
     code: int
+    value: float = 0.0
 
     def residual(self, orbit: Orbit) -> Floats:
-        """(1,) the margin; nan if the piece does not have it here."""
+        """(1,) the margin less that; nan if the piece does not have it here."""
         image = orbit.taken[self.image]
         k = image.place(self.code)
-        return np.full(1, np.nan) if k < 0 else image.margins[k : k + 1]
+        return np.full(1, np.nan) if k < 0 else image.margins[k : k + 1] - self.value
 
     def rows(self, orbit: Orbit) -> Floats:
         """(1, ...) its derivatives."""

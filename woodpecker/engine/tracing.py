@@ -27,7 +27,7 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, links
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
 
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
@@ -38,6 +38,7 @@ APART = tuple(2.0**-n for n in range(8, 21, 2))  # the same where curves cross, 
 PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
+FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
 AGAIN = 1e-4  # scaled: first step beyond a border at least
 MOST_ARCS = 2000  # of one branch
 LIMIT_LOST = "a limit of the jump is lost"
@@ -249,20 +250,52 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         wanted.append(2 * begin.order)
     starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
     others = [each for each in starts if each.order == begin.order and each.key != arrived]
-    if not others:
-        return _passed_over(begin, arc, cause) or collision
-    if len(others) > 1 or others[0].is_crossing:
+    if len(others) > 1 or (others and others[0].is_crossing):
         return collision
-    there, doubles = others[0], any(each.order > begin.order for each in starts)
+    there = beside(others[0]) if others else _hugging(begin, arc, outer)
+    if there is None:
+        return _passed_over(begin, arc, cause, outer) or collision
+    doubles = any(each.order > begin.order for each in starts)
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
     before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
     if folds or doubles or _changes_stability(before, after):
         return replace(
             collision,
             note="fold" if folds else "persistence",
-            onward=beside(there),
+            onward=there,
         )
     return there, cause, smooth
+
+
+def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
+    """The cycles beyond a border, from right beside it on; None if none are found there.
+
+    Where the piece beyond begins with a root they hug the border, and only its margin tells how far
+    they have come.
+    """
+    assert arc.border is not None
+    (i, _), at, curve = arc.border, arc.samples[-1].orbit, begin.curve
+    codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
+    if not codes:
+        return None
+    d, problem = at.x.shape[1], curve.problem
+    inward = outer.gradients[outer.place(codes[0]), :d]
+    images = (*at.images[:i], outer, *at.images[i + 1 :])
+    for distance in BESIDE:
+        x = at.x.copy()
+        x[i] += distance * np.sign(inward) * problem.x_scale
+        guess = placed(replace(at, images=images), np.concatenate((x.ravel(), at.p, (0.0,))))
+        place = guess.images[i].place(codes[0])
+        if not guess.is_defined or place < 0:
+            continue
+        margin = OnBorder(i, codes[0], float(guess.images[i].margins[place]))
+        found = solve(problem.with_(margin), guess)
+        if found.converged and curve.agrees(found.orbit):
+            way = problem.step_between(at, found.orbit)
+            sample = curve.start(found.orbit, way)
+            if float(np.abs(way).max()) <= FARTHEST and np.isfinite(sample.tangent).all():
+                return Beginning(begin.order, curve, sample, arc.samples[-1])
+    return None
 
 
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
@@ -348,10 +381,17 @@ def _at_nearest(arc: Arc) -> Arc:
                 best = min(best, (abs(float(margin / slope)), (i, code)))
     if best[0] > NEAR:
         return arc
-    return replace(arc, stop=Stop.BORDER, border=best[1], condition=OnBorder(*best[1]))
+    on, problem = OnBorder(*best[1]), arc.curve.problem
+    found = solve(problem.with_(on), orbit)
+    samples = arc.samples
+    if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= ASIDE:
+        samples = (*samples, arc.curve.start(found.orbit, samples[-1].tangent))
+    return replace(arc, samples=samples, stop=Stop.BORDER, border=best[1], condition=on)
 
 
-def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | None:
+def _passed_over(
+    begin: Beginning, arc: Arc, cause: str, outer: Image | None = None
+) -> Arrival | Onward | None:
     """The branch beyond a place where borders accumulate, the nearest there is.
 
     It is looked for along the tangent, ever farther, with the pieces that the map takes there.
@@ -375,6 +415,8 @@ def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | N
         along = (p[column] - end.orbit.p[column]) / problem.p_scale[column] / rate
         x = end.orbit.x + (along * end.tangent[:size]).reshape(end.orbit.x.shape) * problem.x_scale
         images = [curve.map.at(point, p) for point in x]
+        if outer is not None and arc.border is not None:
+            images[arc.border[0]] = outer.piece.at(x[arc.border[0]], p)
         if any(image.reason for image in images):
             continue
         if away == PASSED[0] and _jumps_unseen(end.orbit, x, p, images, problem):
