@@ -638,22 +638,30 @@ class Curve:
         )
 
     def _look_for_dips(self, a: Sample, b: Sample, step: float) -> None:
-        """UnclearError if a margin that is positive at both ends may vanish twice in between.
+        """UnclearError if a margin that is positive at both ends may be negative in between.
 
-        It is a cubic there, with the values and slopes of both ends.
+        It is a cubic there, with the values and slopes of both ends. One that only one of them has
+        is taken for linear.
         """
         if step < COARSE * self.settings.min_step:
             return
         for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
-            near = one.margins < np.abs(self._rates(a, i)) * step
-            for k in np.flatnonzero(near).tolist():
+            falls, rises = step * self._rates(a, i), step * self._rates(b, i)
+            for k in np.flatnonzero(one.margins + falls < 0.0).tolist():
                 code = int(one.codes[k])
-                m = other.place(code)
-                if (i, code) in self.ignored or m < 0:
+                if (i, code) in self.ignored or not one.margins[k] > 0.0:
                     continue
+                m = other.place(code)
+                if m < 0:
+                    raise UnclearError
                 ends = float(one.margins[k]), float(other.margins[m])
-                rates = step * float(self._rates(a, i)[k]), step * float(self._rates(b, i)[m])
-                if min(ends) > 0.0 and rates[0] < 0.0 < rates[1] and _least(*ends, *rates) < 0.0:
+                rates = float(falls[k]), float(rises[m])
+                if ends[1] > 0.0 and rates[1] > 0.0 and _least(*ends, *rates) < 0.0:
+                    raise UnclearError
+            for k in np.flatnonzero(other.margins < rises).tolist():
+                code = int(other.codes[k])
+                inside = other.margins[k] > 0.0 and (i, code) not in self.ignored
+                if inside and one.place(code) < 0:
                     raise UnclearError
 
     def _rates(self, sample: Sample, i: int) -> Floats:

@@ -262,7 +262,7 @@ def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Begin
         each
         for each in found
         if 0.0 < each.sample.orbit.share < 1.0
-        and not _meets_another(each.sample.orbit, each.curve.ignored)
+        and not _meets_another(each.sample.orbit, each.curve.ignored, beyond=True)
     ]
 
 
@@ -326,13 +326,17 @@ def _steepness(image: Image) -> float:
     return float(np.abs(image.jacobian).max())
 
 
-def _meets_another(orbit: Orbit, ignored: frozenset[tuple[int, int]]) -> bool:
-    """Whether a margin vanishes that does not vanish all along."""
-    return any(
-        (i, code) not in ignored
-        for i, image in enumerate(orbit.taken)
-        for code in image.codes[image.tied(orbit.x[orbit.place(i)], orbit.p)].tolist()
-    )
+def _meets_another(
+    orbit: Orbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
+) -> bool:
+    """Whether a margin vanishes that does not vanish all along; and is not positive, if asked."""
+    for i, image in enumerate(orbit.taken):
+        zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
+        if beyond:
+            zero &= image.margins <= 0.0
+        if any((i, code) not in ignored for code in image.codes[zero].tolist()):
+            return True
+    return False
 
 
 def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:

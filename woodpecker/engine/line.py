@@ -16,10 +16,10 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.maps import ACCUMULATE, Image
 
-DISTANCES = (2.0**-22, 2.0**-28, 2.0**-34, 2.0**-40, 2.0**-16, 2.0**-10)  # scaled, of proposals
+DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
-ROOT = 4.0  # times steeper at that distance: a square root
+ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 NEAREST = min(DISTANCES)
 
 
@@ -174,7 +174,7 @@ def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
     )
     along = closer.jacobian @ away
     value = closer.value - (2.0 * along if rooted else along)
-    if not there.reason and np.abs(there.value - value).max() <= np.abs(along).max():
+    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
         value = there.value  # where two solutions of an event meet it may be that of the other one
     return replace(closer, value=value, margins=closer.margins - closer.gradients @ away)
 

@@ -18,6 +18,7 @@ STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 LEAD_AWAY = 2.0  # times a step that the next may have
 ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
+SOLVED = 2.0**-52  # a next step that would be shorter is not worth its evaluation
 SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
 BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
 HALVINGS = 6  # of a step that leads to where a piece has no value
@@ -203,10 +204,10 @@ def solve(problem: Problem, start: Orbit) -> Solution:
         if shortened:
             before = math.inf
             continue
-        rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
+        far = max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
         ahead = float(np.abs(dgetrs(factors, swaps, residual)[0]).max())
         stalled = before <= STALLED and size >= 0.5 * before
-        if min(size, ahead) <= rounding or stalled:
+        if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count)
         before = size
     return Solution(orbit, False, STEPS)

@@ -33,9 +33,9 @@ KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40))  # scaled: where a first sample is looked for
+BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a first sample is looked for
 APART = tuple(2.0**-n for n in range(8, 21, 2))  # the same where curves cross, which part slowly
-PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
+PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
@@ -250,6 +250,9 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         wanted.append(2 * begin.order)
     starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
     others = [each for each in starts if each.order == begin.order and each.key != arrived]
+    if curve.problem.same(image.value, outer.value, SAME):  # no jump: the cycle goes on right there
+        right_there = [each for each in others if outer.piece.key in each.sample.orbit.keys]
+        others = right_there if len(right_there) == 1 else others
     if len(others) > 1 or (others and others[0].is_crossing):
         return collision
     there = beside(others[0]) if others else _hugging(begin, arc, outer)
