@@ -221,10 +221,13 @@ def beginnings(
 def _cycles(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
     """Those along paths that return, and that are no shorter ones run through several times."""
     for path in all_:
-        pieces, order = [image.piece for image in path.images], len(path.images)
-        keys = [piece.key for piece in pieces]
-        shorter = (d for d in range(1, order) if order % d == 0)
-        is_shortest = all(keys[d:] + keys[:d] != keys for d in shorter)
+        keys, order = [image.piece.key for image in path.images], len(path.images)
+        is_shortest = not any(
+            keys[d:] + keys[:d] == keys
+            and base.problem.same(np.roll(path.x, -d, axis=0), path.x, SAME)
+            for d in range(1, order)
+            if order % d == 0
+        )
         if is_shortest and base.problem.same(path.end, x, SAME):
             yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
 
