@@ -18,7 +18,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample
-from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chained
+from woodpecker.engine.maps import ACCUMULATE, Chain, Image, PiecewiseMap, chained
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
 
@@ -147,7 +147,7 @@ def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
             found.append(map_.beside(x, p, direction * gradient))
     for _ in range(returns):
         found = [each if each.reason else map_.at(each.value, p) for each in found]
-    return next((each.reason for each in found if each.reason), "")
+    return next((each.reason for each in found if each.reason not in ("", ACCUMULATE)), "")
 
 
 def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
