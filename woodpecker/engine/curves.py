@@ -211,7 +211,7 @@ class Arc:
         """How well the first free parameter is known at its end; infinite if it was given up."""
         if self.stop is Stop.SPAN:
             return 0.0
-        if self.stop in MULTIPLIERS:
+        if self.stop in (*MULTIPLIERS, Stop.ASKED):
             orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
             rate = abs(_ahead(self.samples[-1])) * self.curve.problem.p_scale[column]
             return self.width * rate + BLUR * max(1.0, abs(float(orbit.p[column])))
@@ -336,6 +336,9 @@ class Curve:
             else:
                 orbit = self.correct(before, last, guess, at_distance)
         if orbit is None or not orbit.is_defined:
+            return None
+        aside = self.problem.step_between(last.orbit, orbit) - distance * last.tangent
+        if float(np.linalg.norm(aside)) > distance:
             return None
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
@@ -500,7 +503,7 @@ class Curve:
             else:
                 low = middle
         test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
-        return [End(high, test, found), *ends]
+        return [End(high, test, found, high - low), *ends]
 
     def _multipliers(self, a: Sample, b: Sample, step: float, starts: bool) -> list[End]:
         """Where multipliers are 1 or -1, or pairs of them on the unit circle, or curves cross."""

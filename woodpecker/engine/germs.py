@@ -18,7 +18,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample
-from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chained
+from woodpecker.engine.maps import ACCUMULATE, Chain, Image, PiecewiseMap, chained
 from woodpecker.engine.newton import Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
 
@@ -147,7 +147,7 @@ def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
             found.append(map_.beside(x, p, direction * gradient))
     for _ in range(returns):
         found = [each if each.reason else map_.at(each.value, p) for each in found]
-    return next((each.reason for each in found if each.reason), "")
+    return next((each.reason for each in found if each.reason not in ("", ACCUMULATE)), "")
 
 
 def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
@@ -221,10 +221,13 @@ def beginnings(
 def _cycles(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
     """Those along paths that return, and that are no shorter ones run through several times."""
     for path in all_:
-        pieces, order = [image.piece for image in path.images], len(path.images)
-        keys = [piece.key for piece in pieces]
-        shorter = (d for d in range(1, order) if order % d == 0)
-        is_shortest = all(keys[d:] + keys[:d] != keys for d in shorter)
+        keys, order = [image.piece.key for image in path.images], len(path.images)
+        is_shortest = not any(
+            keys[d:] + keys[:d] == keys
+            and base.problem.same(np.roll(path.x, -d, axis=0), path.x, SAME)
+            for d in range(1, order)
+            if order % d == 0
+        )
         if is_shortest and base.problem.same(path.end, x, SAME):
             yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
 

@@ -34,12 +34,14 @@ ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a first sample is looked for
-APART = tuple(2.0**-n for n in range(8, 21, 2))  # the same where curves cross, which part slowly
+APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
-AGAIN = 1e-4  # scaled: first step beyond a border at least
+AGAIN = 4.0  # times the last step before a border: the first step beyond
+DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
+MANY_SHORT = 4  # of them
 MOST_ARCS = 2000  # of one branch
 LIMIT_LOST = "a limit of the jump is lost"
 
@@ -140,13 +142,19 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
-    changes, at, step = list[Change](), begin, math.inf
+    changes, at, step, short = list[Change](), begin, math.inf, 0
     for _ in range(MOST_ARCS):
-        arc = _at_nearest(at.curve.follow(at.sample, step, halt))
-        step = max(arc.step, AGAIN)
+        arc = at.curve.follow(at.sample, step, halt)
+        if arc.stop is Stop.SHORT and len(arc.samples) == 1 and at.before is None:
+            at = beside(at)  # it starts with a root
+            samples += [] if at.before is None else [at.sample]
+            arc = at.curve.follow(at.sample, step, halt)
+        arc = _at_nearest(arc)
+        step = AGAIN * arc.step
         arc, outer = _settled(arc)
         samples += arc.samples[1:]
-        passed = _met(at, arc, outer, orders)
+        short = short + 1 if _length(arc) < DENSE else 0
+        passed = _met(at, arc, outer, orders, dense=short >= MANY_SHORT)
         if isinstance(passed, Arrival):
             break
         at, cause, smooth = passed
@@ -160,8 +168,14 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
 
 
+def _length(arc: Arc) -> float:
+    """How far apart its ends are, scaled."""
+    one, other = arc.samples[0].orbit, arc.samples[-1].orbit
+    return float(np.linalg.norm(arc.curve.problem.step_between(one, other)))
+
+
 def _met(
-    begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int]
+    begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
     """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
@@ -169,7 +183,7 @@ def _met(
     if outer is not None:
         return _at_border(begin, arc, outer)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
-        return _at_crossing(begin, arc, orders)
+        return _at_crossing(begin, arc, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return _passed_over(begin, arc, ACCUMULATE) or _given_up(begin, arc)
     return _given_up(begin, arc)
@@ -238,27 +252,21 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         return _given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
-    if smooth and curve.problem.same(image.value, outer.value, SAME):
-        i = arc.border[0]
-        images = (*orbit.images[:i], outer, *orbit.images[i + 1 :])
-        sample = curve.start(replace(orbit, images=images), arc.samples[-1].tangent)
-        if is_inside(curve, sample):
-            return Beginning(begin.order, curve, sample), cause, True
-    arrived = replace(begin, sample=arc.samples[-1]).key
-    wanted = [begin.order]
-    if orbit.x.shape[1] > 1:  # in R^1 cycles double just where the others change their stability
-        wanted.append(2 * begin.order)
-    starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
-    others = [each for each in starts if each.order == begin.order and each.key != arrived]
-    if curve.problem.same(image.value, outer.value, SAME):  # no jump: the cycle goes on right there
-        right_there = [each for each in others if outer.piece.key in each.sample.orbit.keys]
-        others = right_there if len(right_there) == 1 else others
-    if len(others) > 1 or (others and others[0].is_crossing):
-        return collision
-    there = beside(others[0]) if others else _hugging(begin, arc, outer)
+    there, doubles = _straight_on(begin, arc, outer), False
+    if there is not None and smooth and there.sample.tangent @ arc.samples[-1].tangent > 0.0:
+        return there, cause, True
+    in_line = orbit.x.shape[1] == 1  # there cycles double just where the others change stability
+    if there is None or not in_line:
+        arrived = replace(begin, sample=arc.samples[-1]).key
+        wanted = [begin.order] if in_line else [begin.order, 2 * begin.order]
+        starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
+        doubles = any(each.order > begin.order for each in starts)
+        others = [each for each in starts if each.order == begin.order and each.key != arrived]
+        if len(others) > 1 or (others and others[0].is_crossing):
+            return collision
+        there = others[0] if others else _hugging(begin, arc, outer)
     if there is None:
         return _passed_over(begin, arc, cause, outer) or collision
-    doubles = any(each.order > begin.order for each in starts)
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
     before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
     if folds or doubles or _changes_stability(before, after):
@@ -268,6 +276,19 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
             onward=there,
         )
     return there, cause, smooth
+
+
+def _straight_on(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
+    """The cycles of the piece beyond a border across which the map is continuous; None if none."""
+    assert arc.border is not None
+    i, orbit, curve = arc.border[0], arc.samples[-1].orbit, begin.curve
+    if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
+        return None
+    sample = curve.start(replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :])))
+    if not np.isfinite(sample.tangent).all():
+        return None
+    ways = [each for each in (sample, sample.turned) if is_inside(curve, each)]
+    return Beginning(begin.order, curve, ways[0]) if len(ways) == 1 else None
 
 
 def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
@@ -455,7 +476,9 @@ def _passed(cause: str) -> str:
     return cause if cause == ACCUMULATE else f"{cause}: {ACCUMULATE}"
 
 
-def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | None:
+def _crossing_beyond(
+    begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED
+) -> Arrival | Onward | None:
     """The jump crossing beyond such a place: on the same border, between the limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
@@ -465,7 +488,7 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
     head = replace(end.orbit, outer=None, share=0.0)
     base = _of_cycles(curve)
     low, high = curve.settings.spans[0]
-    for away in PASSED:
+    for away in distances:
         to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
         if min(max(to, low), high) == end.orbit.p[column]:
             return None
@@ -492,12 +515,21 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
 # --- Crossings ------------------------------------------------------------------------------------
 
 
-def _at_crossing(begin: Beginning, arc: Arc, orders: Sequence[int]) -> Arrival | Onward:
-    """Where a jump crossing closes as a cycle, or another of its points meets a border."""
+def _at_crossing(
+    begin: Beginning, arc: Arc, orders: Sequence[int], *, dense: bool
+) -> Arrival | Onward:
+    """Where a jump crossing closes as a cycle, or another of its points meets a border.
+
+    Where its limits change their words again and again within a short way some are passed over:
+    where the border is does not depend on them.
+    """
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, _cause(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
         return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    over = _crossing_beyond(begin, arc, cause, (DENSE,)) if dense else None
+    if isinstance(over, tuple):
+        return over
     beyond = _one_side_beyond(begin, arc)
     if beyond is not None:
         return beyond, cause, True

@@ -129,8 +129,7 @@ class Tasks:
 
     def _trace(self, begin: Beginning) -> Trace:
         allowed = Allowance(self.map, self.settings.of_branch(begin.order))
-        n = begin.order
-        orders = tuple(d for d in range(1, n + 1) if n % d == 0)
+        orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
         return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
 
     def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:
