@@ -60,39 +60,42 @@ class MultiplierIs:
 
     def rows(self, orbit: Orbit) -> Floats:
         """(1, n + 3) its derivatives in all unknowns of the orbit."""
-        n = len(orbit.x)
         slopes = [float(image.jacobian[0, 0]) for image in orbit.images]
-        row, steps = np.zeros((1, n + 3)), self._steps(orbit)
-
-        def by(step: Floats, i: int) -> float:
-            return self._difference(orbit, i, step)
-
-        for i in range(n):
+        row = np.zeros((1, len(orbit.unknowns)))
+        for i in range(len(orbit.x)):
             rest = math.prod(slopes[:i] + slopes[i + 1 :])
-            moves = np.diag(np.append(steps[i], steps[n:]))
-            row[0, i] = rest * by(moves[0], i)
-            row[0, n : n + 2] += rest * np.array([by(moves[1], i), by(moves[2], i)])
+            row += orbit.columns(i, rest * self._gradient(orbit, i))
         return row
 
-    def _steps(self, orbit: Orbit) -> Floats:
-        """Lengths (n + 2,) over which differences are taken."""
+    def _gradient(self, orbit: Orbit, i: int) -> Floats:
+        """Derivatives (3,) of the slope of one piece: across its nearest border and along it.
+
+        Beside a root it changes fast across a border and slowly along it: how far away that is
+        changes along it by curvature only.
+        """
         one, other = self.settings
-        n, numerics = len(orbit.x), one.numerics
-        scale = np.array([one.x_scale] * n + [one.p_scale, other.p_scale])
-        away = np.full(n + 2, math.inf)
-        for i, image in enumerate(orbit.images):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                own = np.abs(image.margins[:, None] / image.gradients)
-            nearest = np.fmin.reduce(own, axis=0, initial=math.inf)
-            away[i] = nearest[0]
-            away[n:] = np.fmin(away[n:], nearest[1:])
-        most = np.minimum(numerics.difference * scale, numerics.clear * away)
-        found: Floats = np.maximum(most, one.nearest * scale)
+        numerics, image = one.numerics, orbit.images[i]
+        scale = np.array([one.x_scale, one.p_scale, other.p_scale])
+        gradients = image.gradients * scale
+        size = np.linalg.norm(gradients, axis=1)
+        known = np.flatnonzero(size > 0.0)
+        away = np.abs(image.margins[known]) / size[known]
+        k = int(away.argmin()) if len(known) else -1
+        most, ways = numerics.difference, np.eye(3)
+        if k >= 0:
+            ways = np.linalg.qr(np.column_stack([gradients[known[k]], ways]))[0].T
+            most = min(most, math.sqrt(numerics.clear * away[k]))
+        found = np.zeros(3)
+        for way in ways:
+            with np.errstate(divide="ignore"):
+                rest = np.abs(image.margins[known] / (gradients[known] @ way))
+            h = max(min(most, numerics.clear * float(rest.min(initial=math.inf))), one.nearest)
+            found += self._difference(orbit, i, h * way * scale) / h * way / scale
         return found
 
     def _difference(self, orbit: Orbit, i: int, step: Floats) -> float:
-        """Derivative of the slope of one piece along a step (3,) in x and in both parameters."""
-        piece, length = orbit.images[i].piece, float(np.abs(step).max())
+        """By how much the slope of one piece changes in a step (3,) in x and both parameters."""
+        piece = orbit.images[i].piece
         assert isinstance(piece, FamilyPiece)
         at = np.append(orbit.x[i], orbit.p)
 
@@ -102,10 +105,10 @@ class MultiplierIs:
 
         above, below = slope(1.0), slope(-1.0)
         if not math.isnan(above + below):
-            return (above - below) / (2.0 * length)
+            return 0.5 * (above - below)
         side = -1.0 if math.isnan(above) else 1.0  # the map has an end here: to one side
         near, far = slope(side), slope(2.0 * side)
-        return side * (4.0 * near - 3.0 * slope(0.0) - far) / (2.0 * length)
+        return side * 0.5 * (4.0 * near - 3.0 * slope(0.0) - far)
 
 
 def multiplier(orbit: Orbit) -> float:
