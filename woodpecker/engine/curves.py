@@ -22,7 +22,6 @@ from woodpecker.engine.maps import Image, PiecewiseMap, length_of
 from woodpecker.engine.newton import (
     BLUR,
     STEEP,
-    Across,
     Problem,
     across,
     branch_point,
@@ -102,10 +101,6 @@ class Stop(Enum):
 
 
 MULTIPLIERS = (Stop.BP, Stop.LP, Stop.PD, Stop.NS)
-
-Corrector = Callable[["Sample | None", "Sample", Orbit, Across], "Orbit | None"]
-"""From the sample before, if there is one, the last one, and a guess a distance across from that,
-to an orbit at this distance that solves the equations of a curve; None if it finds none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -299,8 +294,6 @@ class Curve:
         Which multipliers are looked at: of LP, PD, NS, BP.
     own
         Other functions that are looked at, ``SPECIAL`` where they vanish.
-    correct
-        What finds the next sample in place of Newton's method from a guess.
     """
 
     map: PiecewiseMap
@@ -309,7 +302,6 @@ class Curve:
     ignored: frozenset[tuple[int, int]] = frozenset()
     tests: tuple[Stop, ...] = MULTIPLIERS
     own: tuple[TestFunction, ...] = ()
-    correct: Corrector | None = None
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
@@ -330,11 +322,8 @@ class Curve:
         else:
             at_distance = across(self.problem, last.orbit, last.tangent, distance)
             guess = self.problem.moved(last.orbit, way)
-            if self.correct is None:
-                found = solve(self.problem.with_(at_distance), guess)
-                orbit = found.orbit if found.converged else None
-            else:
-                orbit = self.correct(before, last, guess, at_distance)
+            found = solve(self.problem.with_(at_distance), guess)
+            orbit = found.orbit if found.converged else None
         if orbit is None or not orbit.is_defined:
             return None
         aside = self.problem.step_between(last.orbit, orbit) - distance * last.tangent

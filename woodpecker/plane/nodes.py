@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from woodpecker.piecewise.jumps import limit_of
 from woodpecker.piecewise.margins import depth, nearest_code
 from woodpecker.piecewise.pieces import Image
 from woodpecker.piecewise.settings import Settings
-from woodpecker.plane.hugging import corrected
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
 
 THIRD = 2.0**-10  # part of the unit of x over which a second difference of slopes is taken: its
@@ -181,6 +179,11 @@ def border_in(curve: Curve) -> OnBorder | None:
     return condition if isinstance(condition, OnBorder) else None
 
 
+def is_steep(curve: Curve) -> bool:
+    """Whether it is one of folds or flips: beside a root their equation changes fast."""
+    return isinstance(curve.problem.conditions[1], MultiplierIs)
+
+
 def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> Curve:
     """The curve of cycles that obey a condition, with what is looked at along it.
 
@@ -196,16 +199,14 @@ def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> Curve:
         along = np.linalg.norm(np.cross(unit, own), axis=1) <= PARALLEL
         codes = image.codes[along & image.tied(orbit.x[i], orbit.p)].tolist()
         ignored = frozenset((i, code) for code in (condition.code, *codes))
-    correct, shortest = None, max(curve.settings.min_step, SHORT)
-    if isinstance(condition, MultiplierIs):
-        correct = partial(corrected, curve.problem, condition)
-        shortest = max(shortest, STEEP_SHORT)
+    steep = isinstance(condition, MultiplierIs)
+    shortest = max(curve.settings.min_step, STEEP_SHORT if steep else SHORT)
     settings = replace(
         curve.settings, min_step=shortest, step=max(shortest, curve.settings.step),
         max_step=max(shortest, curve.settings.max_step),
     )  # fmt: skip
     return replace(
-        curve, ignored=ignored, own=tests_of(plane, condition, len(orbit.x)), correct=correct,
+        curve, ignored=ignored, own=tests_of(plane, condition, len(orbit.x)),
         settings=settings,
     )  # fmt: skip
 

@@ -7,20 +7,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Curve, Sample
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
-from woodpecker.engine.newton import across, solve
+from woodpecker.engine.newton import Problem, across, solve
 from woodpecker.engine.orbits import Held, OnBorder, Orbit
 from woodpecker.piecewise.borders import Border, BorderKind
-from woodpecker.piecewise.orbits import SPACING
-from woodpecker.plane.hugging import distance, has_value, nearest_margin
 from woodpecker.plane.maps import Plane, over_first
-from woodpecker.plane.nodes import PARALLEL, MultiplierIs, border_in, curve_of, multiplier, units
+from woodpecker.plane.nodes import PARALLEL, MultiplierIs, border_in, curve_of, is_steep, units
 
 # Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
 # right there: a cube root falls to a fifth.
@@ -29,8 +26,6 @@ BESIDE = (2.0**-24, 2.0**-20, 2.0**-28, 2.0**-34, 2.0**-40)  # scaled: where a c
 ROOTED = 10.0  # times the derivatives before it those at the end of a root are larger
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
 CLEAR = 1e-10  # scaled: nearer to a border slopes are made of rounding
-WAYS = 60  # steps of root finding: halvings alone take fifty
-FAR = 2.0  # times their distance from it that a curve goes on at most
 KNOWN = 1e-13  # scaled: as near a cycle on a border is known to lie to it
 NO_CURVE = "no curve beyond"
 
@@ -116,8 +111,8 @@ def mirrored(plane: Plane, arc: Arc) -> Passed | None:
     has the same value.
     """
     curve, last = arc.curve, arc.samples[-1]
-    near = nearest_margin(curve.problem, last.orbit)
-    if curve.correct is None or near is None or near[2] > CONTACT:
+    near = _nearest_margin(curve.problem, last.orbit)
+    if not is_steep(curve) or near is None or near[2] > CONTACT:
         return None
     i, code, _ = near
     x, p, image = last.orbit.x[i], last.orbit.p, last.orbit.images[i]
@@ -132,7 +127,7 @@ def mirrored(plane: Plane, arc: Arc) -> Passed | None:
         own = sample.orbit.images[i]
         if own.place(code) < 0:
             break
-        if distance(curve.problem, sample.orbit, i, code) < CLEAR:
+        if _distance(curve.problem, sample.orbit, i, code) < CLEAR:
             continue
         margin = OnBorder(i, tied[0], float(own.margins[own.place(code)]))
         way = curve.problem.step_between(sample.orbit, last.orbit)
@@ -142,34 +137,38 @@ def mirrored(plane: Plane, arc: Arc) -> Passed | None:
     return None
 
 
+def _nearest_margin(problem: Problem, orbit: Orbit) -> tuple[int, int, float] | None:
+    """The margin nearest to vanishing: image, code, and how far away that is in scaled unknowns."""
+    best, scale = (math.inf, 0, 0), np.array([*problem.x_scale, *problem.p_scale])
+    for i, image in enumerate(orbit.images):
+        size = np.linalg.norm(image.gradients * scale, axis=1)
+        for margin, most, code in zip(image.margins, size, image.codes.tolist(), strict=True):
+            if most > 0.0:
+                best = min(best, (abs(float(margin)) / float(most), i, code))
+    return None if best[0] == math.inf else (best[1], best[2], best[0])
+
+
+def _distance(problem: Problem, orbit: Orbit, i: int, code: int) -> float:
+    """How far away a border is where a margin vanishes, to first order, in scaled unknowns."""
+    image, scale = orbit.images[i], np.array([*problem.x_scale, *problem.p_scale])
+    k = image.place(code)
+    return float(abs(image.margins[k]) / np.linalg.norm(image.gradients[k] * scale))
+
+
 def _mirrored(curve: Curve, at: Sample, length: float, margin: OnBorder) -> Sample | None:
-    """The sample beyond a contact whose margin has a value; None if there is none near enough.
+    """The sample at a distance beyond a contact, about where a margin has a value; None if none is.
 
-    Where a margin has a value the multiplier changes slowly. It is looked at along that curve, by
-    the distance from the contact.
+    There Newton's method begins: where the margin has a value the multiplier changes slowly.
     """
-    problem, (closed, steep) = curve.problem, curve.problem.conditions
-    assert isinstance(steep, MultiplierIs)
-    found = dict[float, Orbit]()
-
-    def off(way: float) -> float:
-        ahead = across(problem, at.orbit, at.tangent, way)
-        guess = problem.moved(at.orbit, way * at.tangent)
-        there = solve(replace(problem, conditions=(closed, margin, ahead)), guess)
-        if not there.converged:
-            raise ArithmeticError
-        found[way] = there.orbit
-        return multiplier(there.orbit) - steep.value
-
-    try:
-        way = float(brentq(off, 0.0, FAR * length, xtol=SPACING * FAR * length, maxiter=WAYS))
-        off(way)
-    except (ArithmeticError, RuntimeError, ValueError):  # not solved, or no change of sign
+    problem, ahead = curve.problem, across(curve.problem, at.orbit, at.tangent, length)
+    beside = replace(problem, conditions=(problem.conditions[0], margin, ahead))
+    guess = solve(beside, problem.moved(at.orbit, length * at.tangent))
+    found = solve(problem.with_(ahead), guess.orbit)
+    if not (guess.converged and found.converged):
         return None
-    sample = curve.start(found[way], at.tangent)
+    sample = curve.start(found.orbit, at.tangent)
     turned = float(sample.tangent @ at.tangent) < math.cos(curve.settings.max_turn)
-    kept = way > 0.0 and has_value(steep, found[way]) and not turned
-    return sample if kept and _is_within(curve, sample) else None
+    return sample if not turned and _is_within(curve, sample) else None
 
 
 def _meeting(curve: Curve) -> PlaneKind:
@@ -286,7 +285,7 @@ def _onward(curve: Curve, there: Orbit, like: Floats, i: int, codes: list[int]) 
     for start in _starts(curve, there, like):
         if not _grows(curve, start, i, codes):
             continue
-        if curve.correct is None and is_inside(curve, start):
+        if not is_steep(curve) and is_inside(curve, start):
             return start
         for away in BESIDE:
             found = curve.advance(start, away)
