@@ -532,8 +532,8 @@ def _round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     for sample in arc.samples[-2::-1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[-1, 0])
         close = BESIDE[-1] * problem.x_scale[0]
-        width = FASTEST * abs(back - p) / problem.p_scale[column] * problem.x_scale[0]
-        places += [(back, at + close, at + width), (back, at - width, at - close)]
+        for width in (each * problem.x_scale[0] for each in CORNER):
+            places += [(back, at + close, at + width), (back, at - width, at - close)]
     for to, low, high in places:
         found = _passing(begin, end, to, low, high)
         if found is not None:
