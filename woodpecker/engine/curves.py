@@ -51,6 +51,8 @@ KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that f
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
+LOOKED = 2.0**-10  # scaled: steps longer than that are looked at halfway
+WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
@@ -409,6 +411,9 @@ class Curve:
                 step, grows, given_up = 0.5 * step, False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
+            if step > LOOKED and self._differs_between(last, found if end is None else end.sample):
+                step, grows = 0.5 * step, False
+                continue
             if not self.agrees(found.orbit if end is None else end.sample.orbit, end):
                 step, grows, given_up = 0.25 * step, False, Stop.OTHER_PIECE
                 continue
@@ -632,6 +637,21 @@ class Curve:
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
         )
 
+    def _differs_between(self, a: Sample, b: Sample) -> bool:
+        """Whether the map takes another piece halfway: a margin may vanish that no sample has.
+
+        A point between two samples is good enough where the map is not steep.
+        """
+        x = 0.5 * (a.orbit.x + b.orbit.x)
+        p = 0.5 * (a.orbit.p + b.orbit.p)
+        at_border = {a.orbit.place(i) for i, _ in self.ignored}
+        return any(
+            i not in at_border
+            and float(np.abs(image.jacobian).max()) < STEEP
+            and self.map.at(point, p).piece.key != image.piece.key
+            for i, (point, image) in enumerate(zip(x, a.orbit.images, strict=True))
+        )
+
     def _is_taken(self, x: Floats, p: Floats, image: Image) -> bool:
         """Whether the map takes the piece of an image, and the same of its solutions."""
         taken = self.map.at(x, p)
@@ -650,16 +670,19 @@ class Curve:
             return
         for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
             falls, rises = step * self._rates(a, i), step * self._rates(b, i)
-            for k in np.flatnonzero(one.margins + falls < 0.0).tolist():
+            for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
                 code = int(one.codes[k])
                 if (i, code) in self.ignored or not one.margins[k] > 0.0:
                     continue
                 m = other.place(code)
                 if m < 0:
-                    raise UnclearError
+                    if one.margins[k] + falls[k] < 0.0:
+                        raise UnclearError
+                    continue
                 ends = float(one.margins[k]), float(other.margins[m])
                 rates = float(falls[k]), float(rises[m])
-                if ends[1] > 0.0 and rates[1] > 0.0 and _least(*ends, *rates) < 0.0:
+                dips = ends[1] > 0.0 and rates[1] > 0.0
+                if dips and _least(*ends, *rates) < WORTH * min(ends):
                     raise UnclearError
             for k in np.flatnonzero(other.margins < rises).tolist():
                 code = int(other.codes[k])
