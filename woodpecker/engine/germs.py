@@ -165,7 +165,8 @@ def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
     if not apart.any():
         return np.asarray(out)
     way = (along[apart] / lengths[apart, None]).sum(axis=0)
-    return np.asarray(way / np.linalg.norm(way) + TILT * out)
+    length = float(np.linalg.norm(way))
+    return np.asarray(way / length + TILT * out if length > 0.0 else out)
 
 
 def shared(one: Image, other: Image, x: Floats, p: Floats) -> tuple[list[int], list[int]] | None:
