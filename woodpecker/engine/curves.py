@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -21,14 +22,15 @@ from woodpecker.engine.maps import Image, PiecewiseMap, length_of
 from woodpecker.engine.newton import (
     BLUR,
     STEEP,
-    Across,
     Problem,
+    across,
     branch_point,
     solve,
     tangent,
     uncertainty,
 )
 from woodpecker.engine.orbits import (
+    AtLimit,
     Chained,
     Condition,
     Held,
@@ -44,11 +46,15 @@ LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely 
 CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
 ITERATIONS = 80  # of that: halvings alone take fifty
 ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
+STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
+LOOKED = 2.0**-10  # scaled: steps longer than that are looked at halfway
+WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
+MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
 
@@ -150,10 +156,18 @@ class Sample:
         It solves the equations.
     tangent
         Unit vector in scaled unknowns.
+    bordered
+        The determinant of the equations bordered with it; nan if it was not asked for.
     """
 
     orbit: Orbit
     tangent: Floats
+    bordered: float = math.nan
+
+    @property
+    def turned(self) -> Sample:
+        """The same with the curve the other way round."""
+        return Sample(self.orbit, -self.tangent, -self.bordered)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,7 +204,7 @@ class Arc:
         """How well the first free parameter is known at its end; infinite if it was given up."""
         if self.stop is Stop.SPAN:
             return 0.0
-        if self.stop in MULTIPLIERS:
+        if self.stop in (*MULTIPLIERS, Stop.ASKED):
             orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
             rate = abs(_ahead(self.samples[-1])) * self.curve.problem.p_scale[column]
             return self.width * rate + BLUR * max(1.0, abs(float(orbit.p[column])))
@@ -231,12 +245,15 @@ class TestFunction:
         The same as an equation, to solve it to rounding; None if it is none of single orbits.
     border
         The margin, if it is one.
+    rate
+        How fast the value grows along the curve, at a sample; None if it is not known.
     """
 
     stop: Stop
     value: Callable[[Sample], float]
     condition: Condition | None = None
     border: tuple[int, int] | None = None
+    rate: Callable[[Sample], float] | None = None
 
 
 class End(NamedTuple):
@@ -277,13 +294,9 @@ class Curve:
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
-        direction = tangent(self.problem, orbit)
-        return Sample(orbit, direction if along is None or along @ direction >= 0.0 else -direction)
+        return Sample(orbit, *tangent(self.problem, orbit, along))
 
-    def advance(
-        self, last: Sample, distance: float, before: Sample | None = None, *,
-        polished: bool = False,
-    ) -> Sample | None:  # fmt: skip
+    def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
         """The sample at a distance; None if Newton's method leads to none.
 
         It is predicted along the tangent, or along the cubic through the sample before, too.
@@ -292,20 +305,21 @@ class Curve:
         if before is not None:
             way = way + self._bend(before, last, distance)
         if last.orbit.outer is not None and last.orbit.x.shape[1] == 1:
-            orbit = self._along_border(last, distance, way, polished)
+            orbit = self._along_border(last, distance, way)
         else:
-            across = Across(self.problem, last.orbit, last.tangent, distance)
+            at_distance = across(self.problem, last.orbit, last.tangent, distance)
             guess = self.problem.moved(last.orbit, way)
-            found = solve(self.problem.with_(across), guess, polished=polished)
+            found = solve(self.problem.with_(at_distance), guess)
             orbit = found.orbit if found.converged else None
         if orbit is None or not orbit.is_defined:
+            return None
+        aside = self.problem.step_between(last.orbit, orbit) - distance * last.tangent
+        if float(np.linalg.norm(aside)) > distance:
             return None
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
 
-    def _along_border(
-        self, last: Sample, distance: float, way: Floats, polished: bool
-    ) -> Orbit | None:
+    def _along_border(self, last: Sample, distance: float, way: Floats) -> Orbit | None:
         """A jump crossing in R^1: its points up to the border are solved for, the share follows."""
         (*_, border), problem = self.problem.conditions, self.problem
         assert isinstance(border, OnBorder)
@@ -313,17 +327,16 @@ class Curve:
         head = head_of(last.orbit, to)
         rounds = length_of(last.orbit.images[-1])
         on = OnBorder(border.image, border.code // rounds)
-        along = last.tangent[:-1] / np.linalg.norm(last.tangent[:-1])
         heads = replace(problem, conditions=(Chained(), on))
-        across = Across(heads, replace(last.orbit, outer=None), along, float(along @ way[:-1]))
-        found = solve(heads.with_(across), head, polished=polished)
+        at_distance = across(problem, last.orbit, last.tangent, float(last.tangent @ way))
+        found = solve(heads.with_(at_distance), head)
         return completed(found.orbit, last.orbit) if found.converged else None
 
     def _leaves(self, start: Sample) -> Stop | None:
         """Whether a sample lies at an end of span or window, and the curve leaves there."""
         orbit = start.orbit
         columns, low, high, stops = self._limits(orbit)
-        at, along = orbit.unknowns[columns], start.tangent
+        at, along = orbit.unknowns[columns], self._wide(start)[columns]
         out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
         return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
 
@@ -362,7 +375,7 @@ class Curve:
         Each turn of the loop either keeps a sample, of which there are ``max_samples``, or shortens
         the step, of which ``min_step`` is the end.
         """
-        settings, samples, grows = self.settings, [start], True
+        settings, samples, grows, bent = self.settings, [start], True, 0.0
         step = min(first, settings.step)
         given_up, halt = Stop.SHORT, halt or Halt()
         leaves = self._leaves(start)
@@ -379,7 +392,9 @@ class Curve:
             before = samples[-2] if len(samples) > 1 else None
             found = to_end = self._to_end(last, step)
             found = found or self.advance(last, step, before)
-            turned = math.inf if found is None else _angle(last, found) / settings.max_turn
+            turned = math.inf
+            if found is not None and not self._strays(last, found, bent):
+                turned = _angle(last, found) / settings.max_turn
             if found is None or turned > 1.0:
                 step *= max(0.25, min(0.5, KEPT_TURN / turned))
                 grows, given_up = False, Stop.SHORT
@@ -392,7 +407,10 @@ class Curve:
                 step, grows, given_up = 0.5 * step, False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
-            if not self._agrees(found.orbit if end is None else end.sample.orbit, end):
+            if step > LOOKED and self._differs_between(last, found if end is None else end.sample):
+                step, grows = 0.5 * step, False
+                continue
+            if not self.agrees(found.orbit if end is None else end.sample.orbit, end):
                 step, grows, given_up = 0.25 * step, False, Stop.OTHER_PIECE
                 continue
             if end is not None:
@@ -409,19 +427,30 @@ class Curve:
             if len(samples) > 2 and self._closes(start, last, found, step):
                 return Arc((*samples, start), Stop.CLOSED, self)
             samples.append(found)
+            bent = turned * settings.max_turn
             growth = min(2.0 if grows else 1.0, KEPT_TURN / max(turned, 1e-3))
             step, grows = min(settings.max_step, step * growth), True
         return Arc(tuple(samples), Stop.MANY, self)
+
+    def _strays(self, a: Sample, b: Sample, bent: float) -> bool:
+        """Whether a sample is one of another curve, though its tangent is much the same.
+
+        A smooth curve goes about along the mean of its tangents; by how much not, they tell by how
+        they turn, in this step or in the one before.
+        """
+        chord = self.problem.step_between(a.orbit, b.orbit)
+        length, mean = float(np.linalg.norm(chord)), a.tangent + b.tangent
+        off = float(np.linalg.norm(chord / length - mean / np.linalg.norm(mean)))
+        return off > 0.5 * max(_angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
 
     # --- What is looked at ------------------------------------------------------------------------
 
     def _ends(self, a: Sample, b: Sample, step: float, *, starts: bool) -> list[End]:
         """What ends the arc between two samples, by distance; UnclearError if that is not clear."""
-        bounds = (*self._borders(a, b, step), *self._bounds(a, b, step))
-        found = [self._bounded(a, b, step, test) for test in bounds]
-        found += self._multipliers(a, b, step, starts)
+        bound = self._bounded(a, b, step)
+        found = self._multipliers(a, b, step, starts) + ([] if bound is None else [bound])
         found.sort(key=lambda end: end.distance)
-        if found and not self._is_first(found[0]):
+        if found and found[0] is not bound and next(self._borders(found[0].sample), None):
             raise UnclearError
         self._look_for_dips(a, *((found[0].sample, found[0].distance) if found else (b, step)))
         return found
@@ -444,7 +473,7 @@ class Curve:
             else:
                 low = middle
         test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
-        return [End(high, test, found), *ends]
+        return [End(high, test, found, high - low), *ends]
 
     def _multipliers(self, a: Sample, b: Sample, step: float, starts: bool) -> list[End]:
         """Where multipliers are 1 or -1, or pairs of them on the unit circle, or curves cross."""
@@ -497,17 +526,21 @@ class Curve:
                 return exact, exact.value(a), exact.value(b)
         return test, before, after
 
-    def _bounds(self, a: Sample, b: Sample, step: float) -> Iterator[TestFunction]:
-        """Ends of spans, of the window and of the share that are passed between two samples."""
-        orbit = b.orbit
+    def _bounds(self, sample: Sample) -> Iterator[TestFunction]:
+        """Ends of spans, of the window and of the share that a sample lies beyond."""
+        orbit = sample.orbit
         columns, low, high, stops = self._limits(orbit)
         at = orbit.unknowns[columns]
         for k in np.flatnonzero((at < low) | (at > high)).tolist():
             column = int(columns[k])
             end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
+            condition: Condition = Held(column, float(end))
+            if stops[k] is Stop.SHARE and orbit.x.shape[1] == 1:
+                condition = AtLimit(end > 0.0)
             yield TestFunction(
-                stops[k], _inside(column, float(end), inward), Held(column, float(end))
-            )
+                stops[k], _inside(column, float(end), inward), condition,
+                rate=partial(self._rate_of, column=column, inward=inward),
+            )  # fmt: skip
 
     def _limits(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
@@ -522,31 +555,44 @@ class Curve:
         low, high = np.array(ends).T
         return np.array(columns), low, high, stops
 
-    def _borders(self, a: Sample, b: Sample, step: float) -> Iterator[TestFunction]:
-        """Margins that are negative at the second of two samples."""
-        for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
-            for k in np.flatnonzero(other.margins < 0.0).tolist():
-                code = int(other.codes[k])
-                if (i, code) in self.ignored:
-                    continue
-                if one.place(code) < 0:
-                    raise UnclearError  # it was not there: how it came to be negative is not seen
-                border = OnBorder(i, code)
-                yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code))
+    def _borders(self, sample: Sample) -> Iterator[TestFunction]:
+        """Margins that are negative at a sample, by more than rounding."""
+        orbit = sample.orbit
+        for i, image in enumerate(orbit.taken):
+            negative = image.margins < 0.0
+            if not negative.any():
+                continue
+            negative &= ~image.tied(orbit.x[orbit.place(i)], orbit.p)
+            for code in image.codes[negative].tolist():
+                if (i, code) not in self.ignored:
+                    border, rate = OnBorder(i, code), partial(self.rate, i=i, code=code)
+                    yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code), rate)
 
-    def _bounded(self, a: Sample, b: Sample, step: float, test: TestFunction) -> End:
-        """Where a bound is passed that is violated at the second of two samples."""
-        before, after = test.value(a), test.value(b)
-        if before <= NEAR and self._is_at(a, test, before):
-            if step > COARSE * self.settings.min_step:
-                raise UnclearError  # a shorter step shows whether the curve leaves right here
-            return End(0.0, test, a)
-        if before < 0.0:
-            raise UnclearError
-        distance, sample = self._located(a, step, test, before, after, b)
-        if test.border is not None and self.rate(sample, *test.border) > 0.0:
-            raise UnclearError  # it has vanished before, and is back
-        return End(distance, test, sample)
+    def _bounded(self, a: Sample, b: Sample, step: float) -> End | None:
+        """Where the first bound is passed of those that the second of two samples lies beyond.
+
+        The one that seems first is located, until none has been passed before it.
+        """
+        found = None
+        for _ in range(MOST_BOUNDS):
+            passed = [*self._borders(b), *self._bounds(b)]
+            if not passed:
+                return found
+            test = min(passed, key=lambda each: _part(each, a, b))
+            before, after = test.value(a), test.value(b)
+            if before <= NEAR and self._is_at(a, test, before):
+                if step > COARSE * self.settings.min_step:
+                    raise UnclearError  # a shorter step shows whether the curve leaves right here
+                return End(0.0, test, a)
+            if before < 0.0:
+                raise UnclearError
+            distance, sample = self._located(a, step, test, before, after, b)
+            is_back = test.border is not None and self.rate(sample, *test.border) > 0.0
+            if is_back or (found is not None and distance >= found.distance):
+                raise UnclearError  # it has vanished before, and is back
+            found = End(distance, test, sample)
+            b, step = sample, distance
+        raise UnclearError
 
     @staticmethod
     def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
@@ -556,18 +602,6 @@ class Curve:
         i, code = test.border
         image = a.orbit.taken[i]
         return bool(image.tied(a.orbit.x[a.orbit.place(i)], a.orbit.p)[image.place(code)])
-
-    def _is_first(self, end: End) -> bool:
-        """Whether no margin but those of an end has vanished before it."""
-        orbit = end.sample.orbit
-        for i, image in enumerate(orbit.taken):
-            negative = image.margins < 0.0
-            if not negative.any():
-                continue
-            negative &= ~image.tied(orbit.x[orbit.place(i)], orbit.p)
-            if any((i, code) not in self.ignored for code in image.codes[negative].tolist()):
-                return False
-        return True
 
     def _special(self, orbit: Orbit) -> Iterator[TestFunction]:
         """Folds, flips, pairs on the unit circle, branch points."""
@@ -583,9 +617,11 @@ class Curve:
 
     def _bordered(self, sample: Sample) -> float:
         """The determinant of the equations bordered with the tangent."""
+        if not math.isnan(sample.bordered):
+            return sample.bordered
         return float(np.linalg.det(np.vstack([self.problem.matrix(sample.orbit), sample.tangent])))
 
-    def _agrees(self, orbit: Orbit, end: End | None) -> bool:
+    def agrees(self, orbit: Orbit, end: End | None = None) -> bool:
         """Whether the map takes the pieces of an orbit, at points on borders aside."""
         at_border = {orbit.place(i) for i, _ in self.ignored}
         if end is not None and end.test.border is not None:
@@ -593,6 +629,21 @@ class Curve:
         return all(
             i in at_border or self._is_taken(x, orbit.p, image)
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
+        )
+
+    def _differs_between(self, a: Sample, b: Sample) -> bool:
+        """Whether the map takes another piece halfway: a margin may vanish that no sample has.
+
+        A point between two samples is good enough where the map is not steep.
+        """
+        x = 0.5 * (a.orbit.x + b.orbit.x)
+        p = 0.5 * (a.orbit.p + b.orbit.p)
+        at_border = {a.orbit.place(i) for i, _ in self.ignored}
+        return any(
+            i not in at_border
+            and float(np.abs(image.jacobian).max()) < STEEP
+            and self.map.at(point, p).piece.key != image.piece.key
+            for i, (point, image) in enumerate(zip(x, a.orbit.images, strict=True))
         )
 
     def _is_taken(self, x: Floats, p: Floats, image: Image) -> bool:
@@ -604,22 +655,33 @@ class Curve:
         )
 
     def _look_for_dips(self, a: Sample, b: Sample, step: float) -> None:
-        """UnclearError if a margin that is positive at both ends may vanish twice in between.
+        """UnclearError if a margin that is positive at both ends may be negative in between.
 
-        It is a cubic there, with the values and slopes of both ends.
+        It is a cubic there, with the values and slopes of both ends. One that only one of them has
+        is taken for linear.
         """
         if step < COARSE * self.settings.min_step:
             return
         for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
-            near = one.margins < np.abs(self._rates(a, i)) * step
-            for k in np.flatnonzero(near).tolist():
+            falls, rises = step * self._rates(a, i), step * self._rates(b, i)
+            for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
                 code = int(one.codes[k])
+                if (i, code) in self.ignored or not one.margins[k] > 0.0:
+                    continue
                 m = other.place(code)
-                if (i, code) in self.ignored or m < 0:
+                if m < 0:
+                    if one.margins[k] + falls[k] < 0.0:
+                        raise UnclearError
                     continue
                 ends = float(one.margins[k]), float(other.margins[m])
-                rates = step * float(self._rates(a, i)[k]), step * float(self._rates(b, i)[m])
-                if min(ends) > 0.0 and rates[0] < 0.0 < rates[1] and _least(*ends, *rates) < 0.0:
+                rates = float(falls[k]), float(rises[m])
+                dips = ends[1] > 0.0 and rates[1] > 0.0
+                if dips and _least(*ends, *rates) < WORTH * min(ends):
+                    raise UnclearError
+            for k in np.flatnonzero(other.margins < rises).tolist():
+                code = int(other.codes[k])
+                inside = other.margins[k] > 0.0 and (i, code) not in self.ignored
+                if inside and one.place(code) < 0:
                     raise UnclearError
 
     def _rates(self, sample: Sample, i: int) -> Floats:
@@ -630,12 +692,22 @@ class Curve:
 
     def motion(self, sample: Sample, i: int) -> Floats:
         """How a point of an orbit and the parameters (d + k,) change along the curve."""
+        (n, d), k = sample.orbit.x.shape, len(sample.orbit.p)
+        wide = self._wide(sample)
+        return np.concatenate((wide[i * d : i * d + d], wide[n * d : n * d + k]))
+
+    def _wide(self, sample: Sample) -> Floats:
+        """How all unknowns of an orbit change along the curve."""
         orbit, problem = sample.orbit, self.problem
-        (n, d), k = orbit.x.shape, len(orbit.p)
-        wide = np.zeros(n * d + k + 1)
-        wide[problem.columns(orbit)] = sample.tangent
-        wide *= problem.scale(orbit)
-        return np.append(wide[i * d : i * d + d], wide[n * d : n * d + k])
+        wide, columns = np.zeros(len(orbit.unknowns)), problem.columns(orbit)
+        wide[columns] = sample.tangent * problem.scale(orbit)[columns]
+        if orbit.outer is not None and orbit.x.shape[1] == 1:
+            wide[-1] = _rate_of_share(orbit, wide)
+        return wide
+
+    def rate_of_share(self, sample: Sample) -> float:
+        """How fast the share of a jump crossing grows along the curve."""
+        return float(self._wide(sample)[-1])
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
         """How fast a margin grows along the curve."""
@@ -654,12 +726,14 @@ class Curve:
 
         def value(distance: float) -> float:
             if distance not in seen:
-                sample = self.advance(a, distance, polished=True)
+                sample = self.advance(a, distance)
                 if sample is None:
                     raise ArithmeticError
                 seen[distance] = sample, test.value(sample)
             return seen[distance][1]
 
+        if math.isnan(before):
+            raise UnclearError  # it was not there: how it came to be negative is not seen
         try:
             distance = float(brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS))
         except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
@@ -674,25 +748,48 @@ class Curve:
         self, a: Sample, step: float, test: TestFunction, before: float, after: float, b: Sample
     ) -> tuple[float, Sample] | None:
         """The same by Newton's method, from where a cubic puts it; None unless it is in between."""
-        if test.condition is None or test.stop in MULTIPLIERS:
+        if test.condition is None or test.rate is None:
             return None
-        part = before / (before - after)
-        guess = self.problem.moved(a.orbit, part * self.problem.step_between(a.orbit, b.orbit))
-        found = solve(self.problem.with_(test.condition), guess)
+        found = solve(self.problem.with_(test.condition), self._guess(a, b, test, before, after))
         if not found.converged:
             return None
-        distance = float(self.problem.step_between(a.orbit, found.orbit) @ a.tangent)
         orbit = found.orbit
         if isinstance(test.condition, Held):
             orbit = held_at(orbit, test.condition.column, test.condition.value)
+        elif isinstance(test.condition, AtLimit):
+            orbit = replace(orbit, share=float(test.condition.outer))
         sample = self.start(orbit, a.tangent)
-        aside = self.problem.step_between(a.orbit, found.orbit) - distance * a.tangent
-        away = float(np.linalg.norm(aside)) > self.settings.max_turn * step
-        if away or not (0.0 <= distance <= step and np.isfinite(sample.tangent).all()):
+        away = self.problem.step_between(a.orbit, found.orbit)
+        distance = float(away @ a.tangent)
+        aside = float(np.linalg.norm(away - distance * a.tangent))
+        is_there = aside <= self.settings.max_turn * step and 0.0 <= distance <= step
+        if not (is_there and np.isfinite(sample.tangent).all()):
             if step > COARSE * self.settings.min_step:
                 raise UnclearError  # it vanishes elsewhere: in between it need not
             return None
         return distance, sample
+
+    def _guess(
+        self, a: Sample, b: Sample, test: TestFunction, before: float, after: float
+    ) -> Orbit:
+        """Where a test function may vanish, by its values and rates at two samples.
+
+        One that there is at the second only is taken for linear there.
+        """
+        assert test.rate is not None
+        if math.isnan(before):
+            back = min(max(after / test.rate(b), 0.0), 1.0)
+            return self.problem.moved(b.orbit, -back * b.tangent)
+        chord = self.problem.step_between(a.orbit, b.orbit)
+        length = float(np.linalg.norm(chord))
+        part = _zero(before, after, length * test.rate(a), length * test.rate(b))
+        first, last = length * a.tangent, length * b.tangent
+        cubic, square = first + last - 2.0 * chord, 3.0 * chord - 2.0 * first - last
+        return self.problem.moved(a.orbit, part * (first + part * (square + part * cubic)))
+
+    def _rate_of(self, sample: Sample, column: int, inward: float) -> float:
+        """How fast an unknown grows inwards along the curve."""
+        return inward * float(self._wide(sample)[column])
 
     def _closes(self, start: Sample, a: Sample, b: Sample, step: float) -> bool:
         """Whether the curve passes its own start between two samples."""
@@ -704,6 +801,17 @@ class Curve:
             and aside <= step * self.settings.max_turn
             and float(start.tangent @ b.tangent) > math.cos(2.0 * self.settings.max_turn)
         )
+
+
+def _rate_of_share(orbit: Orbit, motion: Floats) -> float:
+    """How fast the share of a jump crossing in R^1 grows as its points and parameters change."""
+    inner, outer = orbit.taken[-2:]
+    n = len(orbit.x)
+    rates = [float(each.jacobian[0] @ motion[n - 1 : -1]) for each in (inner, outer)]
+    jump = float(outer.value[0] - inner.value[0])
+    if jump == 0.0:
+        return math.nan
+    return float(motion[0] - rates[0] - orbit.share * (rates[1] - rates[0])) / jump
 
 
 def _ahead(sample: Sample) -> float:
@@ -737,3 +845,23 @@ def _least(a: float, b: float, da: float, db: float) -> float:
     root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
     s = -da / (c2 + root) if c2 + root > 0.0 else 1.0
     return a + s * (da + s * (c2 + s * c3)) if 0.0 < s < 1.0 else min(a, b)
+
+
+def _part(test: TestFunction, a: Sample, b: Sample) -> float:
+    """About which part of the way from one sample to another a test function vanishes."""
+    before, after = test.value(a), test.value(b)
+    return math.inf if math.isnan(before) else before / (before - after)
+
+
+def _zero(before: float, after: float, rise: float, rise_there: float) -> float:
+    """Where the cubic with values of different signs and slopes at 0 and 1 vanishes between."""
+    change = after - before
+    cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
+    if not math.isfinite(cubic):
+        return before / (before - after)
+
+    def value(s: float) -> float:
+        """The cubic, at 1 without rounding: where it is steep that might change its sign."""
+        return after if s == 1.0 else before + s * (rise + s * (square + s * cubic))
+
+    return float(brentq(value, 0.0, 1.0, rtol=1e-6))

@@ -18,9 +18,9 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample
-from woodpecker.engine.maps import Chain, Image, PiecewiseMap, chained
+from woodpecker.engine.maps import ACCUMULATE, Chain, Image, PiecewiseMap, chained
 from woodpecker.engine.newton import Problem
-from woodpecker.engine.orbits import OnBorder, Orbit, orbit_of
+from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
@@ -147,7 +147,7 @@ def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
             found.append(map_.beside(x, p, direction * gradient))
     for _ in range(returns):
         found = [each if each.reason else map_.at(each.value, p) for each in found]
-    return next((each.reason for each in found if each.reason), "")
+    return next((each.reason for each in found if each.reason not in ("", ACCUMULATE)), "")
 
 
 def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
@@ -165,7 +165,8 @@ def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
     if not apart.any():
         return np.asarray(out)
     way = (along[apart] / lengths[apart, None]).sum(axis=0)
-    return np.asarray(way / np.linalg.norm(way) + TILT * out)
+    length = float(np.linalg.norm(way))
+    return np.asarray(way / length + TILT * out if length > 0.0 else out)
 
 
 def shared(one: Image, other: Image, x: Floats, p: Floats) -> tuple[list[int], list[int]] | None:
@@ -221,10 +222,13 @@ def beginnings(
 def _cycles(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
     """Those along paths that return, and that are no shorter ones run through several times."""
     for path in all_:
-        pieces, order = [image.piece for image in path.images], len(path.images)
-        keys = [piece.key for piece in pieces]
-        shorter = (d for d in range(1, order) if order % d == 0)
-        is_shortest = all(keys[d:] + keys[:d] != keys for d in shorter)
+        keys, order = [image.piece.key for image in path.images], len(path.images)
+        is_shortest = not any(
+            keys[d:] + keys[:d] == keys
+            and base.problem.same(np.roll(path.x, -d, axis=0), path.x, SAME)
+            for d in range(1, order)
+            if order % d == 0
+        )
         if is_shortest and base.problem.same(path.end, x, SAME):
             yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
 
@@ -262,7 +266,7 @@ def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Begin
         each
         for each in found
         if 0.0 < each.sample.orbit.share < 1.0
-        and not _meets_another(each.sample.orbit, each.curve.ignored)
+        and not _meets_another(each.sample.orbit, each.curve.ignored, beyond=True)
     ]
 
 
@@ -315,9 +319,9 @@ def joined(
     ignored = frozenset(
         (last + k, rounds * code) for k, codes in enumerate(border) for code in codes
     )
-    curve = replace(
-        base, problem=base.problem.with_(OnBorder(last, rounds * border[0][0])), ignored=ignored
-    )
+    closing = Chained() if x.shape[1] == 1 else Closed()  # on the line the border says where it is
+    conditions = (closing, OnBorder(last, rounds * border[0][0]))
+    curve = replace(base, problem=replace(base.problem, conditions=conditions), ignored=ignored)
     orbit = Orbit(x, p, share, (*heads, inner), outer)
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
@@ -326,13 +330,17 @@ def _steepness(image: Image) -> float:
     return float(np.abs(image.jacobian).max())
 
 
-def _meets_another(orbit: Orbit, ignored: frozenset[tuple[int, int]]) -> bool:
-    """Whether a margin vanishes that does not vanish all along."""
-    return any(
-        (i, code) not in ignored
-        for i, image in enumerate(orbit.taken)
-        for code in image.codes[image.tied(orbit.x[orbit.place(i)], orbit.p)].tolist()
-    )
+def _meets_another(
+    orbit: Orbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
+) -> bool:
+    """Whether a margin vanishes that does not vanish all along; and is not positive, if asked."""
+    for i, image in enumerate(orbit.taken):
+        zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
+        if beyond:
+            zero &= image.margins <= 0.0
+        if any((i, code) not in ignored for code in image.codes[zero].tolist()):
+            return True
+    return False
 
 
 def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
@@ -340,10 +348,9 @@ def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
         return
-    for sign in (1.0, -1.0):
-        turned = Sample(orbit, sign * sample.tangent)
-        if is_inside(curve, turned):
-            yield Beginning(order, curve, turned)
+    for each in (sample, sample.turned):
+        if is_inside(curve, each):
+            yield Beginning(order, curve, each)
 
 
 def is_inside(curve: Curve, sample: Sample) -> bool:
@@ -361,7 +368,7 @@ def is_inside(curve: Curve, sample: Sample) -> bool:
                 return False
     if orbit.outer is None:
         return True
-    rises = float(sample.tangent[-1])
+    rises = curve.rate_of_share(sample)
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 

@@ -16,10 +16,10 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.maps import ACCUMULATE, Image
 
-DISTANCES = (2.0**-22, 2.0**-28, 2.0**-34, 2.0**-40, 2.0**-16, 2.0**-10)  # scaled, of proposals
+DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
-ROOT = 4.0  # times steeper at that distance: a square root
+ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 NEAREST = min(DISTANCES)
 
 
@@ -167,15 +167,21 @@ def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
     closer = near.piece.at(x + away[:1], p + away[1:])
     if closer.reason:
         return closer
+    if not there.reason and _comes_to(near.jacobian, closer.jacobian, there.jacobian):
+        return there
     rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(
         1.0, float(np.abs(near.jacobian).max())
     )
     along = closer.jacobian @ away
     value = closer.value - (2.0 * along if rooted else along)
-    return replace(
-        closer, value=value if there.reason else there.value,
-        margins=closer.margins - closer.gradients @ away,
-    )  # fmt: skip
+    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
+        value = there.value  # where two solutions of an event meet it may be that of the other one
+    return replace(closer, value=value, margins=closer.margins - closer.gradients @ away)
+
+
+def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:
+    """Whether derivatives at a point are what those ever closer to it come to."""
+    return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
 
 
 def _alike(one: Floats, other: Floats, within: float) -> bool:

@@ -19,7 +19,7 @@ from woodpecker.base.arrays import Bools, Floats, Ints
 ACCUMULATE = (
     "borders accumulate"  # a map's reason where it takes ever thinner pieces beside a point
 )
-TIE = 2.0**-30  # a margin is zero if it is smaller than this part of its terms: a point on a
+TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms: a point on a
 # border is known to some 2**-44 times the condition of the equations that it solves
 STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope than of a size: where
 # an event time goes like a root all later margins have infinite slopes, and most are not zero

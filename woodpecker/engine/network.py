@@ -194,7 +194,7 @@ class Network:
             self.branches.append((ahead, end, end))
             return
         last = ahead.samples[-1]  # from there it is followed the whole way back
-        back = Beginning(len(start.x), ahead.curve, Sample(last.orbit, -last.tangent))
+        back = Beginning(len(start.x), ahead.curve, last.turned)
         end.waiting.insert(0, back)
         self.todo.appendleft((end, back))
         while self.todo and len(self.branches) < self.max_branches:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg.lapack import dgesv, dgetrs
 from scipy.optimize import root
 
 from woodpecker.base.arrays import Floats, Ints
@@ -15,9 +16,10 @@ from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, p
 
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
+LEAD_AWAY = 2.0  # times a step that the next may have
 ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
+SOLVED = 2.0**-52  # a next step that would be shorter is not worth its evaluation
 SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
-NEXT = 2.0**-64  # the next step, which is as large as squares of steps say, is made of rounding
 BLUR = 2.0**-48  # of the terms of an equation: what rounding of a map leaves, 16 spacings
 HALVINGS = 6  # of a step that leads to where a piece has no value
 APART = 2.0**-42  # scaled: curves that miss each other by more do not cross
@@ -46,8 +48,12 @@ class Problem:
     p_scale: tuple[float, ...]
 
     def columns(self, orbit: Orbit) -> Ints:
-        """Which of an orbit's unknowns may move: its points, free parameters, and the share."""
-        return _columns(orbit.x.size, len(orbit.p), self.free, orbit.outer is not None)
+        """Which of an orbit's unknowns may move: its points, free parameters, and the share.
+
+        In R^1 the share is none: it follows from where the border is.
+        """
+        shares = orbit.outer is not None and orbit.x.shape[1] > 1
+        return _columns(orbit.x.size, len(orbit.p), self.free, shares)
 
     def scale(self, orbit: Orbit) -> Floats:
         """The lengths of all of an orbit's unknowns."""
@@ -59,14 +65,16 @@ class Problem:
 
     def residual(self, orbit: Orbit) -> Floats:
         """What is left of all equations."""
-        return np.concatenate([each.residual(orbit) for each in self.conditions])
+        found = [each.residual(orbit) for each in self.conditions]
+        return found[0] if len(found) == 1 else np.concatenate(found)
 
     def matrix(self, orbit: Orbit) -> Floats:
         """Their derivatives in the scaled unknowns that may move."""
         blocks = [each.rows(orbit) for each in self.conditions]
         columns = self.columns(orbit)
-        found: Floats = np.concatenate(blocks)[:, columns] * self.scale(orbit)[columns]
-        if len(blocks) > 1:
+        rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
+        found: Floats = rows[:, columns] * self.scale(orbit)[columns]
+        if any(isinstance(each, OnBorder) for each in self.conditions):
             self._along_borders(found, [len(block) for block in blocks])
         return found
 
@@ -87,7 +95,7 @@ class Problem:
 
     def stepped(self, orbit: Orbit, step: Floats) -> Floats:
         """The unknowns of an orbit after a step in scaled ones."""
-        to, columns = orbit.unknowns, self.columns(orbit)
+        to, columns = orbit.unknowns.copy(), self.columns(orbit)
         to[columns] += step * self.scale(orbit)[columns]
         return to
 
@@ -106,8 +114,8 @@ class Problem:
 
 
 @lru_cache
-def _columns(points: int, k: int, free: tuple[int, ...], crosses: bool) -> Ints:
-    found = [*range(points), *(points + each for each in free), *([points + k] if crosses else [])]
+def _columns(points: int, k: int, free: tuple[int, ...], shares: bool) -> Ints:
+    found = [*range(points), *(points + each for each in free), *([points + k] if shares else [])]
     columns = np.array(found, dtype=np.int64)
     columns.setflags(write=False)
     return columns
@@ -145,62 +153,69 @@ class Across:
 
     Attributes
     ----------
-    problem, start, direction, distance
-        In scaled unknowns of the problem.
+    row
+        (n d + k + 1,) the direction: derivatives of the distance in the unknowns of orbits.
+    start
+        The unknowns of the orbit.
+    distance
+        In scaled unknowns.
     """
 
-    problem: Problem
-    start: Orbit
-    direction: Floats
+    row: Floats
+    start: Floats
     distance: float
 
     def residual(self, orbit: Orbit) -> Floats:
         """(1,) how far the orbit lies too far."""
-        away = self.problem.step_between(self.start, orbit) @ self.direction
-        return np.array([away - self.distance])
+        return np.array([(orbit.unknowns - self.start) @ self.row - self.distance])
 
     def rows(self, orbit: Orbit) -> Floats:
         """(1, ...) the direction."""
-        row = np.zeros((1, len(orbit.unknowns)))
-        columns = self.problem.columns(orbit)
-        row[0, columns] = self.direction / self.problem.scale(orbit)[columns]
-        return row
+        return self.row[None]
 
 
-def solve(problem: Problem, start: Orbit, *, polished: bool = True) -> Solution:
+def across(problem: Problem, start: Orbit, direction: Floats, distance: float) -> Across:
+    """The equation of a distance from an orbit along a direction, in scaled unknowns."""
+    row, columns = np.zeros(len(start.unknowns)), problem.columns(start)
+    row[columns] = direction / problem.scale(start)[columns]
+    return Across(row, start.unknowns, distance)
+
+
+def solve(problem: Problem, start: Orbit) -> Solution:
     """Newton's method from an orbit, with its pieces.
 
-    It is solved where the steps are as short as rounding makes them, or stop becoming shorter
-    below the square root of that; if it need not be polished, where the next one would be. At most
-    ``STEPS`` are taken.
+    It is solved where the next step would be as short as rounding makes it, by the derivatives of
+    the last one, or where steps stop becoming shorter below the square root of that; and if
+    rounding is all that is left of the equations. At most ``STEPS`` are taken.
     """
-    orbit, before = start, np.inf
+    orbit, residual, before = start, problem.residual(start), math.inf
     for count in range(1, STEPS + 1):
         if not orbit.is_defined:
             return Solution(orbit, False, count - 1)
-        matrix, residual = problem.matrix(orbit), problem.residual(orbit)
-        if not (np.isfinite(matrix).all() and np.isfinite(residual).all()):
-            return Solution(orbit, False, count - 1)
-        try:
-            step = np.asarray(np.linalg.solve(matrix, -residual), dtype=float)
-        except (
-            np.linalg.LinAlgError
-        ):  # exactly at a branch point, which may solve them all the same
-            is_solved = (np.abs(residual) <= _noise(problem, orbit, matrix)).all()
-            return Solution(orbit, bool(is_solved), count - 1)
+        matrix = problem.matrix(orbit)
+        factors, swaps, step, _ = dgesv(matrix, -residual)
+        if not factors.diagonal().all():  # at a branch point, which may solve them all the same
+            return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
         size = float(np.abs(step).max())
-        if size > max(LARGE, 2.0 * before) or not np.isfinite(size):
+        if not size <= max(LARGE, LEAD_AWAY * before):
             return Solution(orbit, False, count)
         orbit, shortened = _towards(problem, orbit, step)
+        residual = problem.residual(orbit)
         if shortened:
             before = math.inf
             continue
-        rounding = ROUNDED * max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
-        good = not polished and count > 1 and size * (size / before) ** 2 <= NEXT
-        if size <= rounding or good or (before <= STALLED and size >= 0.5 * before):
-            return Solution(orbit, orbit.is_defined, count)
+        far = max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
+        ahead = float(np.abs(dgetrs(factors, swaps, residual)[0]).max())
+        stalled = before <= STALLED and size >= 0.5 * before
+        if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
+            return Solution(orbit, _is_met(problem, orbit, matrix, residual), count)
         before = size
-    return Solution(orbit, before <= STALLED and orbit.is_defined, STEPS)
+    return Solution(orbit, False, STEPS)
+
+
+def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) -> bool:
+    """Whether nothing is left of the equations at an orbit but rounding."""
+    return bool((np.abs(residual) <= _noise(problem, orbit, matrix)).all())
 
 
 def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]:
@@ -215,18 +230,44 @@ def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]
     return found, halvings > 0
 
 
-def tangent(problem: Problem, orbit: Orbit) -> Floats:
-    """Unit tangent, in scaled unknowns, of the curve through an orbit; nan if there is none.
+def _linear(matrix: Floats, right: Floats) -> tuple[Floats, float]:
+    """The solution of linear equations, and the determinant of their matrix; nan if one is."""
+    factors, swaps, found, _ = dgesv(matrix, right)
+    determinant = float(factors.diagonal().prod())
+    swapped = int((swaps != np.arange(len(swaps))).sum())
+    return found, -determinant if swapped % 2 else determinant
 
-    Its sign makes the determinant of the equations bordered with it positive, so that neighbours
-    point the same way, round folds too, unless a branch point lies between them.
+
+def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tuple[Floats, float]:
+    """Unit tangent, in scaled unknowns, of the curve through an orbit, and how it is oriented.
+
+    Parameters
+    ----------
+    problem, orbit
+        The equations, and where they hold.
+    along
+        A direction that it should not be orthogonal to: it points like it. By default the sign
+        makes the determinant positive.
+
+    Returns
+    -------
+    The tangent, nan if there is none, and the determinant of the equations bordered with it. It has
+    one sign all along a curve, round folds too, unless a branch point lies between.
     """
     matrix = problem.matrix(orbit)
-    if not np.isfinite(matrix).all():
-        return np.full(matrix.shape[1], np.nan)
-    direction: Floats = np.linalg.svd(matrix)[2][-1]
-    turned = np.linalg.det(np.vstack([matrix, direction])) < 0.0
-    return -direction if turned else direction
+    if along is None:
+        if not np.isfinite(matrix).all():
+            return np.full(matrix.shape[1], np.nan), np.nan
+        along = np.linalg.svd(matrix)[2][-1]
+        if np.linalg.det(np.vstack((matrix, along))) < 0.0:
+            along = -along
+    to = np.zeros(len(along))
+    to[-1] = 1.0
+    found, determinant = _linear(np.vstack((matrix, along)), to)
+    length = math.sqrt(float(found @ found))
+    if determinant == 0.0 or not math.isfinite(length):
+        return np.full(len(along), np.nan), np.nan
+    return found / length, determinant * length
 
 
 def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:

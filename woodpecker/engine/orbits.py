@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -22,7 +23,7 @@ INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border be
 STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Orbit:
     """Points of a map, each with its image under a piece.
 
@@ -46,10 +47,10 @@ class Orbit:
     images: tuple[Image, ...]
     outer: Image | None = None
 
-    @property
+    @cached_property
     def unknowns(self) -> Floats:
         """(n d + k + 1,) all points, the parameters, the share."""
-        return np.concatenate([self.x.ravel(), self.p, [self.share]])
+        return np.concatenate((self.x.ravel(), self.p, (self.share,)))
 
     @property
     def taken(self) -> tuple[Image, ...]:
@@ -80,9 +81,12 @@ class Orbit:
         return min(i, len(self.x) - 1)
 
     def gradient(self, i: int, code: int) -> Floats:
-        """Derivatives (n d + k + 1,) of a margin of the i-th of :attr:`taken`."""
+        """Derivatives (n d + k + 1,) of a margin of the i-th of :attr:`taken`; nan without it."""
         image = self.taken[i]
-        return self.columns(self.place(i), image.gradients[image.place(code)])
+        k = image.place(code)
+        if k < 0:
+            return np.full(len(self.unknowns), np.nan)
+        return self.columns(self.place(i), image.gradients[k])
 
     def columns(self, i: int, rows: Floats) -> Floats:
         """Derivatives (..., d + k) in the i-th point and p as derivatives in all unknowns."""
@@ -92,17 +96,18 @@ class Orbit:
         wide[..., n * d : n * d + k] = rows[..., d:]
         return wide
 
+    @cached_property
     def monodromy(self) -> Floats:
         """(d, d) derivative of the last image in the first point: the product of the Jacobians."""
         d = self.x.shape[1]
-        product = np.eye(d)
-        for image in self.images:
+        product = self.images[0].jacobian[:, :d]
+        for image in self.images[1:]:
             product = image.jacobian[:, :d] @ product
         return product
 
     def multipliers(self) -> Complexes:
         """(d,) eigenvalues of the monodromy, the largest first."""
-        found: Complexes = np.linalg.eigvals(self.monodromy()).astype(complex)
+        found: Complexes = np.linalg.eigvals(self.monodromy).astype(complex)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
     def rotated(self, first: int) -> Orbit:
@@ -139,22 +144,31 @@ class Closed:
         values = np.array([image.value for image in orbit.images])
         if orbit.outer is not None:
             values[-1] += orbit.share * (orbit.outer.value - values[-1])
-        return np.asarray(values - np.roll(orbit.x, -1, axis=0)).ravel()
+        values[:-1] -= orbit.x[1:]
+        values[-1] -= orbit.x[0]
+        return values.ravel()
 
     def rows(self, orbit: Orbit) -> Floats:
         """Their derivatives."""
-        n, d = orbit.x.shape
-        jacobians = [image.jacobian for image in orbit.images]
-        rows = np.zeros((n * d, n * d + len(orbit.p) + 1))
-        if orbit.outer is not None:
-            last, outer = orbit.images[-1], orbit.outer
-            jacobians[-1] = (1.0 - orbit.share) * last.jacobian + orbit.share * outer.jacobian
-            rows[-d:, -1] = outer.value - last.value
-        for i, jacobian in enumerate(jacobians):
-            rows[i * d : (i + 1) * d] += orbit.columns(i, jacobian)
-            to = (i + 1) % n * d
-            rows[i * d : (i + 1) * d, to : to + d] -= np.eye(d)
+        (n, d), k = orbit.x.shape, len(orbit.p)
+        rows: Floats = _less_next(n, d, k).copy()
+        for i, image in enumerate(orbit.images):
+            jacobian = image.jacobian
+            if orbit.outer is not None and i == n - 1:
+                jacobian = (1.0 - orbit.share) * jacobian + orbit.share * orbit.outer.jacobian
+                rows[-d:, -1] = orbit.outer.value - image.value
+            block = slice(i * d, i * d + d)
+            rows[block, block] += jacobian[:, :d]
+            rows[block, n * d : n * d + k] = jacobian[:, d:]
         return rows
+
+
+@lru_cache
+def _less_next(n: int, d: int, k: int) -> Floats:
+    """Derivatives (n d, n d + k + 1) of minus the next of n points."""
+    rows = np.zeros((n * d, n * d + k + 1))
+    rows[:, : n * d] = -np.roll(np.eye(n * d), d, axis=1)
+    return rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +186,7 @@ class Chained:
 
 @dataclass(frozen=True, slots=True)
 class OnBorder:
-    """A margin vanishes.
+    """A margin vanishes, or has another value.
 
     Attributes
     ----------
@@ -180,20 +194,47 @@ class OnBorder:
         Of which image: 0 .. n - 1, or n for the outer one.
     code
         Which of its margins.
+    value
+        What it is to be: right beside a border a little more than zero.
     """
 
     image: int
     code: int
+    value: float = 0.0
 
     def residual(self, orbit: Orbit) -> Floats:
-        """(1,) the margin; nan if the piece does not have it here."""
+        """(1,) the margin less that; nan if the piece does not have it here."""
         image = orbit.taken[self.image]
         k = image.place(self.code)
-        return np.full(1, np.nan) if k < 0 else image.margins[k : k + 1]
+        return np.full(1, np.nan) if k < 0 else image.margins[k : k + 1] - self.value
 
     def rows(self, orbit: Orbit) -> Floats:
         """(1, ...) its derivatives."""
         return orbit.gradient(self.image, self.code)[None]
+
+
+@dataclass(frozen=True, slots=True)
+class AtLimit:
+    """The first point of a jump crossing in R^1 is one of the two limits: s is 0 or 1.
+
+    Attributes
+    ----------
+    outer
+        Whether it is the outer one.
+    """
+
+    outer: bool
+
+    def residual(self, orbit: Orbit) -> Floats:
+        """(1,) the limit less the point."""
+        return np.asarray(orbit.taken[-1 if self.outer else -2].value - orbit.x[0])
+
+    def rows(self, orbit: Orbit) -> Floats:
+        """(1, ...) its derivatives."""
+        image = orbit.taken[-1 if self.outer else -2]
+        row = orbit.columns(len(orbit.x) - 1, image.jacobian)
+        row[0, 0] -= 1.0
+        return row
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,11 +277,13 @@ class Multiplier:
 
     def value(self, orbit: Orbit) -> float:
         """det(M - 1), det(M + 1), or the product of mu_i mu_j - 1 over all pairs i < j."""
-        monodromy = orbit.monodromy()
+        monodromy = orbit.monodromy
         d = len(monodromy)
         if self.kind == "NS":
             return float(np.linalg.det(_pairs(monodromy) - np.eye(d * (d - 1) // 2)))
         sign = -1.0 if self.kind == "LP" else 1.0
+        if d == 1:
+            return float(monodromy[0, 0]) + sign
         return float(np.linalg.det(monodromy + sign * np.eye(d)))
 
     def residual(self, orbit: Orbit) -> Floats:
@@ -269,7 +312,7 @@ def _pairs(matrix: Floats) -> Floats:
 
 def shifted(orbit: Orbit, column: int, by: float) -> Orbit:
     """An orbit with one of its unknowns moved, under the same pieces."""
-    to = orbit.unknowns
+    to = orbit.unknowns.copy()
     to[column] += by
     return placed(orbit, to)
 
@@ -277,7 +320,7 @@ def shifted(orbit: Orbit, column: int, by: float) -> Orbit:
 def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
     """An orbit one of whose unknowns is a value but for rounding, with just that value."""
     (n, d), k = orbit.x.shape, len(orbit.p)
-    at = orbit.unknowns
+    at = orbit.unknowns.copy()
     at[column] = value
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
@@ -291,7 +334,15 @@ def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
         return Orbit(x, p, share, tuple(images))
     images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
     outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
+    if d == 1:
+        share = _share(float(x[0, 0]), images[-1], outer, share)
     return Orbit(x, p, share, tuple(images), outer)
+
+
+def _share(x: float, inner: Image, outer: Image, otherwise: float) -> float:
+    """Where a point of the line lies between two limits, as a share of the second."""
+    jump = float(outer.value[0] - inner.value[0])
+    return (x - float(inner.value[0])) / jump if jump else otherwise
 
 
 def head_of(crossing: Orbit, unknowns: Floats) -> Orbit:
@@ -315,9 +366,7 @@ def completed(head: Orbit, crossing: Orbit) -> Orbit:
             images.append(piece.at(images[-1].value, p))
         images = [*images[: len(head.x) - 1], chained(images[len(head.x) - 1 :])]
     outer = _inside(crossing.outer, crossing.outer.piece.at(x, p), crossing, x, p)
-    inner = float(images[-1].value[0])
-    jump = float(outer.value[0]) - inner
-    share = (float(head.x[0, 0]) - inner) / jump if jump else crossing.share
+    share = _share(float(head.x[0, 0]), images[-1], outer, crossing.share)
     return Orbit(head.x, p, share, tuple(images), outer)
 
 

@@ -25,20 +25,26 @@ from woodpecker.engine.germs import (
     lost_beyond,
     once,
 )
-from woodpecker.engine.maps import ACCUMULATE, Image, links
+from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, links
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
 
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40))  # scaled: where a first sample is looked for
-APART = tuple(2.0**-n for n in range(8, 21, 2))  # the same where curves cross, which part slowly
-PASSED = tuple(10.0**-n for n in range(9, 1, -1))  # scaled: how far places are passed over
+BESIDE = tuple(
+    2.0**-n for n in (20, 24, 28, 34, 40, 46)
+)  # scaled: where a first sample is looked for
+APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
+PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
+CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
-AGAIN = 1e-4  # scaled: first step beyond a border at least
+FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
+AGAIN = 4.0  # times the last step before a border: the first step beyond
+DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
+MANY_SHORT = 4  # of them
 MOST_ARCS = 2000  # of one branch
 LIMIT_LOST = "a limit of the jump is lost"
 
@@ -139,13 +145,19 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
-    changes, at, step = list[Change](), begin, math.inf
+    changes, at, step, short = list[Change](), begin, math.inf, 0
     for _ in range(MOST_ARCS):
-        arc = _at_nearest(at.curve.follow(at.sample, step, halt))
-        step = max(arc.step, AGAIN)
+        arc = at.curve.follow(at.sample, step, halt)
+        if arc.stop is Stop.SHORT and len(arc.samples) == 1 and at.before is None:
+            at = beside(at)  # it starts with a root
+            samples += [] if at.before is None else [at.sample]
+            arc = at.curve.follow(at.sample, step, halt)
+        arc = _at_nearest(arc)
+        step = AGAIN * arc.step
         arc, outer = _settled(arc)
         samples += arc.samples[1:]
-        passed = _met(at, arc, outer, orders)
+        short = short + 1 if _length(arc) < DENSE else 0
+        passed = _met(at, arc, outer, orders, dense=short >= MANY_SHORT)
         if isinstance(passed, Arrival):
             break
         at, cause, smooth = passed
@@ -159,8 +171,14 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
 
 
+def _length(arc: Arc) -> float:
+    """How far apart its ends are, scaled."""
+    one, other = arc.samples[0].orbit, arc.samples[-1].orbit
+    return float(np.linalg.norm(arc.curve.problem.step_between(one, other)))
+
+
 def _met(
-    begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int]
+    begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
     """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
@@ -168,7 +186,7 @@ def _met(
     if outer is not None:
         return _at_border(begin, arc, outer)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
-        return _at_crossing(begin, arc, orders)
+        return _at_crossing(begin, arc, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return _passed_over(begin, arc, ACCUMULATE) or _given_up(begin, arc)
     return _given_up(begin, arc)
@@ -237,32 +255,74 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         return _given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
-    if smooth and curve.problem.same(image.value, outer.value, SAME):
-        i = arc.border[0]
-        images = (*orbit.images[:i], outer, *orbit.images[i + 1 :])
-        sample = curve.start(replace(orbit, images=images), arc.samples[-1].tangent)
-        if is_inside(curve, sample):
-            return Beginning(begin.order, curve, sample), cause, True
-    arrived = replace(begin, sample=arc.samples[-1]).key
-    wanted = [begin.order]
-    if orbit.x.shape[1] > 1:  # in R^1 cycles double just where the others change their stability
-        wanted.append(2 * begin.order)
-    starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
-    others = [each for each in starts if each.order == begin.order and each.key != arrived]
-    if not others:
-        return _passed_over(begin, arc, cause) or collision
-    if len(others) > 1 or others[0].is_crossing:
-        return collision
-    there, doubles = others[0], any(each.order > begin.order for each in starts)
+    there, doubles = _straight_on(begin, arc, outer), False
+    if there is not None and smooth and there.sample.tangent @ arc.samples[-1].tangent > 0.0:
+        return there, cause, True
+    in_line = orbit.x.shape[1] == 1  # there cycles double just where the others change stability
+    if there is None or not in_line:
+        arrived = replace(begin, sample=arc.samples[-1]).key
+        wanted = [begin.order] if in_line else [begin.order, 2 * begin.order]
+        starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
+        doubles = any(each.order > begin.order for each in starts)
+        others = [each for each in starts if each.order == begin.order and each.key != arrived]
+        if len(others) > 1 or (others and others[0].is_crossing):
+            return collision
+        there = others[0] if others else _hugging(begin, arc, outer)
+    if there is None:
+        return _passed_over(begin, arc, cause, outer) or collision
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
-    before, after = (each.orbit.monodromy() for each in (arc.samples[-1], there.sample))
+    before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
     if folds or doubles or _changes_stability(before, after):
         return replace(
             collision,
             note="fold" if folds else "persistence",
-            onward=beside(there),
+            onward=there,
         )
     return there, cause, smooth
+
+
+def _straight_on(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
+    """The cycles of the piece beyond a border across which the map is continuous; None if none."""
+    assert arc.border is not None
+    i, orbit, curve = arc.border[0], arc.samples[-1].orbit, begin.curve
+    if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
+        return None
+    sample = curve.start(replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :])))
+    if not np.isfinite(sample.tangent).all():
+        return None
+    ways = [each for each in (sample, sample.turned) if is_inside(curve, each)]
+    return Beginning(begin.order, curve, ways[0]) if len(ways) == 1 else None
+
+
+def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
+    """The cycles beyond a border, from right beside it on; None if none are found there.
+
+    Where the piece beyond begins with a root they hug the border, and only its margin tells how far
+    they have come.
+    """
+    assert arc.border is not None
+    (i, _), at, curve = arc.border, arc.samples[-1].orbit, begin.curve
+    codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
+    if not codes:
+        return None
+    d, problem = at.x.shape[1], curve.problem
+    inward = outer.gradients[outer.place(codes[0]), :d]
+    images = (*at.images[:i], outer, *at.images[i + 1 :])
+    for distance in BESIDE:
+        x = at.x.copy()
+        x[i] += distance * np.sign(inward) * problem.x_scale
+        guess = placed(replace(at, images=images), np.concatenate((x.ravel(), at.p, (0.0,))))
+        place = guess.images[i].place(codes[0])
+        if not guess.is_defined or place < 0:
+            continue
+        margin = OnBorder(i, codes[0], float(guess.images[i].margins[place]))
+        found = solve(problem.with_(margin), guess)
+        if found.converged and curve.agrees(found.orbit):
+            way = problem.step_between(at, found.orbit)
+            sample = curve.start(found.orbit, way)
+            if float(np.abs(way).max()) <= FARTHEST and np.isfinite(sample.tangent).all():
+                return Beginning(begin.order, curve, sample, arc.samples[-1])
+    return None
 
 
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
@@ -348,10 +408,17 @@ def _at_nearest(arc: Arc) -> Arc:
                 best = min(best, (abs(float(margin / slope)), (i, code)))
     if best[0] > NEAR:
         return arc
-    return replace(arc, stop=Stop.BORDER, border=best[1], condition=OnBorder(*best[1]))
+    on, problem = OnBorder(*best[1]), arc.curve.problem
+    found = solve(problem.with_(on), orbit)
+    samples = arc.samples
+    if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= ASIDE:
+        samples = (*samples, arc.curve.start(found.orbit, samples[-1].tangent))
+    return replace(arc, samples=samples, stop=Stop.BORDER, border=best[1], condition=on)
 
 
-def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | None:
+def _passed_over(
+    begin: Beginning, arc: Arc, cause: str, outer: Image | None = None
+) -> Arrival | Onward | None:
     """The branch beyond a place where borders accumulate, the nearest there is.
 
     It is looked for along the tangent, ever farther, with the pieces that the map takes there.
@@ -375,6 +442,8 @@ def _passed_over(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | N
         along = (p[column] - end.orbit.p[column]) / problem.p_scale[column] / rate
         x = end.orbit.x + (along * end.tangent[:size]).reshape(end.orbit.x.shape) * problem.x_scale
         images = [curve.map.at(point, p) for point in x]
+        if outer is not None and arc.border is not None:
+            images[arc.border[0]] = outer.piece.at(x[arc.border[0]], p)
         if any(image.reason for image in images):
             continue
         if away == PASSED[0] and _jumps_unseen(end.orbit, x, p, images, problem):
@@ -410,17 +479,19 @@ def _passed(cause: str) -> str:
     return cause if cause == ACCUMULATE else f"{cause}: {ACCUMULATE}"
 
 
-def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward | None:
+def _crossing_beyond(
+    begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED
+) -> Arrival | Onward | None:
     """The jump crossing beyond such a place: on the same border, between the limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
     (column,), rate = problem.free, end.tangent[size]
-    if rate == 0.0:
+    if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone say where it is
         return None
     head = replace(end.orbit, outer=None, share=0.0)
     base = _of_cycles(curve)
     low, high = curve.settings.spans[0]
-    for away in PASSED:
+    for away in distances:
         to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
         if min(max(to, low), high) == end.orbit.p[column]:
             return None
@@ -431,7 +502,7 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
             continue
         there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
-            sample = each.curve.start(each.sample.orbit, np.eye(size + 2)[size] * rate)
+            sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
             if len(each.sample.orbit.x) == len(end.orbit.x):
                 return replace(each, sample=sample, before=end), _passed(cause), True
         reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
@@ -444,15 +515,99 @@ def _crossing_beyond(begin: Beginning, arc: Arc, cause: str) -> Arrival | Onward
     return None
 
 
+def _round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+    """The jump crossing on another border that leaves the place where its own one ends.
+
+    Many margins may vanish there, and steep ones: it is looked for at a distance, ahead, and beside
+    the samples that led there, where the piece between two jumps has come to its end.
+    """
+    end, problem = arc.samples[-1], begin.curve.problem
+    (n, d), (column,) = end.orbit.x.shape, problem.free
+    if d > 1 or end.tangent[n] == 0.0:
+        return None
+    p, x = float(end.orbit.p[column]), float(end.orbit.x[-1, 0])
+    places = list[tuple[float, float, float]]()  # parameter, and an interval of the border point
+    for away in CORNER:
+        step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
+        places.append((p + step * problem.p_scale[column], x - width, x + width))
+    for sample in arc.samples[-2::-1]:
+        back, at = float(sample.orbit.p[column]), float(sample.orbit.x[-1, 0])
+        close = BESIDE[-1] * problem.x_scale[0]
+        for width in (each * problem.x_scale[0] for each in CORNER):
+            places += [(back, at + close, at + width), (back, at - width, at - close)]
+    for to, low, high in places:
+        found = _passing(begin, end, to, low, high)
+        if found is not None:
+            sample = found.curve.start(found.sample.orbit, np.eye(n + 1)[-1] * (to - p))
+            return replace(found, sample=sample, before=end), cause, False
+    return None
+
+
+def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
+    """The jump crossing at a parameter whose border point lies in an interval."""
+    problem, n = begin.curve.problem, len(end.orbit.x)
+    (column,), base, p = problem.free, _of_cycles(begin.curve), end.orbit.p.copy()
+    p[column] = to
+    x = _halved(base.map, end.orbit, p, begin.order, low, high)
+    if x is None:
+        return None
+    held = Held(n - 1, x), Held(n + column, to)
+    start = replace(end.orbit, outer=None, share=0.0)
+    head = solve(replace(problem, conditions=(Chained(), *held)), start)
+    found = crossings_at(base, head.orbit.x, p, begin.order) if head.converged else []
+    return next((each for each in found if len(each.sample.orbit.x) == n), None)
+
+
+def _halved(
+    map_: PiecewiseMap, orbit: Orbit, p: Floats, order: int, low: float, high: float
+) -> float | None:
+    """Where the last image of a border point passes by the first point; None if nowhere.
+
+    Halved down to neighbouring doubles.
+    """
+    n = len(orbit.x)
+
+    def side(at: float) -> float:
+        point = np.array([at])
+        for _ in range(order - n + 1):
+            image = map_.at(point, p)
+            if image.reason:
+                return math.nan
+            point = image.value
+        return float(point[0]) - (at if n == 1 else float(orbit.x[0, 0]))
+
+    below = side(low)
+    if not below * side(high) < 0.0:
+        return None
+    while low < (middle := 0.5 * (low + high)) < high:
+        value = side(middle)
+        if math.isnan(value):
+            return None
+        if below * value > 0.0:
+            low = middle
+        else:
+            high = middle
+    return middle
+
+
 # --- Crossings ------------------------------------------------------------------------------------
 
 
-def _at_crossing(begin: Beginning, arc: Arc, orders: Sequence[int]) -> Arrival | Onward:
-    """Where a jump crossing closes as a cycle, or another of its points meets a border."""
+def _at_crossing(
+    begin: Beginning, arc: Arc, orders: Sequence[int], *, dense: bool
+) -> Arrival | Onward:
+    """Where a jump crossing closes as a cycle, or another of its points meets a border.
+
+    Where its limits change their words again and again within a short way some are passed over:
+    where the border is does not depend on them.
+    """
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, _cause(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
         return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
+    over = _crossing_beyond(begin, arc, cause, (DENSE,)) if dense else None
+    if isinstance(over, tuple):
+        return over
     beyond = _one_side_beyond(begin, arc)
     if beyond is not None:
         return beyond, cause, True
@@ -464,12 +619,16 @@ def _at_crossing(begin: Beginning, arc: Arc, orders: Sequence[int]) -> Arrival |
     others = [each for each in starts if each.is_crossing and each.key != arrived]
     if len(others) == 1:
         return others[0], cause, True
-    return _crossing_beyond(begin, arc, cause) or _given_up(begin, arc, "the jump ends", cause)
+    return (
+        _crossing_beyond(begin, arc, cause)
+        or _round_corner(begin, arc, cause)
+        or _given_up(begin, arc, "the jump ends", cause)
+    )
 
 
 def _of_cycles(curve: Curve) -> Curve:
     """Curves of cycles, of the map whose jump crossings a curve is of."""
-    problem = replace(curve.problem, conditions=curve.problem.conditions[:1])
+    problem = replace(curve.problem, conditions=(Closed(),))
     return replace(curve, problem=problem, ignored=frozenset())
 
 
