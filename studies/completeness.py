@@ -100,17 +100,17 @@ def of_toy(number: int, size: Size, workers: int | None = None) -> Results:
     -------
     dict
         ``toy``, ``parameter``, ``span``, ``window``; ``refused``: how many toys were drawn before;
-        ``seconds`` for its diagram; how much the tables show, and lists of what differs; ``open``:
-        of branches that were given up the order, place, note and cause; ``left``: what the search
-        left.
+        ``places``: how many tables; ``seconds`` for its diagram; how much the tables show, and
+        lists of what differs; ``open``: of branches that were given up the order, place, note and
+        cause; ``left``: what the search left.
     """
     drawn = random_toy(number)
     places = scattered(np.random.default_rng([SEED, number]), drawn.span, size.parameters_of_toys)
     found = _examined(drawn, (1,), size.search, places, size.points_of_toys, workers)
-    del found["tables"]
+    del found["tables"]  # what they differ in is in the lists
     return {
         "toy": repr(drawn.toy), "parameter": drawn.parameter, "span": drawn.span,
-        "window": drawn.window, "refused": drawn.refused, **found,
+        "window": drawn.window, "refused": drawn.refused, "places": len(places), **found,
     }  # fmt: skip
 
 

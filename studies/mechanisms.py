@@ -20,7 +20,7 @@ import networkx as nx
 
 from pwmap import Diagram, PointStatus
 from studies.common.engine_mechanisms import MECHANISMS
-from studies.common.laws import TOYS
+from studies.common.laws import SUMMED, TOYS
 from studies.common.motion import GUESS
 from studies.common.places import SPAN, WINDOW
 from studies.common.random_toys import beside, random_toy
@@ -52,7 +52,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         See :func:`measured`.
     """
     if fast:
-        short = {"main job, summed": main_job(TOYS["summed"], (0.1, 0.5)), **jobs(FEW, FEW_TOYS, 3)}
+        short = {"main job, summed": main_job(TOYS[SUMMED], (0.1, 0.5)), **jobs(FEW, FEW_TOYS, 3)}
         return measured(MECHANISMS[:3], short)
     varied = [name for name in parameters() if 0.0 < getattr(Toy(), name) < math.inf]
     return measured(MECHANISMS, main_jobs() | jobs(varied, range(10)) | whole_jobs())

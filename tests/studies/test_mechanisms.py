@@ -48,7 +48,7 @@ def test_diagrams_are_told_apart() -> None:
         diagram = job()
     assert calls.count > 100
     assert are_same(diagram, job())
-    width = 0.25
+    width = 0.25  # of the span
     assert are_same(diagram, moved(diagram, 0.5 * SAME * width))
     assert not are_same(diagram, moved(diagram, 2.0 * SAME * width))
     with pytest.raises(SpentError), counted(100):
