@@ -58,8 +58,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Returns
     -------
     dict
-        ``paper``: see :func:`of_paper`; ``toys``: for each see :func:`of_toy`; ``total``: sums of
-        what all of these toys have, and how many were refused.
+        ``paper``: see :func:`of_paper`; ``toys``: for each see :func:`of_toy`; ``total``: see
+        :func:`total`.
     """
     return measured(FAST if fast else FULL)
 
@@ -68,13 +68,15 @@ def measured(size: Size, workers: int | None = None) -> Results:
     """The same for any size, with so many processes."""
     first_return(Toy(), GUESS)  # compiled before clocks run
     toys = [of_toy(number, size, workers) for number in range(size.toys)]
+    return {"paper": of_paper(size, workers), "toys": toys, "total": total(toys)}
+
+
+def total(toys: Sequence[Results]) -> Results:
+    """Sums over some toys; ``unfinished``: how many searches took all that they may take."""
     return {
-        "paper": of_paper(size, workers),
-        "toys": toys,
-        "total": {
-            **{name: sum(each[name] for each in toys) for name in ("refused", *SUMS)},
-            **{name: sum(len(each[name]) for each in toys) for name in (*LISTS, "open")},
-        },
+        **{name: sum(each[name] for each in toys) for name in ("refused", *SUMS)},
+        **{name: sum(len(each[name]) for each in toys) for name in (*LISTS, "open")},
+        "unfinished": sum(bool(each["left"]) for each in toys),
     }
 
 

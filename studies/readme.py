@@ -492,11 +492,12 @@ def completeness(results: All) -> str:
     found = results["completeness"]
     paper, total, toys = found["paper"], found["total"], found["toys"]
     sums = {name: len(paper[name]) for name in ("missing", "double", "unconfirmed", "open")}
-    header = ["", "tables", "cycles", "jumps", "drawn", "too close for a table", "missing", "twice", "not confirmed", "given up"]  # fmt: skip
+    sums["unfinished"] = int(bool(paper["left"]))
+    header = ["", "tables", "cycles", "jumps", "drawn", "too close for a table", "missing", "twice", "not confirmed", "given up", "searches unfinished"]  # fmt: skip
     lines = [
         [name, str(tables), *(str(row[key]) for key in ("cycles", "jumps")),
          str(row["drawn_cycles"] + row["drawn_jumps"]),
-         *(str(row[key]) for key in ("closer", "missing", "double", "unconfirmed", "open"))]
+         *(str(row[key]) for key in ("closer", "missing", "double", "unconfirmed", "open", "unfinished"))]
         for name, tables, row in (
             ("P_1 and P_2 of the paper's toy", len(paper["tables"]), {**paper, **sums}),
             (f"P_1 of {len(toys)} random toys", sum(toy["places"] for toy in toys), total),

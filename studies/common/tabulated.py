@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -160,24 +159,55 @@ def compared(
 
 
 def _compared_cycles(toy: Toy, diagram: Diagram, p: float, order: int, table: Table) -> Results:
-    """Each solution on a branch is solved for: it is the one of the table, to rounding."""
-    found = [each for each in solutions(toy, diagram, p) if order % each.branch.order == 0]
-    orbits = [each.orbit for each in found if each.orbit.success]
-    solved = np.sort([orbit.phi_s for orbit in orbits])
-    double = [["cycle", b.phi_s] for a, b in combinations(orbits, 2) if _are_one(a, b)]
+    """Each hit is solved for: it is the cycle of the table, to rounding.
+
+    Where it is not, the solution of a neighbour was found, or none: then the straight line between
+    samples has to do.
+    """
+    cycles = [hit for hit in diagram.at(p) if hit.branch.kind is BranchKind.FIXED_POINT]
+    both = zip(solutions(toy, diagram, p), cycles, strict=True)
+    found = [_Drawn(hit.x, each.orbit) for each, hit in both if order % hit.branch.order == 0]
+    solved = sorted((each for each in found if each.orbit.success), key=_solution)
     places = table.places(jumps=False)
-    missed, surplus = unpaired(places, solved, SAME)
-    failed = np.array([each.orbit.phi_s for each in found if not each.orbit.success])
-    missed, lost = unpaired(missed, np.sort(failed), CHORD)
-    confirmed = [_changes_beside(toy, x, order) for x in surplus.tolist()]
-    wrong = [x for x, holds in zip(surplus.tolist(), confirmed, strict=True) if not holds]
+    missed, over = unpaired(places, np.array([_solution(each) for each in solved]), SAME)
+    surplus, closer = [each for each in found if not each.orbit.success], 0
+    for each in (solved[k] for k in over):
+        others = [one for one in solved if one is not each and _are_one(one.orbit, each.orbit)]
+        if not others and _changes_beside(toy, _solution(each), order):
+            closer += 1
+        else:
+            surplus.append(each._replace(twice=bool(others)))
+    free, left = places[missed], []
+    for each in surplus:
+        away = np.abs(free - each.x)
+        if away.min(initial=math.inf) < each.within:
+            free = np.delete(free, away.argmin())
+        else:
+            left.append(each)
     return {
         "drawn": len(found),
-        "missing": _described(table, missed),
-        "closer": sum(confirmed) - len(double),
-        "double": double,
-        "unconfirmed": [["cycle", x] for x in [*wrong, *lost.tolist()]],
+        "missing": _described(table, free),
+        "closer": closer,
+        "double": [["cycle", each.x] for each in left if each.twice],
+        "unconfirmed": [["cycle", each.x] for each in left if not each.twice],
     }
+
+
+class _Drawn(NamedTuple):
+    """A hit of a branch of cycles [rad], its solution, and whether another hit has the same."""
+
+    x: float
+    orbit: PeriodicOrbit
+    twice: bool = False
+
+    @property
+    def within(self) -> float:
+        """How near another cycle must be to be this one: nearer than the solution, if any."""
+        return min(CHORD, abs(self.x - self.orbit.phi_s)) if self.orbit.success else CHORD
+
+
+def _solution(each: _Drawn) -> float:
+    return each.orbit.phi_s
 
 
 def _are_one(a: PeriodicOrbit, b: PeriodicOrbit) -> bool:
@@ -191,9 +221,9 @@ def _compared_jumps(toy: Toy, diagram: Diagram, p: float, order: int, table: Tab
     """Hits lie on straight lines between samples: each has a jump of its own near it."""
     drawn = np.array([hit.x for hit in diagram.at(p) if _is_jump(hit, order)])
     places = table.places(jumps=True)
-    missed, surplus = unpaired(places, drawn, CHORD)
+    missed, over = unpaired(places, drawn, CHORD)
     closer, double, wrong = 0, [], []
-    for x in surplus.tolist():
+    for x in drawn[over].tolist():
         about = np.linspace(x - CHORD, x + CHORD, CLOSER)
         near = tabulated(toy, about, order, (-math.inf, math.inf)).places(jumps=True)
         others = drawn[np.abs(drawn - x) <= CHORD]
@@ -205,7 +235,7 @@ def _compared_jumps(toy: Toy, diagram: Diagram, p: float, order: int, table: Tab
             wrong.append(["jump", x])
     return {
         "drawn": len(drawn),
-        "missing": _described(table, missed),
+        "missing": _described(table, places[missed]),
         "closer": closer,
         "double": double,
         "unconfirmed": wrong,
@@ -236,18 +266,19 @@ def _changes_beside(toy: Toy, x: float, order: int) -> bool:
     return bool((signs & (np.array(one) | flat)).any())
 
 
-def unpaired(points: Floats, others: Floats, within: float) -> tuple[Floats, Floats]:
-    """What is left of both if as many as can be are paired; both ascend.
+def unpaired(points: Floats, others: Floats, within: float) -> tuple[list[int], list[int]]:
+    """Which are left of both if as many as can be are paired; both ascend.
 
     Each is paired with the first of the others that is near and free: on a line no other way pairs
     more.
     """
-    k, left, free = 0, [], [True] * len(others)
-    for x in points.tolist():
+    k, left, free = 0, [], set(range(len(others)))
+    for i, x in enumerate(points.tolist()):
         while k < len(others) and others[k] < x - within:
             k += 1
         if k < len(others) and others[k] <= x + within:
-            free[k], k = False, k + 1
+            free.remove(k)
+            k += 1
         else:
-            left.append(x)
-    return np.array(left), np.asarray(others[free] if len(others) else others)
+            left.append(i)
+    return left, sorted(free)
