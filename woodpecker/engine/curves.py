@@ -296,9 +296,7 @@ class Curve:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
-    def advance(
-        self, last: Sample, distance: float, before: Sample | None = None
-    ) -> Sample | None:
+    def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
         """The sample at a distance; None if Newton's method leads to none.
 
         It is predicted along the tangent, or along the cubic through the sample before, too.
@@ -321,9 +319,7 @@ class Curve:
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
 
-    def _along_border(
-        self, last: Sample, distance: float, way: Floats
-    ) -> Orbit | None:
+    def _along_border(self, last: Sample, distance: float, way: Floats) -> Orbit | None:
         """A jump crossing in R^1: its points up to the border are solved for, the share follows."""
         (*_, border), problem = self.problem.conditions, self.problem
         assert isinstance(border, OnBorder)
@@ -570,9 +566,7 @@ class Curve:
             for code in image.codes[negative].tolist():
                 if (i, code) not in self.ignored:
                     border, rate = OnBorder(i, code), partial(self.rate, i=i, code=code)
-                    yield TestFunction(
-                        Stop.BORDER, _of_condition(border), border, (i, code), rate
-                    )
+                    yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code), rate)
 
     def _bounded(self, a: Sample, b: Sample, step: float) -> End | None:
         """Where the first bound is passed of those that the second of two samples lies beyond.
@@ -817,7 +811,7 @@ def _rate_of_share(orbit: Orbit, motion: Floats) -> float:
     jump = float(outer.value[0] - inner.value[0])
     if jump == 0.0:
         return math.nan
-    return (motion[0] - rates[0] - orbit.share * (rates[1] - rates[0])) / jump
+    return float(motion[0] - rates[0] - orbit.share * (rates[1] - rates[0])) / jump
 
 
 def _ahead(sample: Sample) -> float:

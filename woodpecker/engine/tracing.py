@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +33,9 @@ KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a first sample is looked for
+BESIDE = tuple(
+    2.0**-n for n in (20, 24, 28, 34, 40, 46)
+)  # scaled: where a first sample is looked for
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
@@ -151,6 +152,8 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
             at = beside(at)  # it starts with a root
             samples += [] if at.before is None else [at.sample]
             arc = at.curve.follow(at.sample, step, halt)
+        if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
+            samples = [begin.sample]  # none of it is inside
         arc = _at_nearest(arc)
         step = AGAIN * arc.step
         arc, outer = _settled(arc)
@@ -542,9 +545,7 @@ def _round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     return None
 
 
-def _passing(
-    begin: Beginning, end: Sample, to: float, low: float, high: float
-) -> Beginning | None:
+def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
     """The jump crossing at a parameter whose border point lies in an interval."""
     problem, n = begin.curve.problem, len(end.orbit.x)
     (column,), base, p = problem.free, _of_cycles(begin.curve), end.orbit.p.copy()
