@@ -705,6 +705,13 @@ class Curve:
             wide[-1] = _rate_of_share(orbit, wide)
         return wide
 
+    def limits(self, sample: Sample) -> tuple[float, float, float]:
+        """How fast both limits of a jump crossing in R^1, and its first point, grow along it."""
+        orbit, motion = sample.orbit, self._wide(sample)
+        last = motion[len(orbit.x) - 1 : -1]
+        inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])
+        return inner, outer, float(motion[0])
+
     def rate_of_share(self, sample: Sample) -> float:
         """How fast the share of a jump crossing grows along the curve."""
         return float(self._wide(sample)[-1])
