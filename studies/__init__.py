@@ -10,7 +10,7 @@ Folders import what stands above them, and scripts beside the folders import any
 
 ``common/``
     what studies share: command line, clocks, look of pictures, both laws, the paper's motion and
-    places, checks of diagrams
+    places, random toys, checks of diagrams
 ``peers/``
     other ways to follow the toy, and the scenes with thirty digits that all are measured by
 ``failures/``
@@ -38,6 +38,10 @@ and beside them:
     why the paper's period is shorter
 ``order_three``
     the whole diagram with period 3, beyond the paper
+``completeness``
+    whether diagrams have everything, and nothing twice: random toys against plain tabulation
+``mechanisms``
+    what the continuation engine is worth without each of its mechanisms
 ``benchmark``
     how fast and how exact a return is
 ``symbolic``, ``ground_types``

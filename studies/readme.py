@@ -487,6 +487,25 @@ def named(one: Results) -> str:
     return rows(header, lines)
 
 
+def completeness(results: All) -> str:
+    """What plain tabulation says of the diagrams of the paper's toy, and of random ones."""
+    found = results["completeness"]
+    paper, total, toys = found["paper"], found["total"], found["toys"]
+    sums = {name: len(paper[name]) for name in ("missing", "double", "unconfirmed", "open")}
+    sums["unfinished"] = int(bool(paper["left"]))
+    header = ["", "tables", "cycles", "jumps", "drawn", "too close for a table", "missing", "twice", "not confirmed", "given up", "searches unfinished"]  # fmt: skip
+    lines = [
+        [name, str(tables), *(str(row[key]) for key in ("cycles", "jumps")),
+         str(row["drawn_cycles"] + row["drawn_jumps"]),
+         *(str(row[key]) for key in ("closer", "missing", "double", "unconfirmed", "open", "unfinished"))]
+        for name, tables, row in (
+            ("P_1 and P_2 of the paper's toy", len(paper["tables"]), {**paper, **sums}),
+            (f"P_1 of {len(toys)} random toys", sum(toy["places"] for toy in toys), total),
+        )
+    ]  # fmt: skip
+    return rows(header, lines)
+
+
 def symbolic(results: All) -> str:
     """Times of symbolic composition."""
     found = results["symbolic"]
@@ -584,7 +603,7 @@ def proofs(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, symbolic,
+        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, completeness, symbolic,
         ground, long_run, proofs, machine,
     )
 }  # fmt: skip

@@ -52,6 +52,8 @@ STUDIES = {  # the name of each study and of its results, and its module
     "fig12_local_model": "studies.figures.fig12_local_model",
     "order_three": "studies.order_three",
     "paper_numbers": "studies.paper_numbers",
+    "completeness": "studies.completeness",
+    "mechanisms": "studies.mechanisms",
     "proofs": "studies.proofs",
     "long_run": "studies.long_run",
     "cycles": "studies.cycles",

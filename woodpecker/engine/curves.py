@@ -51,6 +51,8 @@ KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that f
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
+LOOKED = 2.0**-10  # scaled: steps longer than that are looked at halfway
+WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
@@ -307,9 +309,7 @@ class Curve:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
-    def advance(
-        self, last: Sample, distance: float, before: Sample | None = None
-    ) -> Sample | None:
+    def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
         """The sample at a distance; None if Newton's method leads to none.
 
         It is predicted along the tangent, or along the cubic through the sample before, too.
@@ -332,9 +332,7 @@ class Curve:
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
 
-    def _along_border(
-        self, last: Sample, distance: float, way: Floats
-    ) -> Orbit | None:
+    def _along_border(self, last: Sample, distance: float, way: Floats) -> Orbit | None:
         """A jump crossing in R^1: its points up to the border are solved for, the share follows."""
         (*_, border), problem = self.problem.conditions, self.problem
         assert isinstance(border, OnBorder)
@@ -427,6 +425,9 @@ class Curve:
                 step, grows, given_up = 0.5 * step, False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
+            if step > LOOKED and self._differs_between(last, found if end is None else end.sample):
+                step, grows = 0.5 * step, False
+                continue
             if not self.agrees(found.orbit if end is None else end.sample.orbit, end):
                 step, grows, given_up = 0.25 * step, False, Stop.OTHER_PIECE
                 continue
@@ -590,9 +591,7 @@ class Curve:
             for code in image.codes[negative].tolist():
                 if (i, code) not in self.ignored:
                     border, rate = OnBorder(i, code), partial(self.rate, i=i, code=code)
-                    yield TestFunction(
-                        Stop.BORDER, _of_condition(border), border, (i, code), rate
-                    )
+                    yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code), rate)
 
     def _bounded(self, a: Sample, b: Sample, step: float) -> End | None:
         """Where the first bound is passed of those that the second of two samples lies beyond.
@@ -658,6 +657,21 @@ class Curve:
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
         )
 
+    def _differs_between(self, a: Sample, b: Sample) -> bool:
+        """Whether the map takes another piece halfway: a margin may vanish that no sample has.
+
+        A point between two samples is good enough where the map is not steep.
+        """
+        x = 0.5 * (a.orbit.x + b.orbit.x)
+        p = 0.5 * (a.orbit.p + b.orbit.p)
+        at_border = {a.orbit.place(i) for i, _ in self.ignored}
+        return any(
+            i not in at_border
+            and float(np.abs(image.jacobian).max()) < STEEP
+            and self.map.at(point, p).piece.key != image.piece.key
+            for i, (point, image) in enumerate(zip(x, a.orbit.images, strict=True))
+        )
+
     def _is_taken(self, x: Floats, p: Floats, image: Image) -> bool:
         """Whether the map takes the piece of an image, and the same of its solutions."""
         taken = self.map.at(x, p)
@@ -676,16 +690,19 @@ class Curve:
             return
         for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
             falls, rises = step * self._rates(a, i), step * self._rates(b, i)
-            for k in np.flatnonzero(one.margins + falls < 0.0).tolist():
+            for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
                 code = int(one.codes[k])
                 if (i, code) in self.ignored or not one.margins[k] > 0.0:
                     continue
                 m = other.place(code)
                 if m < 0:
-                    raise UnclearError
+                    if one.margins[k] + falls[k] < 0.0:
+                        raise UnclearError
+                    continue
                 ends = float(one.margins[k]), float(other.margins[m])
                 rates = float(falls[k]), float(rises[m])
-                if ends[1] > 0.0 and rates[1] > 0.0 and _least(*ends, *rates) < 0.0:
+                dips = ends[1] > 0.0 and rates[1] > 0.0
+                if dips and _least(*ends, *rates) < WORTH * min(ends):
                     raise UnclearError
             for k in np.flatnonzero(other.margins < rises).tolist():
                 code = int(other.codes[k])
@@ -713,6 +730,13 @@ class Curve:
         if orbit.outer is not None and orbit.x.shape[1] == 1:
             wide[-1] = _rate_of_share(orbit, wide)
         return wide
+
+    def limits(self, sample: Sample) -> tuple[float, float, float]:
+        """How fast both limits of a jump crossing in R^1, and its first point, grow along it."""
+        orbit, motion = sample.orbit, self._wide(sample)
+        last = motion[len(orbit.x) - 1 : -1]
+        inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])
+        return inner, outer, float(motion[0])
 
     def rate_of_share(self, sample: Sample) -> float:
         """How fast the share of a jump crossing grows along the curve."""
@@ -822,7 +846,7 @@ def _rate_of_share(orbit: Orbit, motion: Floats) -> float:
     jump = float(outer.value[0] - inner.value[0])
     if jump == 0.0:
         return math.nan
-    return (motion[0] - rates[0] - orbit.share * (rates[1] - rates[0])) / jump
+    return float(motion[0] - rates[0] - orbit.share * (rates[1] - rates[0])) / jump
 
 
 def _ahead(sample: Sample) -> float:

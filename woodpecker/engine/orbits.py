@@ -227,7 +227,7 @@ class AtLimit:
 
     def residual(self, orbit: Orbit) -> Floats:
         """(1,) the limit less the point."""
-        return orbit.taken[-1 if self.outer else -2].value - orbit.x[0]
+        return np.asarray(orbit.taken[-1 if self.outer else -2].value - orbit.x[0])
 
     def rows(self, orbit: Orbit) -> Floats:
         """(1, ...) its derivatives."""

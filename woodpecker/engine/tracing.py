@@ -25,7 +25,7 @@ from woodpecker.engine.germs import (
     lost_beyond,
     once,
 )
-from woodpecker.engine.maps import ACCUMULATE, Image, links
+from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, links
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
 
@@ -33,9 +33,12 @@ KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a first sample is looked for
+BESIDE = tuple(
+    2.0**-n for n in (20, 24, 28, 34, 40, 46)
+)  # scaled: where a first sample is looked for
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
+CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
@@ -149,6 +152,8 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
             at = beside(at)  # it starts with a root
             samples += [] if at.before is None else [at.sample]
             arc = at.curve.follow(at.sample, step, halt)
+        if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
+            samples = [begin.sample]  # none of it is inside
         arc = _at_nearest(arc)
         step = AGAIN * arc.step
         arc, outer = _settled(arc)
@@ -512,6 +517,81 @@ def _crossing_beyond(
     return None
 
 
+def _round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+    """The jump crossing on another border that leaves the place where its own one ends.
+
+    Many margins may vanish there, and steep ones: it is looked for at a distance, ahead, and beside
+    the samples that led there, where the piece between two jumps has come to its end.
+    """
+    end, problem = arc.samples[-1], begin.curve.problem
+    (n, d), (column,) = end.orbit.x.shape, problem.free
+    if d > 1 or end.tangent[n] == 0.0:
+        return None
+    p, x = float(end.orbit.p[column]), float(end.orbit.x[-1, 0])
+    places = list[tuple[float, float, float]]()  # parameter, and an interval of the border point
+    for away in CORNER:
+        step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
+        places.append((p + step * problem.p_scale[column], x - width, x + width))
+    for sample in arc.samples[-2::-1]:
+        back, at = float(sample.orbit.p[column]), float(sample.orbit.x[-1, 0])
+        close = BESIDE[-1] * problem.x_scale[0]
+        for width in (each * problem.x_scale[0] for each in CORNER):
+            places += [(back, at + close, at + width), (back, at - width, at - close)]
+    for to, low, high in places:
+        found = _passing(begin, end, to, low, high)
+        if found is not None:
+            sample = found.curve.start(found.sample.orbit, np.eye(n + 1)[-1] * (to - p))
+            return replace(found, sample=sample, before=end), cause, False
+    return None
+
+
+def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
+    """The jump crossing at a parameter whose border point lies in an interval."""
+    problem, n = begin.curve.problem, len(end.orbit.x)
+    (column,), base, p = problem.free, _of_cycles(begin.curve), end.orbit.p.copy()
+    p[column] = to
+    x = _halved(base.map, end.orbit, p, begin.order, low, high)
+    if x is None:
+        return None
+    held = Held(n - 1, x), Held(n + column, to)
+    start = replace(end.orbit, outer=None, share=0.0)
+    head = solve(replace(problem, conditions=(Chained(), *held)), start)
+    found = crossings_at(base, head.orbit.x, p, begin.order) if head.converged else []
+    return next((each for each in found if len(each.sample.orbit.x) == n), None)
+
+
+def _halved(
+    map_: PiecewiseMap, orbit: Orbit, p: Floats, order: int, low: float, high: float
+) -> float | None:
+    """Where the last image of a border point passes by the first point; None if nowhere.
+
+    Halved down to neighbouring doubles.
+    """
+    n = len(orbit.x)
+
+    def side(at: float) -> float:
+        point = np.array([at])
+        for _ in range(order - n + 1):
+            image = map_.at(point, p)
+            if image.reason:
+                return math.nan
+            point = image.value
+        return float(point[0]) - (at if n == 1 else float(orbit.x[0, 0]))
+
+    below = side(low)
+    if not below * side(high) < 0.0:
+        return None
+    while low < (middle := 0.5 * (low + high)) < high:
+        value = side(middle)
+        if math.isnan(value):
+            return None
+        if below * value > 0.0:
+            low = middle
+        else:
+            high = middle
+    return middle
+
+
 # --- Crossings ------------------------------------------------------------------------------------
 
 
@@ -541,7 +621,11 @@ def _at_crossing(
     others = [each for each in starts if each.is_crossing and each.key != arrived]
     if len(others) == 1:
         return others[0], cause, True
-    return _crossing_beyond(begin, arc, cause) or _given_up(begin, arc, "the jump ends", cause)
+    return (
+        _crossing_beyond(begin, arc, cause)
+        or _round_corner(begin, arc, cause)
+        or _given_up(begin, arc, "the jump ends", cause)
+    )
 
 
 def _of_cycles(curve: Curve) -> Curve:

@@ -1,0 +1,82 @@
+"""The mechanisms of :mod:`woodpecker.engine`, each with its trivial answer."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+
+from studies.common.switched_off import Mechanism, argument, gives
+
+
+def _no_bend(curve: Any, a: Any, *_: Any) -> Any:
+    return np.zeros(len(a.tangent))
+
+
+def _not_exact(_: Any, test: Any, a: Any, b: Any) -> Any:
+    return test, test.value(a), test.value(b)
+
+
+def _at_once(problem: Any, orbit: Any, step: Any) -> Any:
+    return problem.moved(orbit, step), False
+
+
+def _at_border(near: Any, x: Any, p: Any, _: Any) -> Any:
+    return near.piece.at(x, p)
+
+
+MECHANISMS: Final = (
+    # --- Following a curve
+    Mechanism("engine.curves", "Curve._bend", _no_bend, "predict along a cubic"),
+    Mechanism("engine.curves", "Curve._to_end", gives(None), "step just to the end of the span"),
+    Mechanism("engine.curves", "Curve._closes", gives(False), "see a closed branch"),
+    Mechanism("engine.curves", "Curve.agrees", gives(True), "ask the map for its piece"),
+    Mechanism("engine.curves", "SAME_VALUE", math.inf, "tell two solutions of a piece apart"),
+    Mechanism("engine.curves", "KEPT_TURN", 1.0, "keep clear of the largest turn"),
+    # --- What ends an arc
+    Mechanism("engine.curves", "Curve._strays", gives(False), "refuse samples of other curves"),
+    Mechanism("engine.curves", "Curve._differs_between", gives(False), "look halfway"),
+    Mechanism("engine.curves", "Curve._look_for_dips", gives(None), "see a margin that dips"),
+    Mechanism("engine.curves", "Curve._exact", _not_exact, "locate a fold by its multiplier"),
+    Mechanism("engine.curves", "Curve._solved", gives(None), "locate ends by Newton's method"),
+    Mechanism("engine.curves", "BEGINS", 0.0, "ignore what a curve begins with"),
+    Mechanism("engine.curves", "COARSE", 0.0, "go closer where ends are unclear"),
+    Mechanism("engine.curves", "CLOSED_IN", math.inf, "refuse a pole for a zero"),
+    Mechanism("engine.curves", "Arc._left", gives(0.0), "say how well a root's end is located"),
+    # --- Newton's method
+    Mechanism("engine.newton", "Problem._along_borders", gives(None), "roots along their border"),
+    Mechanism("engine.newton", "_towards", _at_once, "halve steps to where there is no map"),
+    Mechanism("engine.newton", "STALLED", 0.0, "stop at what rounding leaves of steep maps"),
+    Mechanism("engine.newton", "SOLVED", 0.0, "leave out a last step that changes nothing"),
+    Mechanism("engine.newton", "_is_met", gives(True), "see that steps ended without an orbit"),
+    Mechanism("engine.newton", "LARGE", math.inf, "give up steps that grow"),
+    Mechanism("engine.newton", "branch_point", gives(None), "locate a branch point"),
+    # --- From arc to arc
+    Mechanism("engine.tracing", "_at_nearest", argument(0), "end at a border within rounding"),
+    Mechanism("engine.tracing", "_sharpened", argument(0), "derivatives right inside a border"),
+    Mechanism("engine.tracing", "_moved_to", argument(0), "locate a root by the piece beyond"),
+    Mechanism("engine.tracing", "_changes_stability", gives(False), "see a kink that destabilises"),
+    Mechanism("engine.tracing", "_straight_on", gives(None), "cross continuous borders at once"),
+    Mechanism("engine.tracing", "_hugging", gives(None), "start beside a root by its margin"),
+    Mechanism("engine.tracing", "_round_corner", gives(None), "leave a corner on another border"),
+    Mechanism("engine.tracing", "DENSE", 0.0, "pass where words of limits are dense"),
+    Mechanism("engine.tracing", "_passed_over", gives(None), "pass where borders accumulate"),
+    Mechanism("engine.tracing", "_jumps_unseen", gives(False), "see a jump without a margin"),
+    Mechanism("engine.tracing", "_crossing_beyond", gives(None), "pass the same with a crossing"),
+    Mechanism("engine.tracing", "_one_side_beyond", gives(None), "change one limit's word"),
+    Mechanism("engine.tracing", "beside", argument(0), "begin beside a special point"),
+    Mechanism("engine.tracing", "_sides", gives(True), "begin before the next fold or flip"),
+    Mechanism("engine.tracing", "AGAIN", 0.0, "a least first step beyond a border"),
+    # --- What starts at a point
+    Mechanism("engine.germs", "TILT", 0.0, "lead beyond where borders cross"),
+    Mechanism("engine.germs", "_steepness", gives(0.0), "locate a root from its other side"),
+    Mechanism("engine.germs", "_meets_another", gives(False), "see a crossing at a corner"),
+    Mechanism("engine.germs", "once", argument(0), "run through a cycle once"),
+    Mechanism("engine.germs", "cycle_through", gives(None), "end a crossing at a cycle"),
+    Mechanism("engine.germs", "lost_beyond", gives(""), "say why a limit is lost"),
+    # --- What the map takes beside a point
+    Mechanism("engine.line", "DISTANCES", (2.0**-22,), "propose pieces at several distances"),
+    Mechanism("engine.line", "limit", _at_border, "limits where slopes are rounding"),
+    Mechanism("engine.line", "ROOT", math.inf, "tell a square root"),
+)  # fmt: skip

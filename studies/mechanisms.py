@@ -1,0 +1,203 @@
+"""Which mechanisms of the continuation engine matter: each is switched off, on the same jobs.
+
+    python -m studies.mechanisms [--fast] [--out DIR]
+
+A mechanism without which all diagrams stay the same, and no test fails, need not be there. Diagrams
+are compared as graphs, by kinds, orders and parameters of special points; what each costs is
+counted in calls of the kernel. The jobs use public names only, so another table of mechanisms is
+measured by ``measured(table, jobs(...))``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+
+from pwmap import Diagram, PointStatus
+from studies.common.engine_mechanisms import MECHANISMS
+from studies.common.laws import SUMMED, TOYS
+from studies.common.motion import GUESS
+from studies.common.places import SPAN, WINDOW
+from studies.common.random_toys import beside, random_toy
+from studies.common.record import Results, command
+from studies.common.switched_off import Mechanism, counted, switched_off
+from woodpecker import Search, Toy, bifurcation_diagram, continuation, parameters, shoot
+
+Job = Callable[[], Diagram]
+SAME = 1e-9  # of the span: parameters of special points are located to better than this
+NEAR = 1e-5  # rad: phi_S at a flip is known to the root of rounding, some 1e-7 times a slope
+COSTLY = 5.0  # times the calls that the whole program makes: a job is given up
+FEW = ("c_phi",)  # what the fast version varies, and its random toys
+FEW_TOYS = (5,)
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Switch each mechanism off.
+
+    Parameters
+    ----------
+    fast
+        Three mechanisms and three jobs.
+    out
+        Not used: there is no picture.
+
+    Returns
+    -------
+    dict
+        See :func:`measured`.
+    """
+    if fast:
+        short = {"main job, summed": main_job(TOYS[SUMMED], (0.1, 0.5)), **jobs(FEW, FEW_TOYS, 3)}
+        return measured(MECHANISMS[:3], short)
+    varied = [name for name in parameters() if 0.0 < getattr(Toy(), name) < math.inf]
+    return measured(MECHANISMS, main_jobs() | jobs(varied, range(10)) | whole_jobs())
+
+
+def measured(table: Sequence[Mechanism], work: Mapping[str, Job]) -> Results:
+    """All jobs without each of some mechanisms.
+
+    Returns
+    -------
+    dict
+        ``jobs``: of each its branches, points, open ends, and calls of the kernel; ``without``: of
+        each mechanism its ``purpose``, and of each job ``verdict`` ("same", "differs", "fails"),
+        ``calls`` as a ratio, None if it failed, and what ``became`` of it.
+    """
+    whole = {name: _run(job, math.inf) for name, job in work.items()}
+    rows = {}
+    for mechanism in table:
+        row = {}
+        for name, job in work.items():
+            with switched_off(mechanism):
+                row[name] = _judged(job, *whole[name])
+        rows[f"{mechanism.module}.{mechanism.name}"] = {"purpose": mechanism.purpose, **row}
+    return {
+        "jobs": {name: [*_size(diagram), count] for name, (diagram, count) in whole.items()},
+        "without": rows,
+    }
+
+
+# --- Jobs -----------------------------------------------------------------------------------------
+
+
+def main_jobs() -> dict[str, Job]:
+    """What hangs together with the stable motion over the beak's restitution, under both laws."""
+    return {f"main job, {law}": main_job(toy, (0.0, 1.0)) for law, toy in TOYS.items()}
+
+
+def main_job(toy: Toy, span: tuple[float, float]) -> Job:
+    """The same for a toy and a span."""
+    return lambda: continuation(toy, shoot(toy, GUESS), "eps_n1", span)
+
+
+def jobs(varied: Sequence[str], toys: Iterable[int], slices: int = 63) -> dict[str, Job]:
+    """P_1 over some parameters of the paper's toy, each beside its value, and for random toys."""
+    search = Search(slices=slices)
+    work: dict[str, Job] = {
+        name: partial(
+            bifurcation_diagram, Toy(), name, beside(Toy(), name), (1,), WINDOW, search=search,
+            workers=1,
+        )
+        for name in varied
+    }  # fmt: skip
+    for number in toys:
+        toy, parameter, span, window, _ = random_toy(number)
+        work[f"toy {number}, {parameter}"] = partial(
+            bifurcation_diagram, toy, parameter, span, (1,), window, search=search, workers=1
+        )
+    return work
+
+
+def whole_jobs() -> dict[str, Job]:
+    """P_1, and P_1 with P_2, of the paper's toy over the beak's restitution."""
+    return {
+        f"whole, {orders}": partial(
+            bifurcation_diagram, Toy(), "eps_n1", SPAN, orders, WINDOW, workers=1
+        )
+        for orders in ((1,), (1, 2))
+    }
+
+
+# --- Comparing ------------------------------------------------------------------------------------
+
+
+def _run(job: Job, most: float) -> tuple[Diagram, int]:
+    with counted(most) as calls:
+        diagram = job()
+    return diagram, calls.count
+
+
+def _judged(job: Job, whole: Diagram, calls: int) -> Results:
+    """What becomes of a job, as compared with what the whole program gives."""
+    try:
+        diagram, count = _run(job, COSTLY * calls)
+    except Exception as error:  # whatever a program raises from which something was taken
+        reason = f"{type(error).__name__}: {error}"
+        return {"verdict": "fails", "calls": None, "became": reason}
+    same = are_same(whole, diagram)
+    return {
+        "verdict": "same" if same else "differs",
+        "calls": count / calls,
+        "became": "" if same else _difference(whole, diagram),
+    }
+
+
+def are_same(one: Diagram, other: Diagram) -> bool:
+    """Whether two diagrams over the same span have the same branches and special points."""
+    if _size(one) != _size(other):
+        return False
+    ends = [p for branch in one.branches for p in branch.parameter[[0, -1]].tolist()]
+    within = SAME * (max(ends) - min(ends)) if ends else 0.0
+
+    def alike(a: dict[str, Any], b: dict[str, Any]) -> bool:
+        return (
+            (a["kind"], a["order"], a["status"]) == (b["kind"], b["order"], b["status"])
+            and abs(a["parameter"] - b["parameter"]) <= within
+            and abs(a["x"] - b["x"]) <= NEAR
+        )
+
+    edges = nx.algorithms.isomorphism.categorical_multiedge_match(["kind", "order"], ["", 0.0])
+    return bool(nx.is_isomorphic(one.graph(), other.graph(), alike, edges))
+
+
+def _size(diagram: Diagram) -> tuple[int, int, int]:
+    """How many branches, special points, and open ends."""
+    is_open = [point.status is PointStatus.OPEN for point in diagram.points]
+    return len(diagram.branches), len(diagram.points), sum(is_open)
+
+
+def _difference(whole: Diagram, diagram: Diagram) -> str:
+    names = ("branches", "points", "open")
+    pairs = zip(names, _size(whole), _size(diagram), strict=True)
+    return ", ".join(f"{name} {a} -> {b}" for name, a, b in pairs)
+
+
+# --- Showing --------------------------------------------------------------------------------------
+
+
+def as_text(found: Results) -> str:
+    """A table of mechanisms and jobs: "." same, "D" differs, "F" fails, and the ratio of calls."""
+    names = list(found["jobs"])
+    lines = [f"{k}: {name}: {found['jobs'][name]}" for k, name in enumerate(names)]
+    width = max(map(len, found["without"]))
+    lines.append(" " * width + "".join(f"{k:>8}" for k in range(len(names))))
+    for mechanism, row in found["without"].items():
+        cells = [_cell(row[name]) for name in names]
+        lines.append(
+            f"{mechanism:<{width}}{''.join(f'{cell:>8}' for cell in cells)}  {row['purpose']}"
+        )
+    return "\n".join(lines)
+
+
+def _cell(judged: Results) -> str:
+    sign = {"same": ".", "differs": "D", "fails": "F"}[judged["verdict"]]
+    return sign if judged["calls"] is None else f"{sign} {judged['calls']:.2f}"
+
+
+if __name__ == "__main__":
+    command(main, "mechanisms")

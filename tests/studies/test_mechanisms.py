@@ -1,0 +1,74 @@
+"""Mechanisms are switched off where they are used, and diagrams are told apart."""
+
+from dataclasses import replace
+
+import pytest
+from needs import NEEDS_NUMBA
+from short_runs import short_run
+
+from pwmap import Diagram
+from studies.common.engine_mechanisms import MECHANISMS
+from studies.common.switched_off import Mechanism, SpentError, counted, gives, switched_off
+from studies.mechanisms import SAME, are_same, as_text, main_job, measured
+from woodpecker import Toy
+from woodpecker.engine import germs, tracing
+
+ONCE = Mechanism("engine.germs", "once", gives(None), "")
+
+
+def moved(diagram: Diagram, by: float) -> Diagram:
+    """A diagram with one special point elsewhere."""
+    first, *others = diagram.points
+    there = replace(first, parameter=first.parameter + by, interval=None)
+    return replace(diagram, points=(there, *others))
+
+
+def test_a_function_is_replaced_where_it_was_imported() -> None:
+    own = germs.once
+    with switched_off(ONCE):
+        assert germs.once is tracing.once is ONCE.without
+    assert germs.once is tracing.once is own
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda each: str(each.name))
+def test_every_mechanism_of_the_table_is_there(mechanism: Mechanism) -> None:
+    with switched_off(mechanism):
+        pass
+
+
+def test_an_unknown_mechanism_is_refused() -> None:
+    with pytest.raises(AttributeError), switched_off(ONCE._replace(name="twice")):
+        pass
+
+
+@NEEDS_NUMBA
+def test_diagrams_are_told_apart() -> None:
+    job = main_job(Toy(), (0.45, 0.7))
+    with counted(1e6) as calls:
+        diagram = job()
+    assert calls.count > 100
+    assert are_same(diagram, job())
+    width = 0.25  # of the span
+    assert are_same(diagram, moved(diagram, 0.5 * SAME * width))
+    assert not are_same(diagram, moved(diagram, 2.0 * SAME * width))
+    with pytest.raises(SpentError), counted(100):
+        job()
+
+
+@NEEDS_NUMBA
+def test_a_mechanism_that_matters_is_seen() -> None:
+    """Without the kernel's status of a return nothing is followed: all jobs fail."""
+    vital = Mechanism("simulation.paths", "status", gives(None), "")
+    idle = Mechanism("piecewise.accumulations", "ENDLESS", "", "")
+    found = measured([vital, idle], {"job": main_job(Toy(), (0.48, 0.52))})
+    one, other = (row["job"] for row in found["without"].values())
+    assert (one["verdict"], one["calls"]) == ("fails", None)
+    assert (other["verdict"], other["calls"]) == ("same", 1.0)
+    assert "F" in as_text(found).splitlines()[2]
+
+
+@NEEDS_NUMBA
+@pytest.mark.slow
+def test_the_study_of_mechanisms_runs(tmp_path_factory: pytest.TempPathFactory) -> None:
+    results = short_run("mechanisms", tmp_path_factory.mktemp("mechanisms"))
+    assert len(results["without"]) == 3
