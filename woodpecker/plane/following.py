@@ -15,13 +15,12 @@ from woodpecker.engine.curves import Arc, Sample, Stop
 from woodpecker.engine.curves import Curve as Followed
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
-from woodpecker.engine.orbits import OnBorder, Orbit
+from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.maps import Plane, pair
 from woodpecker.plane.nodes import (
-    MultiplierIs,
     border_in,
     border_of,
     code_of,
@@ -210,8 +209,8 @@ def _met(plane: Plane, end: _Sample, arc: Arc) -> tuple[_Sample, _Sample | None]
     """What an arc comes to, and where the curve goes on; None if it ends."""
     if arc.stop is Stop.SPECIAL and arc.test is not None:
         kind = PlaneKind(arc.test.name)
-        condition = arc.curve.problem.conditions[1]
-        ends = kind is PlaneKind.GENERALISED_FLIP and condition == MultiplierIs(1.0, plane.settings)
+        folds = arc.curve.problem.conditions[1] == Multiplier("LP", plane.scale)
+        ends = folds and kind is PlaneKind.GENERALISED_FLIP
         on = None if ends or arc.beyond is None else _Sample(arc.beyond, arc.curve)
         return replace(end, kind=kind), on
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
@@ -336,8 +335,8 @@ def _precision(plane: Plane, sample: _Sample) -> Pair:
         sample.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER)
         and isinstance(condition, OnBorder)
     ):  # fmt: skip
-        value = 1.0 if sample.kind is PlaneKind.FOLD_BORDER else -1.0
-        problem = problem.with_(MultiplierIs(value, plane.settings))
+        kind = "LP" if sample.kind is PlaneKind.FOLD_BORDER else "PD"
+        problem = problem.with_(Multiplier(kind, plane.scale))
     else:
         problem = problem.with_(across(problem, orbit, sample.own.tangent, 0.0))
     one, other = uncertainties(problem, orbit).tolist()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -123,8 +123,8 @@ def over_first(image: Image) -> pieces.Image:
     if image.reason:
         value = slope = rate = math.nan
     return pieces.Image(
-        value, slope, rate, image.margins, image.gradients[:, :2], image.codes, piece.own,
-        image.reason,
+        value, slope, rate, image.margins, image.gradients[:, :2], image.codes,
+        cast("pieces.Piece", piece.own), image.reason,
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample, Stop, TestFunction
 from woodpecker.engine.line import LineMap
-from woodpecker.engine.orbits import Condition, Held, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.piecewise.jumps import limit_of
 from woodpecker.piecewise.margins import depth, nearest_code
@@ -34,90 +34,10 @@ ROOTED = 1e3  # slopes beyond a border that are larger may be those of a root
 PARALLEL = 1e-3  # sine of an angle between gradients of margins of one border
 
 
-@dataclass(frozen=True, slots=True)
-class MultiplierIs:
-    """The multiplier of a cycle has a value: 1 at a fold (LP), -1 at a flip (PD).
-
-    Its derivatives are central differences of slopes, over distances that keep away from borders:
-    slopes beside them may be those of a root.
-
-    Attributes
-    ----------
-    value
-        The multiplier.
-    settings
-        Scales over both parameters.
-    """
-
-    value: float
-    settings: tuple[Settings, Settings]
-
-    def residual(self, orbit: Orbit) -> Floats:
-        """(1,) what it has too much."""
-        return np.array([multiplier(orbit) - self.value])
-
-    def rows(self, orbit: Orbit) -> Floats:
-        """(1, n + 3) its derivatives in all unknowns of the orbit."""
-        slopes = [float(image.jacobian[0, 0]) for image in orbit.images]
-        row = np.zeros((1, len(orbit.unknowns)))
-        for i in range(len(orbit.x)):
-            rest = math.prod(slopes[:i] + slopes[i + 1 :])
-            row += orbit.columns(i, rest * self._gradient(orbit, i))
-        return row
-
-    def _gradient(self, orbit: Orbit, i: int) -> Floats:
-        """Derivatives (3,) of the slope of one piece: across its nearest border and along it.
-
-        Beside a root it changes fast across a border and slowly along it: how far away that is
-        changes along it by curvature only.
-        """
-        one, other = self.settings
-        numerics, image = one.numerics, orbit.images[i]
-        scale = np.array([one.x_scale, one.p_scale, other.p_scale])
-        gradients = image.gradients * scale
-        size = np.linalg.norm(gradients, axis=1)
-        known = np.flatnonzero(size > 0.0)
-        away = np.abs(image.margins[known]) / size[known]
-        k = int(away.argmin()) if len(known) else -1
-        most, ways = numerics.difference, np.eye(3)
-        if k >= 0:
-            ways = np.linalg.qr(np.column_stack([gradients[known[k]], ways]))[0].T
-            most = min(most, math.sqrt(numerics.clear * away[k]))
-        found = np.zeros(3)
-        for way in ways:
-            with np.errstate(divide="ignore"):
-                rest = np.abs(image.margins[known] / (gradients[known] @ way))
-            h = max(min(most, numerics.clear * float(rest.min(initial=math.inf))), one.nearest)
-            found += self._difference(orbit, i, h * way * scale) / h * way / scale
-        return found
-
-    def _difference(self, orbit: Orbit, i: int, step: Floats) -> float:
-        """By how much the slope of one piece changes in a step (3,) in x and both parameters."""
-        piece = orbit.images[i].piece
-        assert isinstance(piece, FamilyPiece)
-        at = np.append(orbit.x[i], orbit.p)
-
-        def slope(part: float) -> float:
-            x, *values = (at + part * step).tolist()
-            return piece.over_first(x, (values[0], values[1])).slope
-
-        above, below = slope(1.0), slope(-1.0)
-        if not math.isnan(above + below):
-            return 0.5 * (above - below)
-        side = -1.0 if math.isnan(above) else 1.0  # the map has an end here: to one side
-        near, far = slope(side), slope(2.0 * side)
-        return side * 0.5 * (4.0 * near - 3.0 * slope(0.0) - far)
-
-
-def multiplier(orbit: Orbit) -> float:
-    """That of a cycle: the product of its slopes."""
-    return math.prod(float(image.jacobian[0, 0]) for image in orbit.images)
-
-
 def inside(orbit: Orbit) -> float:
     """The multiplier of a cycle; nan where it ends in a root, and is infinite."""
     steep = any(abs(image.jacobian[0, 0]) >= STEEP for image in orbit.images)
-    return math.nan if steep else multiplier(orbit)
+    return math.nan if steep else float(orbit.monodromy[0, 0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +101,7 @@ def border_in(curve: Curve) -> OnBorder | None:
 
 def is_steep(curve: Curve) -> bool:
     """Whether it is one of folds or flips: beside a root their equation changes fast."""
-    return isinstance(curve.problem.conditions[1], MultiplierIs)
+    return isinstance(curve.problem.conditions[1], Multiplier)
 
 
 def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> Curve:
@@ -199,7 +119,7 @@ def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> Curve:
         along = np.linalg.norm(np.cross(unit, own), axis=1) <= PARALLEL
         codes = image.codes[along & image.tied(orbit.x[i], orbit.p)].tolist()
         ignored = frozenset((i, code) for code in (condition.code, *codes))
-    steep = isinstance(condition, MultiplierIs)
+    steep = isinstance(condition, Multiplier)
     shortest = max(curve.settings.min_step, STEEP_SHORT if steep else SHORT)
     settings = replace(
         curve.settings, min_step=shortest, step=max(shortest, curve.settings.step),
@@ -245,8 +165,8 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
         )
     if isinstance(condition, Held):
         return ()
-    assert isinstance(condition, MultiplierIs)
-    if condition.value < 0.0:
+    assert isinstance(condition, Multiplier)
+    if condition.kind == PointKind.PD:
         return (test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings)),)
     found = [test(PlaneKind.CUSP, lambda orbit: bend(orbit, settings))]
     if n % 2 == 0:
@@ -305,8 +225,8 @@ def code_of(plane: Plane, curve: Curve, orbit: Orbit) -> tuple[PointKind, str]:
     branches fold. Where the map is continuous they do if the multiplier passes through +1.
     """
     condition = curve.problem.conditions[1]
-    if isinstance(condition, MultiplierIs):
-        return (PointKind.LP if condition.value == 1.0 else PointKind.PD), ""
+    if isinstance(condition, Multiplier):
+        return PointKind(condition.kind), ""
     if not isinstance(condition, OnBorder):
         return PointKind.EP, ""
     own, met = inside(orbit), border_of(plane, orbit, condition)

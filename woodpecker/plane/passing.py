@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Curve, Sample
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.engine.newton import Problem, across, solve
-from woodpecker.engine.orbits import Held, OnBorder, Orbit
+from woodpecker.engine.orbits import Held, Multiplier, OnBorder, Orbit
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.plane.maps import Plane, over_first
-from woodpecker.plane.nodes import PARALLEL, MultiplierIs, border_in, curve_of, is_steep, units
+from woodpecker.plane.nodes import PARALLEL, border_in, curve_of, is_steep, units
 
 # Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
 # right there: a cube root falls to a fifth.
@@ -63,7 +64,7 @@ def passed(plane: Plane, arc: Arc) -> Passed:
     if outer.reason:
         return _lost(outer, meeting)
     kind = _kind(plane, orbit, i, code, outer)
-    smooth = isinstance(arc.curve.problem.conditions[1], MultiplierIs)
+    smooth = is_steep(arc.curve)
     if kind is BorderKind.JUMP or (
         kind is not BorderKind.SMOOTH and smooth and _tears(plane, image, outer)
     ):
@@ -178,8 +179,8 @@ def _meeting(curve: Curve) -> PlaneKind:
         return PlaneKind.TWO_BORDERS
     if isinstance(condition, Held):
         return PlaneKind.END
-    assert isinstance(condition, MultiplierIs)
-    return PlaneKind.FOLD_BORDER if condition.value == 1.0 else PlaneKind.FLIP_BORDER
+    assert isinstance(condition, Multiplier)
+    return PlaneKind.FOLD_BORDER if condition.kind == PointKind.LP else PlaneKind.FLIP_BORDER
 
 
 def _lost(outer: Image, meeting: PlaneKind) -> Passed:

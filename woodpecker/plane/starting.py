@@ -11,13 +11,13 @@ from pwmap.diagrams.diagram import PointKind, SpecialPoint
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.germs import once, paths
 from woodpecker.engine.newton import solve
-from woodpecker.engine.orbits import Condition, Held, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
 from woodpecker.piecewise.borders import BorderKind
 from woodpecker.plane.maps import Plane
-from woodpecker.plane.nodes import MultiplierIs, border_of
+from woodpecker.plane.nodes import border_of
 
 T = TypeVar("T")
-MULTIPLIERS = {PointKind.LP: 1.0, PointKind.PD: -1.0}
+MULTIPLIERS = (PointKind.LP, PointKind.PD)
 COLLISIONS = (PointKind.BC, PointKind.FF)
 AT_EDGE = "end of the window"
 PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LOST,
@@ -104,7 +104,7 @@ def _turning(plane: Plane, point: SpecialPoint, p: Floats, axis: int) -> Found |
     guess = _from_start(plane, point, p)
     if guess is None:
         return None
-    condition = MultiplierIs(MULTIPLIERS[point.kind], plane.settings)
+    condition = Multiplier(point.kind.value, plane.scale)
     found = _solved(plane, guess, condition, axis)
     return None if found is None else (found, condition)
 

@@ -10,9 +10,9 @@ from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc
-from woodpecker.engine.orbits import Condition, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
 from woodpecker.plane.maps import Plane
-from woodpecker.plane.nodes import MultiplierIs, border_in, curve_of, inside
+from woodpecker.plane.nodes import border_in, curve_of, inside
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +48,7 @@ def starts_at(plane: Plane, arc: Arc) -> tuple[Seed, ...]:
         value = 1.0 if name == PlaneKind.FOLD_BORDER else -1.0
         if abs(inside(orbit) - value) <= plane.first.kink:
             kind = PointKind.LP if value > 0.0 else PointKind.PD
-            found += _seeds(plane, orbit, kind, MultiplierIs(value, plane.settings), own)
+            found += _seeds(plane, orbit, kind, Multiplier(kind.value, plane.scale), own)
     if arc.border is not None:
         met = OnBorder(*arc.border)
         if own is None:
