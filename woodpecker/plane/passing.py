@@ -26,7 +26,7 @@ SHRINKS = 0.5
 BESIDE = (2.0**-24, 2.0**-20, 2.0**-28, 2.0**-34, 2.0**-40)  # scaled: where a curve goes on
 ROOTED = 10.0  # times the derivatives before it those at the end of a root are larger
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
-CLEAR = 1e-10  # scaled: nearer to a border slopes are made of rounding
+CLEAR = 1e-11  # scaled: nearer to a border slopes are made of rounding
 KNOWN = 1e-13  # scaled: as near a cycle on a border is known to lie to it
 NO_CURVE = "no curve beyond"
 
