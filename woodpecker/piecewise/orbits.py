@@ -420,22 +420,3 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
     direction: Floats = np.linalg.svd(rows)[2][-1]
     turned = np.linalg.det(np.vstack([rows, direction])) < 0.0
     return -direction if turned else direction
-
-
-def blurred(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> float:
-    """How far the parameter of an orbit that obeys two conditions may be off.
-
-    By rounding of the map, and by what is left of the equations.
-    """
-    scale = scales(len(orbit), settings)
-    matrix = jacobian(orbit, conditions, scale)
-    point = np.abs(orbit.point / scale)
-    rounding = settings.numerics.blur
-    left = settings.numerics.safety * np.abs(residuals(orbit, conditions))
-    noise = rounding * (np.abs(matrix) @ point) + left
-    noise[: len(orbit)] += rounding * settings.x_scale * point[:-1]
-    try:
-        back: Floats = np.linalg.inv(matrix)[-1]
-    except np.linalg.LinAlgError:
-        return math.inf
-    return float(np.abs(back) @ noise) * settings.p_scale

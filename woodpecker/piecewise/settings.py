@@ -87,9 +87,6 @@ class Numerics:
     exponent
         By how much the power of the distance with which a slope grows may differ from 1/2, that of
         a square root: half of the way to a pole or a kink.
-    kept_turn
-        Part of ``Settings.max_turn`` by which the next step is to turn: so that it is not often
-        refused.
     sharpest
         Largest angle [rad] between the tangents of neighbouring samples, however close they are:
         more would hide what lies between them.
@@ -98,10 +95,6 @@ class Numerics:
         crosses the diagonal there.
     retry
         Part of a step that is tried next if the map takes another piece at its end.
-    blurred
-        A step, scaled, on which a limit of a jump may change its pieces without a border being
-        found, and on which cubics of margins are trusted: where that small steps do not show what
-        happens there are infinitely many pieces.
     crossing
         Part of a step to which a branch point is located: there the equations are singular, and
         rounding moves an orbit by its root.
@@ -128,8 +121,6 @@ class Numerics:
         Part of the way to a border that a step over it has: to first order it lies there.
     both
         Times as closely as a border is located other margins may vanish there too.
-    hugs
-        Part of a step: a curve of folds or flips that is closer to a border is led along it.
     split
         Part of a way that is tried first where its far end is lost, or the near one steep.
     uneven
@@ -169,8 +160,6 @@ class Numerics:
     aside
         Part of it by which a point that lies on a border is turned: what a map does just where two
         events coincide is no sector.
-    same_way
-        Cosine of the angle within which a jump at a corner is the one that led there: 26 degrees.
     torn
         Part by which a multiplier changes beyond a border only if the slopes differ: over the
         distance of a restart it changes by some 1e-4.
@@ -221,11 +210,9 @@ class Numerics:
     probe: float = 1e-4
     farthest: float = 0.2
     exponent: float = 0.25
-    kept_turn: float = 0.7
     sharpest: float = 0.5
     right_before: float = 2.0**-10
     retry: float = 0.25
-    blurred: float = 1e-4
     crossing: float = 1e-6
     difference: float = 2.0**-17
     clear: float = 2.0**-10
@@ -236,7 +223,6 @@ class Numerics:
     third_of_slope: float = 0.5
     ahead: float = 1.25
     both: float = 16.0
-    hugs: float = 0.01
     split: float = 0.125
     uneven: float = 16.0
     short: float = 2.0**-4
@@ -253,7 +239,6 @@ class Numerics:
     most_sectors: int = 64
     narrow: float = 1e-4
     aside: float = 0.1
-    same_way: float = 0.9
     torn: float = 0.01
     fastest: float = 10.0
     repeats: float = 1e-6

@@ -10,7 +10,6 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind
 from woodpecker.base.executors import Serial
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.borders import BorderKind
-from woodpecker.piecewise.crossings import border_at
 from woodpecker.piecewise.diagrams import cycle_near
 from woodpecker.piecewise.explorer import Explorer
 from woodpecker.piecewise.margins import nearest_code
