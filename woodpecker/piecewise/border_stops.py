@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq
 
+from woodpecker.base.cubics import zero_of_cubic
 from woodpecker.piecewise.corrector import Corrector
 from woodpecker.piecewise.margins import depth, lowest_dip
 from woodpecker.piecewise.orbits import SPACING, Margin, Orbit, scales, solve
@@ -64,7 +63,7 @@ def _crossed(corrector: Corrector, a: Sample, b: Sample) -> list[tuple[Margin, f
                 float(image.gradient(code) @ rate[[i, -1]])
                 for image, rate in zip((one, other), rates, strict=True)
             )
-            found.append((Margin(i, code), _root(before, after, *slopes)))
+            found.append((Margin(i, code), zero_of_cubic(before, after, *slopes)))
     return found
 
 
@@ -153,17 +152,3 @@ def _inside(corrector: Corrector, orbit: Orbit, margin: Margin, piece: Piece) ->
     """The image right inside of a border that an orbit meets."""
     away = orbit.images[margin.index].onward(margin.code) * corrector.settings.resolved
     return piece.at(float(orbit.x[margin.index]) - away, orbit.p)
-
-
-def _root(before: float, after: float, rise: float, rise_there: float) -> float:
-    """Where the cubic with these values and slopes, of different signs at 0 and 1, vanishes."""
-    change = after - before
-    cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
-    if not math.isfinite(cubic):
-        return before / (before - after)
-
-    def value(s: float) -> float:
-        """The cubic, at 1 without rounding: where it is steep that might change its sign."""
-        return after if s == 1.0 else before + s * (rise + s * (square + s * cubic))
-
-    return float(brentq(value, 0.0, 1.0))
