@@ -1,6 +1,7 @@
 """Mechanisms are switched off where they are used, and diagrams are told apart."""
 
 from dataclasses import replace
+from pkgutil import resolve_name
 
 import pytest
 from needs import NEEDS_NUMBA
@@ -32,8 +33,11 @@ def test_a_function_is_replaced_where_it_was_imported() -> None:
 
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda each: str(each.name))
 def test_every_mechanism_of_the_table_is_there(mechanism: Mechanism) -> None:
+    whole = f"woodpecker.{mechanism.module}.{mechanism.name}"
+    own = resolve_name(whole)
     with switched_off(mechanism):
-        pass
+        assert resolve_name(whole) is mechanism.without
+    assert resolve_name(whole) is own
 
 
 def test_an_unknown_mechanism_is_refused() -> None:

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.cubics import zero_of_cubic
 from woodpecker.engine.maps import Image, PiecewiseMap, length_of
 from woodpecker.engine.newton import (
     BLUR,
@@ -460,6 +461,8 @@ class Curve:
         """
         chord = self.problem.step_between(a.orbit, b.orbit)
         length, mean = float(np.linalg.norm(chord)), a.tangent + b.tangent
+        if length == 0.0:
+            return True  # rounding lets it come no farther
         off = float(np.linalg.norm(chord / length - mean / np.linalg.norm(mean)))
         return off > 0.5 * max(_angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
 
@@ -470,8 +473,8 @@ class Curve:
         bound = self._bounded(a, b, step)
         found = self._multipliers(a, b, step, starts) + ([] if bound is None else [bound])
         found.sort(key=lambda end: end.distance)
-        if found and found[0] is not bound and next(self._borders(found[0].sample), None):
-            raise UnclearError
+        if found and found[0] is not bound and any(True for _ in self._borders(found[0].sample)):
+            raise UnclearError  # a margin has vanished before
         self._look_for_dips(a, *((found[0].sample, found[0].distance) if found else (b, step)))
         return found
 
@@ -815,7 +818,7 @@ class Curve:
             return self.problem.moved(b.orbit, -back * b.tangent)
         chord = self.problem.step_between(a.orbit, b.orbit)
         length = float(np.linalg.norm(chord))
-        part = _zero(before, after, length * test.rate(a), length * test.rate(b))
+        part = zero_of_cubic(before, after, length * test.rate(a), length * test.rate(b))
         first, last = length * a.tangent, length * b.tangent
         cubic, square = first + last - 2.0 * chord, 3.0 * chord - 2.0 * first - last
         return self.problem.moved(a.orbit, part * (first + part * (square + part * cubic)))
@@ -884,17 +887,3 @@ def _part(test: TestFunction, a: Sample, b: Sample) -> float:
     """About which part of the way from one sample to another a test function vanishes."""
     before, after = test.value(a), test.value(b)
     return math.inf if math.isnan(before) else before / (before - after)
-
-
-def _zero(before: float, after: float, rise: float, rise_there: float) -> float:
-    """Where the cubic with values of different signs and slopes at 0 and 1 vanishes between."""
-    change = after - before
-    cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
-    if not math.isfinite(cubic):
-        return before / (before - after)
-
-    def value(s: float) -> float:
-        """The cubic, at 1 without rounding: where it is steep that might change its sign."""
-        return after if s == 1.0 else before + s * (rise + s * (square + s * cubic))
-
-    return float(brentq(value, 0.0, 1.0, rtol=1e-6))

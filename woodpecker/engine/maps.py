@@ -16,9 +16,8 @@ import numpy as np
 
 from woodpecker.base.arrays import Bools, Floats, Ints
 
-ACCUMULATE = (
-    "borders accumulate"  # a map's reason where it takes ever thinner pieces beside a point
-)
+# A map's reason where it takes ever thinner pieces beside a point.
+ACCUMULATE = "borders accumulate"
 TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms: a point on a
 # border is known to some 2**-44 times the condition of the equations that it solves
 STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope than of a size: where

@@ -255,19 +255,17 @@ def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tupl
     one sign all along a curve, round folds too, unless a branch point lies between.
     """
     matrix = problem.matrix(orbit)
-    if along is None:
-        if not np.isfinite(matrix).all():
-            return np.full(matrix.shape[1], np.nan), np.nan
-        along = np.linalg.svd(matrix)[2][-1]
-        if np.linalg.det(np.vstack((matrix, along))) < 0.0:
-            along = -along
-    to = np.zeros(len(along))
+    if along is None and not np.isfinite(matrix).all():
+        return np.full(matrix.shape[1], np.nan), np.nan
+    way = np.linalg.svd(matrix)[2][-1] if along is None else along
+    to = np.zeros(len(way))
     to[-1] = 1.0
-    found, determinant = _linear(np.vstack((matrix, along)), to)
+    found, determinant = _linear(np.vstack((matrix, way)), to)
     length = math.sqrt(float(found @ found))
     if determinant == 0.0 or not math.isfinite(length):
-        return np.full(len(along), np.nan), np.nan
-    return found / length, determinant * length
+        return np.full(len(way), np.nan), np.nan
+    sign = -1.0 if along is None and determinant < 0.0 else 1.0
+    return sign * found / length, sign * determinant * length
 
 
 def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:

@@ -33,12 +33,11 @@ KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = tuple(
-    2.0**-n for n in (20, 24, 28, 34, 40, 46)
-)  # scaled: where a first sample is looked for
+BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
+LED = 64  # samples before a corner at most beside which a jump is sought
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
@@ -149,9 +148,10 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     for _ in range(MOST_ARCS):
         arc = at.curve.follow(at.sample, step, halt)
         if arc.stop is Stop.SHORT and len(arc.samples) == 1 and at.before is None:
-            at = beside(at)  # it starts with a root
-            samples += [] if at.before is None else [at.sample]
-            arc = at.curve.follow(at.sample, step, halt)
+            at = beside(at)
+            if at.before is not None:  # it starts with a root
+                samples.append(at.sample)
+                arc = at.curve.follow(at.sample, step, halt)
         if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
             samples = [begin.sample]  # none of it is inside
         arc = _at_nearest(arc)
@@ -532,7 +532,7 @@ def _round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     for away in CORNER:
         step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
         places.append((p + step * problem.p_scale[column], x - width, x + width))
-    for sample in arc.samples[-2::-1]:
+    for sample in arc.samples[-2 : -2 - LED : -1]:
         back, at = float(sample.orbit.p[column]), float(sample.orbit.x[-1, 0])
         close = BESIDE[-1] * problem.x_scale[0]
         for width in (each * problem.x_scale[0] for each in CORNER):

@@ -1,0 +1,34 @@
+"""Cubics through two values with two slopes."""
+
+from __future__ import annotations
+
+import math
+
+from scipy.optimize import brentq
+
+
+def zero_of_cubic(before: float, after: float, rise: float, rise_there: float) -> float:
+    """Where a cubic vanishes between 0 and 1.
+
+    Parameters
+    ----------
+    before, after
+        Its values at 0 and 1, of different signs.
+    rise, rise_there
+        Its slopes there; if one is infinite, the straight line is taken.
+
+    Returns
+    -------
+    float
+        A place between 0 and 1.
+    """
+    change = after - before
+    cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
+    if not math.isfinite(cubic):
+        return before / (before - after)
+
+    def value(s: float) -> float:
+        """The cubic, at 1 without rounding: where it is steep that might change its sign."""
+        return after if s == 1.0 else before + s * (rise + s * (square + s * cubic))
+
+    return float(brentq(value, 0.0, 1.0))
