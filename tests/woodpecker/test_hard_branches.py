@@ -8,9 +8,9 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.continued import continuation
+from woodpecker.engine.tracing import ACCUMULATE, LIMIT_LOST
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.accumulations import ENDLESS
-from woodpecker.engine.tracing import ACCUMULATE, LIMIT_LOST
 from woodpecker.piecewise.diagrams import connected
 from woodpecker.piecewise.settings import Settings
 from woodpecker.shooting import shoot

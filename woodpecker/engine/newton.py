@@ -55,6 +55,11 @@ class Problem:
         shares = orbit.outer is not None and orbit.x.shape[1] > 1
         return _columns(orbit.x.size, len(orbit.p), self.free, shares)
 
+    @property
+    def lengths(self) -> Floats:
+        """(d + k,) lengths of a point and of the parameters that count as 1."""
+        return np.array((*self.x_scale, *self.p_scale))
+
     def scale(self, orbit: Orbit) -> Floats:
         """The lengths of all of an orbit's unknowns."""
         return _scale(len(orbit.x), self.x_scale, self.p_scale)

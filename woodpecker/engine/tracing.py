@@ -14,8 +14,8 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Curve, Halt, Sample, Stop
 from woodpecker.engine.germs import (
     SAME,
-    TILT,
     Beginning,
+    across,
     beginnings,
     crossings_at,
     cycle_at_limit,
@@ -26,6 +26,7 @@ from woodpecker.engine.germs import (
     once,
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, links
+from woodpecker.engine.needles import rounded
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
 
@@ -154,7 +155,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
                 arc = at.curve.follow(at.sample, step, halt)
         if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
             samples = [begin.sample]  # none of it is inside
-        arc = _at_nearest(arc)
+        arc = _at_nearest(rounded(arc) if arc.stop is Stop.SHORT else arc)
         step = AGAIN * arc.step
         arc, outer = _settled(arc)
         samples += arc.samples[1:]
@@ -650,8 +651,7 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
     at = code % len(own)
     point, way = _arriving(curve, sample, own[:at])
     if at == 0:  # on this side of the jump
-        inward = own[0].gradients[own[0].place(_border_code(curve, i, len(own)))]
-        way = way / np.linalg.norm(way) + TILT * inward / np.linalg.norm(inward)
+        way = across(own[0], code // len(own), x, p, curve.problem.lengths)
     other = curve.map.beside(point, p, way)
     if other.reason or not curve.problem.same(other.value, own[at].value, SAME):
         return None
@@ -676,11 +676,6 @@ def _arriving(curve: Curve, sample: Sample, before: Sequence[Image]) -> tuple[Fl
         way = np.append(image.jacobian @ way, way[d:])
         point = image.value
     return point, way
-
-
-def _border_code(curve: Curve, image: int, rounds: int) -> int:
-    """Which margin of the piece on one side of a jump vanishes along its crossing."""
-    return min(code for i, code in curve.ignored if i == image) // rounds
 
 
 def _cause(arc: Arc) -> str:

@@ -173,7 +173,8 @@ def _step(entry: Entry) -> Step:
 def _is_of_map(met: Collision, map_: PiecewiseMap, settings: Settings) -> bool:
     """Whether pieces of a map end where a cycle of it is said to meet a border."""
     line, p = LineMap(map_, settings.x_scale, settings.p_scale), np.array([met.p])
-    return any(len(sides(line, np.array([x]), p)) > 1 for x in met.x)
+    lengths = np.array([settings.x_scale, settings.p_scale])
+    return any(len(sides(line, np.array([x]), p, lengths)) > 1 for x in met.x)
 
 
 def check_entry(entry: Entry) -> None:

@@ -13,7 +13,7 @@ from woodpecker.engine.curves import Curve, CurveSettings, Sample
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
 from woodpecker.engine.line import LineMap, LinePiece
 from woodpecker.engine.maps import Chain
-from woodpecker.engine.newton import cycles
+from woodpecker.engine.newton import Problem, cycles
 from woodpecker.engine.tracing import Arrival, Change
 from woodpecker.piecewise import curves
 from woodpecker.piecewise.ends import Collision, End
@@ -79,12 +79,11 @@ def curve_of(
     """A branch as it is kept."""
     words = list[curves.Word]()
     for k, sample in enumerate(samples):
-        keys = keys_of(sample.orbit)
+        keys = keys_of(sample.orbit, begin.curve.problem)
         if not words or keys != words[-1].keys:
             words.append(curves.Word(k, text_of(sample.orbit), keys))
     multiplier = [
-        math.nan if begin.is_crossing else float(sample.orbit.monodromy[0, 0])
-        for sample in samples
+        math.nan if begin.is_crossing else float(sample.orbit.monodromy[0, 0]) for sample in samples
     ]
     return curves.Curve(
         kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
@@ -94,12 +93,12 @@ def curve_of(
     )  # fmt: skip
 
 
-def keys_of(orbit: orbits.Orbit) -> tuple[object, ...]:
+def keys_of(orbit: orbits.Orbit, problem: Problem) -> tuple[object, ...]:
     """The pieces of an orbit, see :class:`woodpecker.piecewise.curves.Word`."""
     if orbit.outer is None:
         return orbit.keys
     x, p, sides = orbit.x[-1], orbit.p, set[object]()
-    border = shared(orbit.images[-1], orbit.outer, x, p) or ([], [])
+    border = shared(orbit.images[-1], orbit.outer, x, p, problem.lengths) or ([], [])
     for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
         length = len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
         first = _first(image.piece).key

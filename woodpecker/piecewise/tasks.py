@@ -24,9 +24,11 @@ from woodpecker.piecewise.lines import (
     base_of,
     curve_of,
     end_of,
-    keys_of as keys_of_engine,
     text_of,
     to_engine,
+)
+from woodpecker.piecewise.lines import (
+    keys_of as keys_of_engine,
 )
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.pieces import PiecewiseMap
@@ -76,7 +78,9 @@ class Tasks:
         wanted = keys_of(jump.head, jump)
         for begin in found:
             orbit = begin.sample.orbit
-            if len(orbit.x) == len(jump.head) and agree(keys_of_engine(orbit), wanted):
+            if len(orbit.x) == len(jump.head) and agree(
+                keys_of_engine(orbit, self.base.problem), wanted
+            ):
                 ahead = np.eye(len(jump.head) + 1)[-1]
                 return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
         return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from diagrams import JUMP, assert_curve, assert_graph, assert_places, chain, of_kind
 from maps import A, logistic, paper, two_lines
@@ -19,8 +18,6 @@ from woodpecker import (
     connected,
     crosses,
 )
-
-from woodpecker.piecewise.orbits import Margin
 
 NEAR = 1e-15  # a few roundings at 1
 

@@ -238,7 +238,6 @@ def collided(curve: Any) -> Any:
         ("curves", lambda e: e["curves"][0]["ends"][0].update(p=None)),
         ("curves", lambda e: e["curves"][0]["ends"][0].update(status="somewhere")),
         ("curves", lambda e: e["curves"][0]["ends"][0].pop("note")),
-        ("curves", lambda e: collided(e["curves"][0]).update(x=[])),
         ("curves", lambda e: collided(e["curves"][0]).update(kinds=[])),
         ("curves", lambda e: collided(e["curves"][0]).update(cause=7)),
     ],

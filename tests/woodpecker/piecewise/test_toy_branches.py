@@ -12,13 +12,11 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.diagrams import cycle_near
 from woodpecker.piecewise.explorer import Explorer
-from woodpecker.piecewise.margins import nearest_code
 from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.orbits import Closed, Coordinate, Margin, orbit_of, solve
+from woodpecker.piecewise.orbits import Closed, Coordinate, orbit_of, solve
 from woodpecker.piecewise.partition import partition
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Tasks
-from woodpecker.piecewise.tasks import Worker
+from woodpecker.piecewise.tasks import Tasks, Worker
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
 
