@@ -54,6 +54,7 @@ SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther ap
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
 LOOKED = 2.0**-10  # scaled: steps longer than that are looked at halfway
 WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
+STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at least in between
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
@@ -687,7 +688,8 @@ class Curve:
         """UnclearError if a margin that is positive at both ends may be negative in between.
 
         It is a cubic there, with the values and slopes of both ends. One that only one of them has
-        is taken for linear.
+        is taken for linear. One that falls at both ends, but by much less in between, is not the
+        same all the way.
         """
         if step < COARSE * self.settings.min_step:
             return
@@ -706,6 +708,8 @@ class Curve:
                 rates = float(falls[k]), float(rises[m])
                 dips = ends[1] > 0.0 and rates[1] > 0.0
                 if dips and _least(*ends, *rates) < WORTH * min(ends):
+                    raise UnclearError
+                if rates[1] < 0.0 and ends[1] - ends[0] > STEADY * max(rates):
                     raise UnclearError
             for k in np.flatnonzero(other.margins < rises).tolist():
                 code = int(other.codes[k])
