@@ -39,7 +39,7 @@ def rounded(arc: Arc) -> Arc:
     for doublings in range(DOUBLINGS):
         away = CLOSEST * 2.0**doublings
         other = _beside(curve, last, way, away)
-        if other is not None and _rate(last) * _rate(other) < 0.0 and _leads_on(curve, other):
+        if other is not None and _turned(last, other) and _leads_on(curve, other):
             break
     else:
         return arc
@@ -51,6 +51,13 @@ def rounded(arc: Arc) -> Arc:
     return replace(
         arc, samples=(*arc.samples, fold), stop=Stop.LP, beyond=other, condition=Multiplier("LP")
     )
+
+
+def _turned(one: Sample, other: Sample) -> bool:
+    """Whether a fold lies between: the parameter turns round, and the multiplier passes 1."""
+    multiplier = Multiplier("LP")
+    passes = multiplier.value(one.orbit) * multiplier.value(other.orbit) < 0.0
+    return passes and _rate(one) * _rate(other) < 0.0
 
 
 def _rate(sample: Sample) -> float:
