@@ -416,7 +416,7 @@ class Curve:
             if found is not None and not self._strays(last, found, bent):
                 turned = _angle(last, found) / settings.max_turn
             if found is None or turned > 1.0:
-                step *= max(0.25, min(0.5, KEPT_TURN / turned))
+                step = self._shorter(step, max(0.25, min(0.5, KEPT_TURN / turned)))
                 grows, given_up = False, Stop.SHORT
                 continue
             try:
@@ -424,14 +424,14 @@ class Curve:
                 if halt.asked is not None:
                     ends = self._asked(last, found, step, ends, halt.asked)
             except UnclearError:
-                step, grows, given_up = 0.5 * step, False, Stop.SHORT
+                step, grows, given_up = self._shorter(step, 0.5), False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
             if step > LOOKED and self._differs_between(last, found if end is None else end.sample):
                 step, grows = 0.5 * step, False
                 continue
             if not self.agrees(found.orbit if end is None else end.sample.orbit, end):
-                step, grows, given_up = 0.25 * step, False, Stop.OTHER_PIECE
+                step, grows, given_up = self._shorter(step, 0.25), False, Stop.OTHER_PIECE
                 continue
             if end is not None:
                 beyond: Sample | None = found
@@ -451,8 +451,13 @@ class Curve:
             samples.append(found)
             bent = turned * settings.max_turn
             growth = min(2.0 if grows else 1.0, KEPT_TURN / max(turned, 1e-3))
-            step, grows = min(settings.max_step, step * growth), True
+            step, grows = min(settings.max_step, max(settings.min_step, step * growth)), True
         return Arc(tuple(samples), Stop.MANY, self)
+
+    def _shorter(self, step: float, part: float) -> float:
+        """A part of a step; the shortest one is tried before any that would be too short."""
+        least = self.settings.min_step
+        return least if part * step < least < step else part * step
 
     def _strays(self, a: Sample, b: Sample, bent: float) -> bool:
         """Whether a sample is one of another curve, though its tangent is much the same.
@@ -780,7 +785,8 @@ class Curve:
             raise UnclearError from None
         value(distance)
         sample = seen[distance][0]
-        if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)):
+        noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
+        if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
             raise UnclearError  # it changes its sign without being zero
         return distance, sample
 

@@ -110,7 +110,9 @@ def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem
             returns = not path.images or problem.same(path.end, x, TIE)
             at = x if returns else path.end
             points = np.vstack([path.x, at])
-            longer += [Path(points, (*path.images, image)) for image in sides(map_, at, p, problem.lengths)]
+            longer += [
+                Path(points, (*path.images, image)) for image in sides(map_, at, p, problem.lengths)
+            ]
         if len(longer) > PATHS:
             return []
         found = longer

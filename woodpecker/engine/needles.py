@@ -44,13 +44,12 @@ def rounded(arc: Arc) -> Arc:
     else:
         return arc
     fold = _fold(curve, last, way, away)
-    if fold is None or curve.problem.step_between(last.orbit, fold.orbit) @ last.tangent < 0.0:
+    if curve.problem.step_between(last.orbit, fold.orbit) @ last.tangent < 0.0:
         return arc
     if not (curve.agrees(fold.orbit) and curve.agrees(other.orbit)):
         return arc
-    return replace(
-        arc, samples=(*arc.samples, fold), stop=Stop.LP, beyond=other, condition=Multiplier("LP")
-    )
+    samples = arc.samples if fold is last else (*arc.samples, fold)
+    return replace(arc, samples=samples, stop=Stop.LP, beyond=other, condition=Multiplier("LP"))
 
 
 def _turned(one: Sample, other: Sample) -> bool:
@@ -86,21 +85,19 @@ def _beside(curve: Curve, last: Sample, way: Floats, away: float) -> Sample | No
     return sample if found.converged and np.isfinite(sample.tangent).all() else None
 
 
-def _fold(curve: Curve, last: Sample, way: Floats, away: float) -> Sample | None:
-    """The fold nearer than a distance across; None if the curve is lost on the way."""
-    found: dict[float, Sample | None] = {0.0: last}
+def _fold(curve: Curve, last: Sample, way: Floats, away: float) -> Sample:
+    """The fold nearer than a distance across; or what is next to it, where rounding ends that."""
+    found = [last]
 
-    def value(distance: float) -> float:
-        if distance not in found:
-            found[distance] = _beside(curve, last, way, distance)
-        there = found[distance]
-        return math.nan if there is None else _rate(there)
+    def rate(distance: float) -> float:
+        sample = last if distance == 0.0 else _beside(curve, last, way, distance)
+        if sample is None:
+            return 0.0  # no closer than this
+        found.append(sample)
+        return _rate(sample)
 
-    try:
-        root = float(brentq(value, 0.0, away, xtol=FINEST * away, disp=False))
-    except ValueError:  # there is no cycle at some distance in between
-        return None
-    return found[min(found, key=lambda distance: abs(distance - root))]
+    brentq(rate, 0.0, away, xtol=FINEST * away, disp=False)
+    return min(found, key=lambda sample: abs(_rate(sample)))
 
 
 def _leads_on(curve: Curve, start: Sample) -> bool:
