@@ -183,7 +183,8 @@ def shared(
 ) -> tuple[list[int], list[int]] | None:
     """The margins of two pieces that vanish along the border between them; None if there is none.
 
-    Their gradients are opposite. Where borders cross it is the first that both have.
+    Their gradients are opposite. Where borders cross it is the first that both have. The second
+    piece may have none, and be taken wherever no other one is.
     """
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
     for code in pieces[0][1]:
@@ -197,7 +198,7 @@ def shared(
             ]
             for (image, codes), sign in zip(pieces, (1.0, -1.0), strict=True)
         )
-        if beyond:
+        if beyond or not pieces[1][1]:
             return own, beyond
     return None
 
@@ -300,8 +301,8 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
             if opens is not None:
                 yield opens
             continue
-        if _steepness(one.images[head - 1]) > _steepness(other.images[head - 1]):
-            one, other = other, one  # where a root ends at a jump, the other side locates it
+        if _locates_less(one, other, head - 1, p):
+            one, other = other, one
         way = (other.end - one.end) / problem.x_scale
         length = float(way @ way)
         share = float((x - one.end) / problem.x_scale @ way) / length if length > 0.0 else -1.0
@@ -369,8 +370,16 @@ def joined(
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
 
-def _steepness(image: Image) -> float:
-    return float(np.abs(image.jacobian).max())
+def _locates_less(one: Path, other: Path, i: int, p: Floats) -> bool:
+    """Whether the border between two paths is better known from the second, or only from there.
+
+    Where a root ends at a jump the other side locates it.
+    """
+    known, steepness = (
+        [bool(path.images[i].tied(path.x[i], p).any()) for path in (one, other)],
+        [float(np.abs(path.images[i].jacobian).max()) for path in (one, other)],
+    )
+    return known[1] and (not known[0] or steepness[0] > steepness[1])
 
 
 def _meets_another(
@@ -392,8 +401,21 @@ def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
     if not np.isfinite(sample.tangent).all():
         return
     for each in (sample, sample.turned):
-        if is_inside(curve, each):
+        if is_inside(curve, each) and _is_taken_ahead(curve, each):
             yield Beginning(order, curve, each)
+
+
+def _is_taken_ahead(curve: Curve, sample: Sample) -> bool:
+    """Whether the map takes pieces that have no margins on a border where it is that others do."""
+    orbit, map_ = sample.orbit, curve.map
+    for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True)):
+        if image.tied(x, orbit.p).any():
+            continue
+        here, key = map_.at(x, orbit.p), image.piece.key
+        on_border = here.piece.key != key or here.tied(x, orbit.p).any()
+        if on_border and map_.beside(x, orbit.p, curve.motion(sample, i)).piece.key != key:
+            return False
+    return True
 
 
 def is_inside(curve: Curve, sample: Sample) -> bool:

@@ -33,6 +33,7 @@ from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
+NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
@@ -387,15 +388,19 @@ def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
         if found is None or not is_inside(begin.curve, found):
             continue
         there = replace(begin, sample=found, before=begin.sample)
-        if begin.is_crossing or _sides(found) == _sides(begin.sample):
+        if begin.is_crossing or _on_same_sides(begin.sample, found):
             return there
         best = there if best is begin else best
     return best
 
 
-def _sides(sample: Sample) -> tuple[bool, bool]:
-    """On which sides of a fold and a flip a cycle lies: beyond one the branch is another one."""
-    return Multiplier("LP").value(sample.orbit) > 0.0, Multiplier("PD").value(sample.orbit) > 0.0
+def _on_same_sides(one: Sample, other: Sample) -> bool:
+    """Whether neither a fold nor a flip lies between: beyond one the branch is another one."""
+    for multiplier in (Multiplier("LP"), Multiplier("PD")):
+        before, after = multiplier.value(one.orbit), multiplier.value(other.orbit)
+        if before * after < 0.0 and abs(before) > NEUTRAL:
+            return False
+    return True
 
 
 def _at_nearest(arc: Arc) -> Arc:
