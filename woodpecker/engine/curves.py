@@ -41,6 +41,7 @@ from woodpecker.engine.orbits import (
     completed,
     head_of,
     held_at,
+    pulled_inside,
 )
 
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
@@ -323,7 +324,7 @@ class Curve:
             orbit = self._along_border(last, distance, way)
         else:
             at_distance = across(self.problem, last.orbit, last.tangent, distance)
-            guess = self.problem.moved(last.orbit, way)
+            guess = pulled_inside(self.problem.moved(last.orbit, way), last.orbit)
             found = solve(self.problem.with_(at_distance), guess)
             orbit = found.orbit if found.converged else None
         if orbit is None or not orbit.is_defined:
@@ -340,6 +341,8 @@ class Curve:
         assert isinstance(border, OnBorder)
         to = problem.stepped(last.orbit, way)
         head = head_of(last.orbit, to)
+        if not head.is_defined:
+            head = pulled_inside(head, head_of(last.orbit, last.orbit.unknowns))
         rounds = length_of(last.orbit.images[-1])
         on = OnBorder(border.image, border.code // rounds)
         heads = replace(problem, conditions=(Chained(), on))
