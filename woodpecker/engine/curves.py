@@ -54,6 +54,7 @@ SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther ap
 # solutions of its events, as there are beside a grazing
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
 LOOKED = 2.0**-10  # scaled: steps longer than that are looked at halfway
+TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
 WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
 STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at least in between
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
@@ -465,15 +466,27 @@ class Curve:
     def _strays(self, a: Sample, b: Sample, bent: float) -> bool:
         """Whether a sample is one of another curve, though its tangent is much the same.
 
-        A smooth curve goes about along the mean of its tangents; by how much not, they tell by how
-        they turn, in this step or in the one before.
+        It may be that of a shorter cycle, run through several times. A smooth curve goes about
+        along the mean of its tangents; by how much not, they tell by how they turn, in this step
+        or in the one before.
         """
+        if a.orbit.outer is None and self._comes_together(a.orbit.x, b.orbit.x):
+            return True
         chord = self.problem.step_between(a.orbit, b.orbit)
         length, mean = float(np.linalg.norm(chord)), a.tangent + b.tangent
         if length == 0.0:
             return True  # rounding lets it come no farther
         off = float(np.linalg.norm(chord / length - mean / np.linalg.norm(mean)))
         return off > 0.5 * max(_angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
+
+    def _comes_together(self, a: Floats, b: Floats) -> bool:
+        """Whether points (n, d) of a cycle that are apart at one sample are one at the next."""
+        n, apart = len(a), self.problem.apart
+        divisors = [k for k in range(1, n) if n % k == 0]
+        return any(
+            apart(b, np.roll(b, k, axis=0)) < TOGETHER * apart(a, np.roll(a, k, axis=0))
+            for k in divisors
+        )
 
     # --- What is looked at ------------------------------------------------------------------------
 

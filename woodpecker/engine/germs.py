@@ -20,7 +20,7 @@ from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample
 from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, Image, PiecewiseMap, chained
-from woodpecker.engine.newton import Problem
+from woodpecker.engine.newton import MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
@@ -230,23 +230,37 @@ def beginnings(
     for order in orders:
         for x in points:
             all_ = paths(base.map, x, p, order, base.problem)
-            for begin in (*_cycles(base, all_, x, p), *_crossings(base, all_, x, p)):
+            for begin in (*_cycles(base, all_, points, x, p), *_crossings(base, all_, x, p)):
                 if begin.key not in seen:
                     seen.add(begin.key)
                     yield begin
 
 
-def _cycles(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
-    """Those along paths that return, and that are no shorter ones run through several times."""
+def _cycles(
+    base: Curve, all_: Sequence[Path], points: Floats, x: Floats, p: Floats
+) -> Iterator[Beginning]:
+    """Those along paths that return, and that are no shorter ones run through several times.
+
+    The points of a cycle may be so close that only which of them is nearest tells them apart.
+    """
+    scale = np.array(base.problem.x_scale)
+
+    def nearest(to: Floats) -> int:
+        return int(np.abs((points - to) / scale).max(axis=1).argmin())
+
     for path in all_:
-        keys, order = [image.piece.key for image in path.images], len(path.images)
-        is_shortest = not any(
-            keys[d:] + keys[:d] == keys
+        steps = [
+            (image.piece.key, nearest(at)) for image, at in zip(path.images, path.x, strict=True)
+        ]
+        order = len(steps)
+        goes_round = any(
+            steps[d:] + steps[:d] == steps
             and base.problem.same(np.roll(path.x, -d, axis=0), path.x, SAME)
             for d in range(1, order)
             if order % d == 0
         )
-        if is_shortest and base.problem.same(path.end, x, SAME):
+        returns = base.problem.same(path.end, x, SAME) and nearest(path.end) == nearest(x)
+        if returns and not goes_round:
             yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
 
 
@@ -463,15 +477,12 @@ def cycle_at_limit(crossing: Orbit, base: Problem) -> Orbit:
 
 def once(cycle: Orbit, base: Problem) -> Orbit:
     """A cycle that may go round a shorter one several times, run through once."""
-    n, x = len(cycle.x), cycle.x
-    period = next(
-        d for d in range(1, n + 1) if n % d == 0 and base.same(np.roll(x, -d, axis=0), x, SAME)
-    )
-    return Orbit(x[:period], cycle.p, 0.0, cycle.images[:period])
+    period = base.period(cycle.x, MERGED)
+    return Orbit(cycle.x[:period], cycle.p, 0.0, cycle.images[:period])
 
 
 def judged(
-    starts: Sequence[Beginning], order: int, x: Floats, problem: Problem
+    starts: Sequence[Beginning], cycle: Floats, i: int, problem: Problem
 ) -> tuple[PointKind, str]:
     """What a border collision is at one point of its cycle, from the curves that start there.
 
@@ -483,19 +494,19 @@ def judged(
     ----------
     starts
         All curves of the cycle's own order, and of twice that, that start at its points.
-    order
-        How many points the cycle has.
-    x
-        (d,) one of them.
+    cycle
+        (n, d) its points.
+    i
+        Which of them.
     problem
         Cycles, with the scales.
     """
-    own = list[Beginning]()
-    twice = False
+    own, order, twice = list[Beginning](), len(cycle), False
     for begin in starts:
         orbit = begin.sample.orbit
-        points = orbit.x[: 1 if begin.is_crossing else None]
-        count = sum(problem.same(point, x, SAME) for point in points)
+        away = orbit.x[: 1 if begin.is_crossing else None, None] - cycle
+        nearest = np.abs(away / problem.x_scale).max(axis=2).argmin(axis=1)
+        count = int((nearest == i).sum())
         if begin.order == order:
             own += count * [begin]
         at_preimage = begin.is_crossing and begin.order == 2 * order < 2 * len(orbit.x)

@@ -14,6 +14,7 @@ from scipy.optimize import root
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, placed
 
+MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 LEAD_AWAY = 2.0  # times a step that the next may have
@@ -113,9 +114,19 @@ class Problem:
         found: Floats = ((other.unknowns - one.unknowns) / self.scale(one))[self.columns(one)]
         return found
 
+    def period(self, x: Floats, within: float) -> int:
+        """After how many of the points (n, d) of a cycle they are the same, within a distance."""
+        n = len(x)
+        divisors = (k for k in range(1, n) if n % k == 0)
+        return next((k for k in divisors if self.same(np.roll(x, -k, axis=0), x, within)), n)
+
     def same(self, one: Floats, other: Floats, within: float) -> bool:
         """Whether points (..., d) are equal, within a distance in scaled units."""
-        return bool((np.abs(one - other) / self.x_scale).max() <= within)
+        return self.apart(one, other) <= within
+
+    def apart(self, one: Floats, other: Floats) -> float:
+        """How far points (..., d) are apart, in scaled units."""
+        return float((np.abs(one - other) / self.x_scale).max())
 
 
 @lru_cache

@@ -27,9 +27,11 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, links
 from woodpecker.engine.needles import rounded
-from woodpecker.engine.newton import Problem, solve
+from woodpecker.engine.newton import Problem, solve, uncertainty
 from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
 
+DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
+ONE = 1e-12  # the same but for rounding
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
@@ -185,6 +187,9 @@ def _met(
     begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
     """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
+    flip = _at_flip(begin, arc)
+    if flip is not None:
+        return flip
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
         return _at_multiplier(begin, arc)
     if outer is not None:
@@ -206,17 +211,36 @@ def _given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Ar
 
 def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
     """A fold, a flip, a branch point: the curve goes on there."""
-    sample, problem = arc.samples[-1], begin.curve.problem
-    single = sample.orbit if begin.is_crossing else once(sample.orbit, problem)
-    start = arc.samples[0].orbit
-    before = len(start.x) if begin.is_crossing else len(once(start, problem).x)
-    halved = len(single.x) < before  # cycles of twice the period come to its flip
-    kind = PointKind.PD if halved else PointKind[arc.stop.name]
-    onward = None
-    if not halved and arc.beyond is not None:
+    sample, onward = arc.samples[-1], None
+    if arc.beyond is not None:
         onward = Beginning(begin.order, begin.curve, arc.beyond, sample)
-    cause = Stop.PD.value if halved else arc.stop.value
+    kind, cause = PointKind[arc.stop.name], arc.stop.value
     return Arrival(kind, sample.orbit, "", cause, arc.precision, onward=onward)
+
+
+def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
+    """Where a doubled cycle ends as its halves come together: the single one flips; None if not.
+
+    The single one is found to rounding, its double to the root of that.
+    """
+    orbit, problem = arc.samples[-1].orbit, arc.curve.problem
+    n = len(orbit.x) // 2
+    stops = arc.stop in (Stop.LP, Stop.BP, Stop.SHORT, Stop.OTHER_PIECE)
+    if not stops or begin.is_crossing or len(orbit.x) % 2:
+        return None
+    if arc.stop in (Stop.LP, Stop.BP) and not problem.same(orbit.x[:n], orbit.x[n:], DOUBLED):
+        return None
+    if all(problem.same(each.orbit.x[:n], each.orbit.x[n:], ONE) for each in arc.samples):
+        return None  # it is the single one all along, passed twice
+    mean = np.concatenate((0.5 * (orbit.x[:n] + orbit.x[n:]).ravel(), orbit.p, (0.0,)))
+    guess = placed(replace(orbit, x=orbit.x[:n], images=orbit.images[:n]), mean)
+    flip = problem.with_(Multiplier("PD"))
+    found = solve(flip, guess)
+    away = np.abs(problem.step_between(guess, found.orbit)).max()
+    if not found.converged or away > ASIDE:
+        return None
+    known = uncertainty(flip, found.orbit)
+    return Arrival(PointKind.PD, found.orbit, "", Stop.PD.value, known)
 
 
 # --- Cycles at borders ----------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pwmap.diagrams.diagram import BranchKind
+from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.engine import maps, orbits
 from woodpecker.engine.curves import Curve, CurveSettings, Sample
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
@@ -130,6 +130,8 @@ def _inner_side(orbit: orbits.Orbit) -> int:
 def end_of(arrival: Arrival, base: Curve, orbit: orbits.Orbit) -> End:
     """What a branch comes to, seen from the first point of its last orbit."""
     p, x = float(arrival.orbit.p[0]), orbit.x[:, 0]
+    if arrival.kind is PointKind.PD:  # one that is half as long, where a doubled cycle ends
+        x = np.tile(arrival.orbit.x[:, 0], len(x) // len(arrival.orbit.x))
     if not arrival.collides:
         return End(
             kind=arrival.kind, p=p, x=x, note=arrival.note, cause=arrival.cause,
@@ -148,7 +150,7 @@ def collision_of(arrival: Arrival, base: Curve) -> Collision:
     n = len(cycle.x)
     cycle = cycle.rotated(int(np.argmin(cycle.x[:, 0])))
     starts = list(beginnings(base, cycle.x, cycle.p, (n, 2 * n)))
-    kinds = tuple(judged(starts, n, x, base.problem) for x in cycle.x)
+    kinds = tuple(judged(starts, cycle.x, i, base.problem) for i in range(n))
     return Collision(
         p=float(cycle.p[0]), x=cycle.x[:, 0], kinds=kinds, cause=arrival.cause,
         precision=arrival.precision,

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
+from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Done
 from woodpecker.engine import orbits
 from woodpecker.engine.curves import Halt, Sample, Stop
-from woodpecker.engine.germs import Beginning, beginnings, crossings_at, once
+from woodpecker.engine.germs import Beginning, beginnings, crossings_at
 from woodpecker.engine.newton import directions, other_direction
 from woodpecker.engine.tracing import APART, Trace, beside, trace
 from woodpecker.piecewise.counting import Allowance, as_counting
@@ -161,18 +162,27 @@ class Tasks:
         found = ((each.arrival.onward, end) for each, end in traces)
         return tuple(Start(onward, end) for onward, end in found if onward is not None)
 
+    def _cycle_at(self, x: Floats, p: Floats) -> orbits.Orbit | None:
+        """The cycle with some points (n,); None where the map has no value."""
+        found = tuple(self.base.map.at(each, p) for each in x[:, None])
+        cycle = orbits.Orbit(x[:, None], p, 0.0, found)
+        return cycle if cycle.is_defined else None
+
     def _others(self, end: End, orders: Sequence[int]) -> Iterator[Beginning]:
         """At a flip of P_n the branch of P_2n, or the other way round, if both are wanted.
 
         At a branch point both branches both ways, for it is not known which one led there.
         """
         base, p = self.base, np.array([end.p])
-        x = end.x[:, None]
-        whole = orbits.Orbit(x, p, 0.0, tuple(base.map.at(each, p) for each in x))
-        if not whole.is_defined:
+        cycle = self._cycle_at(end.x, p)
+        if cycle is None:
             return
-        cycle = once(whole, base.problem)
-        n = len(cycle.x)
+        x, n = cycle.x, len(cycle.x)
+        if end.kind is PointKind.PD and float(cycle.monodromy[0, 0]) > 0.0:  # of a doubled one
+            n //= 2
+            cycle = self._cycle_at(0.5 * (end.x[:n] + end.x[n:]), p)
+            if cycle is None:
+                return
         if end.kind is PointKind.BP:
             if n in orders:
                 for way in directions(base.problem, cycle):
