@@ -283,8 +283,8 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         return _given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
-    there, doubles = _straight_on(begin, arc, outer), False
-    if there is not None and smooth and there.sample.tangent @ arc.samples[-1].tangent > 0.0:
+    there, doubles = _straight_on(begin, arc, outer, smooth=smooth), False
+    if there is not None and smooth:
         return there, cause, True
     in_line = orbit.x.shape[1] == 1  # there cycles double just where the others change stability
     if there is None or not in_line:
@@ -309,15 +309,22 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
     return there, cause, smooth
 
 
-def _straight_on(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
-    """The cycles of the piece beyond a border across which the map is continuous; None if none."""
+def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> Beginning | None:
+    """The cycles of the piece beyond a border across which the map is continuous; None if none.
+
+    If its slopes are, too, they go on as they came.
+    """
     assert arc.border is not None
     i, orbit, curve = arc.border[0], arc.samples[-1].orbit, begin.curve
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
         return None
-    sample = curve.start(replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :])))
+    along = arc.samples[-1].tangent if smooth else None
+    images = (*orbit.images[:i], outer, *orbit.images[i + 1 :])
+    sample = curve.start(replace(orbit, images=images), along)
     if not np.isfinite(sample.tangent).all():
         return None
+    if smooth:
+        return Beginning(begin.order, curve, sample)
     ways = [each for each in (sample, sample.turned) if is_inside(curve, each)]
     return Beginning(begin.order, curve, ways[0]) if len(ways) == 1 else None
 
