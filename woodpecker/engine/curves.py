@@ -352,11 +352,13 @@ class Curve:
         return completed(found.orbit, last.orbit) if found.converged else None
 
     def _leaves(self, start: Sample) -> Stop | None:
-        """Whether a sample lies at an end of span or window, and the curve leaves there."""
+        """Whether a sample lies at an end of span or window, and the curve leaves; or beyond it."""
         orbit = start.orbit
         columns, low, high, stops = self._limits(orbit)
         at, along = orbit.unknowns[columns], self._wide(start)[columns]
+        slack = ROUNDED_OFF * np.maximum(1.0, np.abs(at))
         out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
+        out |= (at < low - slack) | (at > high + slack)
         return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
 
     def _to_end(self, last: Sample, step: float) -> Sample | None:

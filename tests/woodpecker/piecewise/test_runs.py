@@ -439,7 +439,7 @@ CUT: list[dict[str, Any]] = [
         "search": Search(slices=4),
     },
     {
-        "parameter": "mu_2", "span": (0.3, 0.36), "orders": (1, 2), "window": (-0.9, -0.6),
+        "parameter": "mu_2", "span": (0.3, 0.36), "orders": (1, 2), "window": (-0.9, -0.3),
         "search": Search(slices=2),
     },
 ]  # fmt: skip
