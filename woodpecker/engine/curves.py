@@ -214,8 +214,9 @@ class Arc:
             return 0.0
         if self.stop in (*MULTIPLIERS, Stop.ASKED):
             orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
-            rate = abs(_ahead(self.samples[-1])) * self.curve.problem.p_scale[column]
-            return self.width * rate + BLUR * max(1.0, abs(float(orbit.p[column])))
+            scale = self.curve.problem.p_scale[column]
+            rate = abs(_ahead(self.samples[-1])) * scale
+            return self.width * rate + BLUR * max(scale, abs(float(orbit.p[column])))
         if self.condition is None:
             return math.inf
         known = uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
@@ -798,10 +799,10 @@ class Curve:
         if math.isnan(before):
             raise UnclearError  # it was not there: how it came to be negative is not seen
         try:
-            distance = float(brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS))
+            brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS)
         except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
             raise UnclearError from None
-        value(distance)
+        distance = min(seen, key=lambda each: abs(seen[each][1]))
         sample = seen[distance][0]
         noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
         if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:

@@ -14,6 +14,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Curve, Halt, Sample, Stop
 from woodpecker.engine.germs import (
     SAME,
+    SLOW,
     Beginning,
     across,
     beginnings,
@@ -27,7 +28,7 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, links
 from woodpecker.engine.needles import rounded
-from woodpecker.engine.newton import Problem, solve, uncertainty
+from woodpecker.engine.newton import STEEP, Problem, solve, uncertainty
 from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
@@ -283,9 +284,10 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         return _given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
-    there, doubles = _straight_on(begin, arc, outer, smooth=smooth), False
-    if there is not None and smooth:
-        return there, cause, True
+    ahead, doubles = _straight_on(begin, arc, outer, smooth=smooth), False
+    if ahead is not None and smooth:
+        return ahead, cause, True
+    there = ahead if ahead is not None and is_inside(curve, ahead.sample) else None
     in_line = orbit.x.shape[1] == 1  # there cycles double just where the others change stability
     if there is None or not in_line:
         arrived = replace(begin, sample=arc.samples[-1]).key
@@ -295,7 +297,7 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         others = [each for each in starts if each.order == begin.order and each.key != arrived]
         if len(others) > 1 or (others and others[0].is_crossing):
             return collision
-        there = others[0] if others else _hugging(begin, arc, outer)
+        there = others[0] if others else _hugging(begin, arc, outer) or ahead
     if there is None:
         return _passed_over(begin, arc, cause, outer) or collision
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
@@ -312,10 +314,11 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
 def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> Beginning | None:
     """The cycles of the piece beyond a border across which the map is continuous; None if none.
 
-    If its slopes are, too, they go on as they came.
+    They lead to where the margin on this side is negative; where slopes are the same on both sides,
+    on as they came.
     """
     assert arc.border is not None
-    i, orbit, curve = arc.border[0], arc.samples[-1].orbit, begin.curve
+    (i, code), orbit, curve = arc.border, arc.samples[-1].orbit, begin.curve
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
         return None
     along = arc.samples[-1].tangent if smooth else None
@@ -323,10 +326,11 @@ def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> B
     sample = curve.start(replace(orbit, images=images), along)
     if not np.isfinite(sample.tangent).all():
         return None
-    if smooth:
-        return Beginning(begin.order, curve, sample)
-    ways = [each for each in (sample, sample.turned) if is_inside(curve, each)]
-    return Beginning(begin.order, curve, ways[0]) if len(ways) == 1 else None
+    inner = orbit.images[i]
+    out = -float(inner.gradients[inner.place(code)] @ curve.motion(sample, i))
+    if not smooth and abs(out) <= SLOW:
+        return None
+    return Beginning(begin.order, curve, sample if smooth or out > 0.0 else sample.turned)
 
 
 def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
@@ -367,10 +371,10 @@ def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     """
     if len(arc.samples) < 2:
         return arc
-    before, end = arc.samples[-2:]
-    if end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn):
+    (before, end), orbit = arc.samples[-2:], arc.samples[-1].orbit
+    steady = end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn)
+    if steady and np.abs(orbit.images[i].jacobian).max() < STEEP:
         return arc
-    orbit = end.orbit
     own = arc.curve.map.beside(orbit.x[i], orbit.p, inward)
     if own.reason or own.piece.key != orbit.images[i].piece.key:
         return arc
@@ -381,7 +385,8 @@ def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
 
 def _is_steep(inner: Image, outer: Image) -> bool:
     """Whether a piece ends in a root, and the one beyond does not."""
-    one, other = (float(np.abs(each.jacobian).max()) for each in (inner, outer))
+    d = len(inner.value)
+    one, other = (float(np.abs(each.jacobian[:, :d]).max()) for each in (inner, outer))
     return one > ROOTED * max(1.0, other)
 
 
