@@ -150,8 +150,9 @@ def collision_of(arrival: Arrival, base: Curve) -> Collision:
     n = len(cycle.x)
     cycle = cycle.rotated(int(np.argmin(cycle.x[:, 0])))
     starts = list(beginnings(base, cycle.x, cycle.p, (n, 2 * n)))
-    kinds = tuple(judged(starts, cycle.x, i, base.problem) for i in range(n))
+    kinds = [judged(starts, cycle.x, i, base.problem) for i in range(n)]
+    kinds = [(kind, note or arrival.note) for kind, note in kinds]
     return Collision(
-        p=float(cycle.p[0]), x=cycle.x[:, 0], kinds=kinds, cause=arrival.cause,
+        p=float(cycle.p[0]), x=cycle.x[:, 0], kinds=tuple(kinds), cause=arrival.cause,
         precision=arrival.precision,
     )  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.branch_points import Multiplier
-from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.curves import Curve, Followed
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.orbits import (
     Closed,
@@ -100,7 +100,7 @@ def met_along(
         if lost >= 0 and _is_stable(curve) and curve.parameter[0] <= _within(found[lost]):
             found[lost:] = [_spike(found, lost)]
             lost = -1
-        read = _read(curve, line, direction, settings)
+        read = _read(followed, line, direction, settings)
         found += [replace(each, stable=lost < 0) for each in read]
         unstable = bool(found) and found[-1].effect is Effect.DESTABILISED
         if unstable and lost < 0:
@@ -143,8 +143,11 @@ def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> Orbit | None:
     return found.orbit if found.converged else None
 
 
-def _read(curve: Curve, line: ToyLine, direction: Floats, settings: Settings) -> Iterator[Met]:
+def _read(
+    followed: Followed, line: ToyLine, direction: Floats, settings: Settings
+) -> Iterator[Met]:
     """What a branch meets, in order of the distance from the toy."""
+    curve = followed.curve
 
     def pieces(k: int) -> list[Piece]:
         p = float(curve.parameter[k])
@@ -167,18 +170,17 @@ def _read(curve: Curve, line: ToyLine, direction: Floats, settings: Settings) ->
         if effect is Effect.KINKED or words(mark.sample - 1) != words(beyond):
             yield met(mark.sample, effect, WORD, mark.cause)
     end = curve.ends[1]
-    what = _effect(end)
+    what = _effect(end, goes_on=any(start.end is end for start in followed.onward))
     if what is not None and last > 0:
         yield met(last, what, end.kind.value, end.cause or end.note)
 
 
-def _effect(end: End) -> Effect | None:
+def _effect(end: End, *, goes_on: bool) -> Effect | None:
     """What a special point does to a stable motion; None where nothing does."""
     if end.kind is PointKind.EP:
         return Effect.OPEN if end.status is PointStatus.OPEN else None
-    if end.collision is not None:  # with a jump, beyond which no cycle is its continuation
-        return Effect.DESTROYED
-    unstable = end.kind in (PointKind.PD, PointKind.BP) or end.note == "persistence"
+    persists = end.note == "persistence" and goes_on  # not where it becomes a jump crossing
+    unstable = end.kind in (PointKind.PD, PointKind.BP) or persists
     return Effect.DESTABILISED if unstable else Effect.DESTROYED
 
 
