@@ -262,7 +262,7 @@ def _settled(arc: Arc) -> tuple[Arc, Image | None]:
     outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
     arc = _sharpened(arc, i, gradient)
     if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
-        arc = _moved_to(arc, i, outer)
+        return _moved_to(arc, i, outer)
     return arc, outer
 
 
@@ -373,42 +373,46 @@ def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
         return arc
     (before, end), orbit = arc.samples[-2:], arc.samples[-1].orbit
     steady = end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn)
-    if steady and np.abs(orbit.images[i].jacobian).max() < STEEP:
+    slopes = [float(np.abs(each.orbit.images[i].jacobian).max()) for each in (before, end)]
+    if steady and not slopes[0] < STEEP < slopes[1]:
         return arc
     own = arc.curve.map.beside(orbit.x[i], orbit.p, inward)
     if own.reason or own.piece.key != orbit.images[i].piece.key:
         return arc
+    if steady and _is_steep(own, before.orbit.images[i]):
+        return arc  # a root that comes to its end
     images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
     last = arc.curve.start(replace(orbit, images=images), before.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 
 def _is_steep(inner: Image, outer: Image) -> bool:
-    """Whether a piece ends in a root, and the one beyond does not."""
+    """Whether a piece has the slopes of a root's end, and another image has not."""
     d = len(inner.value)
     one, other = (float(np.abs(each.jacobian[:, :d]).max()) for each in (inner, outer))
     return one > ROOTED * max(1.0, other)
 
 
-def _moved_to(arc: Arc, i: int, outer: Image) -> Arc:
-    """An arc that ends at a root, with its end as the piece beyond locates it, which is not steep.
+def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
+    """An arc that ends at a root, with its end as the piece beyond locates it, and that one.
 
-    The map is continuous there: it is not rounding of the root that decides.
+    It is not as steep. The map is continuous there: it is not rounding of the root that decides.
     """
     end, problem = arc.samples[-1], arc.curve.problem
     orbit = end.orbit
     codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
     if not codes:
-        return arc
+        return arc, outer
     beyond = replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :]))
     found = solve(problem.with_(OnBorder(i, codes[0])), beyond)
     away = np.abs(problem.step_between(orbit, found.orbit)).max()
     if not found.converged or away > ASIDE:
-        return arc
-    inner = replace(orbit.images[i], value=found.orbit.images[i].value)
+        return arc, outer
+    value = found.orbit.images[i].value
+    inner, outer = replace(orbit.images[i], value=value), replace(outer, value=value)
     images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
     last = Sample(replace(found.orbit, images=images), end.tangent)
-    return replace(arc, samples=(*arc.samples[:-1], last))
+    return replace(arc, samples=(*arc.samples[:-1], last)), outer
 
 
 def _changes_stability(before: Floats, after: Floats) -> bool:
