@@ -53,7 +53,7 @@ KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that f
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
-LOOKED = 2.0**-10  # scaled: steps longer than that are looked at halfway
+LOOKED = 2.0**-14  # scaled: steps longer than that are looked at halfway
 TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
 WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
 STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at least in between

@@ -1,4 +1,4 @@
-"""Folds that are too sharp to be followed round.
+"""Bends that are too sharp to be followed round.
 
 Where a piece is a very steep function of one combination u of x and p, and that function has an
 extremum, cycles turn round in a needle whose tip is rounder than the smallest step only over a
@@ -9,7 +9,7 @@ coordinate across the arms does: there the curve is a graph, and the equations a
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,51 +17,70 @@ from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Curve, Sample, Stop
-from woodpecker.engine.newton import across, solve
+from woodpecker.engine.newton import STEEP, across, solve
 from woodpecker.engine.orbits import Multiplier
 
 BENT = 2.0**-26  # angle between two tangents that says to which side a curve turns [rad]
 CLOSEST = 2.0**-48  # scaled: how far across the other arm is looked for at first
 DOUBLINGS = 16  # of that
-FINEST = 1e-15  # of the distance across: where the fold is
+FINEST = 1e-15  # of the distance across: where a fold or a flip is
 
 
-def rounded(arc: Arc) -> Arc:
-    """An arc that came to the tip of a needle, as one that ends at its fold.
+def rounded(arc: Arc) -> Arc | None:
+    """An arc that was given up in a bend, as one that leads round it; None if there is no bend.
 
-    A flip between the fold and one of the samples is one point with the fold. An arc that comes to
-    something else is left as it is.
+    It ends at the fold in it; or at the flip, if there is no fold; or else beyond, where steps need
+    not become shorter: it is ``SHORT`` still, and goes on. A flip beside the fold is one point with
+    it.
     """
     curve, last = arc.curve, arc.samples[-1]
     way = _across(arc.samples)
     if way is None or last.orbit.outer is not None or len(curve.problem.free) > 1:
-        return arc
+        return None
     for doublings in range(DOUBLINGS):
         away = CLOSEST * 2.0**doublings
         other = _beside(curve, last, way, away)
-        if other is not None and _turned(last, other) and _leads_on(curve, other):
+        if other is not None and curve.agrees(other.orbit) and _leads_on(curve, other):
             break
     else:
-        return arc
-    fold = _fold(curve, last, way, away)
-    if curve.problem.step_between(last.orbit, fold.orbit) @ last.tangent < 0.0:
-        return arc
-    if not (curve.agrees(fold.orbit) and curve.agrees(other.orbit)):
-        return arc
-    samples = arc.samples if fold is last else (*arc.samples, fold)
-    return replace(arc, samples=samples, stop=Stop.LP, beyond=other, condition=Multiplier("LP"))
+        return None
+    if _passes("LP", last, other):
+        if _rate(last) * _rate(other) > 0.0:
+            return None  # rounding makes its multipliers
+        stop, test = Stop.LP, _rate
+    elif float(last.tangent @ other.tangent) > math.cos(curve.settings.max_turn) or _is_steep(last):
+        return None  # it does not bend, or the end of a root is near
+    elif _passes("PD", last, other):
+        stop, test = Stop.PD, _flips
+    else:
+        return replace(arc, samples=(*arc.samples, other), beyond=other)
+    place = _located(curve, last, way, away, test)
+    if curve.problem.step_between(last.orbit, place.orbit) @ last.tangent < 0.0:
+        return None
+    if not curve.agrees(place.orbit):
+        return None
+    samples = arc.samples if place is last else (*arc.samples, place)
+    return replace(arc, samples=samples, stop=stop, beyond=other, condition=Multiplier(stop.name))
 
 
-def _turned(one: Sample, other: Sample) -> bool:
-    """Whether a fold lies between: the parameter turns round, and the multiplier passes 1."""
-    multiplier = Multiplier("LP")
-    passes = multiplier.value(one.orbit) * multiplier.value(other.orbit) < 0.0
-    return passes and _rate(one) * _rate(other) < 0.0
+def _is_steep(sample: Sample) -> bool:
+    return any(float(np.abs(image.jacobian).max()) > STEEP for image in sample.orbit.images)
+
+
+def _passes(kind: str, one: Sample, other: Sample) -> bool:
+    """Whether a multiplier passes 1 (LP) or -1 (PD) between two samples."""
+    multiplier = Multiplier(kind)
+    return multiplier.value(one.orbit) * multiplier.value(other.orbit) < 0.0
 
 
 def _rate(sample: Sample) -> float:
     """How fast the parameter grows."""
     return float(sample.tangent[sample.orbit.x.size])
+
+
+def _flips(sample: Sample) -> float:
+    """How far a multiplier is from -1."""
+    return Multiplier("PD").value(sample.orbit)
 
 
 def _across(samples: Sequence[Sample]) -> Floats | None:
@@ -85,19 +104,21 @@ def _beside(curve: Curve, last: Sample, way: Floats, away: float) -> Sample | No
     return sample if found.converged and np.isfinite(sample.tangent).all() else None
 
 
-def _fold(curve: Curve, last: Sample, way: Floats, away: float) -> Sample:
-    """The fold nearer than a distance across; or what is next to it, where rounding ends that."""
+def _located(
+    curve: Curve, last: Sample, way: Floats, away: float, test: Callable[[Sample], float]
+) -> Sample:
+    """Where a test vanishes nearer than a distance across; or next to it, where rounding ends."""
     found = [last]
 
-    def rate(distance: float) -> float:
+    def value(distance: float) -> float:
         sample = last if distance == 0.0 else _beside(curve, last, way, distance)
         if sample is None:
             return 0.0  # no closer than this
         found.append(sample)
-        return _rate(sample)
+        return test(sample)
 
-    brentq(rate, 0.0, away, xtol=FINEST * away, disp=False)
-    return min(found, key=lambda sample: abs(_rate(sample)))
+    brentq(value, 0.0, away, xtol=FINEST * away, disp=False)
+    return min(found, key=lambda sample: abs(test(sample)))
 
 
 def _leads_on(curve: Curve, start: Sample) -> bool:

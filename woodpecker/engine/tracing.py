@@ -159,7 +159,12 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
                 arc = at.curve.follow(at.sample, step, halt)
         if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
             samples = [begin.sample]  # none of it is inside
-        arc = _at_nearest(rounded(arc) if arc.stop is Stop.SHORT else arc)
+        bend = rounded(arc) if arc.stop is Stop.SHORT else None
+        if bend is not None and bend.stop is Stop.SHORT:
+            samples += bend.samples[1:]
+            at, step = replace(at, sample=bend.samples[-1], before=None), math.inf
+            continue
+        arc = _at_nearest(bend or arc)
         step = AGAIN * arc.step
         arc, outer = _settled(arc)
         samples += arc.samples[1:]
