@@ -353,13 +353,11 @@ class Curve:
         return completed(found.orbit, last.orbit) if found.converged else None
 
     def _leaves(self, start: Sample) -> Stop | None:
-        """Whether a sample lies at an end of span or window, and the curve leaves; or beyond it."""
+        """Whether a sample lies at an end of span or window, or beyond, and the curve leaves."""
         orbit = start.orbit
         columns, low, high, stops = self._limits(orbit)
         at, along = orbit.unknowns[columns], self._wide(start)[columns]
-        slack = ROUNDED_OFF * np.maximum(1.0, np.abs(at))
         out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
-        out |= (at < low - slack) | (at > high + slack)
         return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
 
     def _to_end(self, last: Sample, step: float) -> Sample | None:
@@ -576,6 +574,15 @@ class Curve:
                 return exact, exact.value(a), exact.value(b)
         return test, before, after
 
+    def _newly_beyond(self, a: Sample, b: Sample) -> Iterator[TestFunction]:
+        """Those of the bounds that the second sample lies beyond which it has not begun beyond.
+
+        A point that is outside of the window at first may come in.
+        """
+        for test in self._bounds(b):
+            if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
+                yield test
+
     def _bounds(self, sample: Sample) -> Iterator[TestFunction]:
         """Ends of spans, of the window and of the share that a sample lies beyond."""
         orbit = sample.orbit
@@ -628,7 +635,7 @@ class Curve:
         """
         found = None
         for _ in range(MOST_BOUNDS):
-            passed = [*self._borders(b), *self._bounds(b)]
+            passed = [*self._borders(b), *self._newly_beyond(a, b)]
             if not passed:
                 return found
             test = min(passed, key=lambda each: _part(each, a, b))
