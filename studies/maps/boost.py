@@ -38,7 +38,6 @@ from mpmath import mpf
 from pwmap import Diagram, PointKind
 from studies.common.record import Results, command
 from studies.maps.following import changes, miscounted, searched
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.formulas import FormulaMap
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
@@ -152,7 +151,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "saturation": saturates,
         "saturation_outside": max(low - saturates, saturates - high),
         "saturation_within": high - low,
-        "saturation_is_smooth": {kind for _, kind in saturated} == {BorderKind.SMOOTH},
+        "saturation_is_smooth": all(smooth for _, smooth in saturated),
         "border_collisions": sum(p.kind is PointKind.BC for p in diagram.points),
         "miscounted": miscounted(map_, diagram, orders, gains, GRID),
     }

@@ -52,7 +52,6 @@ from pwmap import Diagram, PointKind
 from studies.common.record import Results, command
 from studies.maps.following import changes, miscounted, searched
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.derivatives import check_derivatives
 from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
 from woodpecker.piecewise.search import Search
@@ -303,7 +302,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     diagram = network.diagram("G", "x")
     flips = [p for p in diagram.points if p.kind is PointKind.PD and p.order == 1]
     others = [p for p in diagram.points if p.kind is not PointKind.EP and p.order > 1]
-    (once, kind), (twice, kind_2) = changes(network, 1)[0], changes(network, 2)[0]
+    (once, smooth), (twice, smooth_2) = changes(network, 1)[0], changes(network, 2)[0]
     waits = begins_to_wait(twice[0])
     gs = np.linspace(1.25, 4.45, 9 if fast else 33).tolist()
     return {
@@ -313,7 +312,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "flip_error": max(abs(p.parameter - math.hypot(2.0, math.pi)) for p in flips),
         "pair_waits": waits,
         "pair_waits_outside": outside(twice, waits),
-        "borders_are_smooth": {kind, kind_2} == {BorderKind.SMOOTH},
+        "borders_are_smooth": smooth and smooth_2,
         "others": len(others),
         "miscounted": miscounted(map_, diagram, orders, gs[::4], GRID),
         "attractors_and_missing": unexplained(map_, diagram, gs, orders[-1]),

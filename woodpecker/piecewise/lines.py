@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
@@ -70,7 +71,7 @@ def _first(piece: maps.Piece) -> Piece:
     """The piece of the line that is taken first."""
     first = piece.pieces[0] if isinstance(piece, Chain) else piece
     assert isinstance(first, LinePiece)
-    return first.own
+    return cast("Piece", first.own)
 
 
 def curve_of(

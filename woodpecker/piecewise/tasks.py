@@ -194,9 +194,9 @@ class Tasks:
             twice = orbits.Orbit(np.tile(cycle.x, (2, 1)), p, 0.0, cycle.images * 2)
             along = base.start(cycle).tangent
             doubled = np.append(np.tile(along[:-1], 2), along[-1:])
-            way = other_direction(base.problem, twice, doubled)
-            if way is not None:
-                yield Beginning(2 * n, base, Sample(twice, way))
+            across = other_direction(base.problem, twice, doubled)
+            if across is not None:
+                yield Beginning(2 * n, base, Sample(twice, across))
         else:
             along = base.start(cycle).tangent
             for sign in (1.0, -1.0):
