@@ -829,8 +829,6 @@ class Curve:
 
     def _closes(self, start: Sample, a: Sample, b: Sample, step: float) -> bool:
         """Whether the curve passes its own start between two samples."""
-        if start.orbit.keys != b.orbit.keys:
-            return False
         away = self.problem.step_between(a.orbit, start.orbit)
         along = float(away @ a.tangent)
         aside = float(np.linalg.norm(away - along * a.tangent))

@@ -48,9 +48,6 @@ class _Sample:
     arc: Arc | None = None  # that ends here
     kind: PlaneKind | None = None
     cause: str = ""
-    off: Pair | None = (
-        None  # how far away both parameters may be, if that is not for rounding to say
-    )
 
     @property
     def orbit(self) -> Orbit:
@@ -226,8 +223,7 @@ def _met(plane: Plane, end: _Sample, arc: Arc) -> tuple[_Sample, _Sample | None]
         why = f"{cause}: {beyond.cause}" if beyond.cause else cause
         return replace(end, kind=beyond.kind, cause=why), None
     onward = _Sample(beyond.sample, beyond.curve)
-    end = replace(end, kind=beyond.kind, cause=cause)
-    return (end if beyond.kind else _at_word_change(end, onward)), onward
+    return replace(end, kind=beyond.kind, cause=cause), onward
 
 
 def _why(plane: Plane, arc: Arc) -> str:
@@ -241,24 +237,6 @@ def _why(plane: Plane, arc: Arc) -> str:
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return SHORT
     return MANY if arc.stop is Stop.MANY else arc.stop.value
-
-
-def _at_word_change(sample: _Sample, onward: _Sample) -> _Sample:
-    """A sample on a border where a word changes, with the test that changes its sign right there.
-
-    Beside a root in the map slopes change fast: a multiplier may pass through -1 before the first
-    sample beyond, which then is what tells how well the place is known.
-    """
-    if border_in(sample.curve) is None:
-        return sample
-    for one, other in zip(sample.curve.own, onward.curve.own, strict=True):
-        before, after = one.value(sample.own), other.value(onward.own)
-        if before * after < 0.0 and max(abs(before), abs(after)) > one.noise:
-            away = np.abs(onward.orbit.p - sample.orbit.p).tolist()
-            kind = PlaneKind(one.name)
-            cause = f"{kind.meaning}; {sample.cause}"
-            return replace(sample, kind=kind, cause=cause, off=(away[0], away[1]))
-    return sample
 
 
 def _curve(plane: Plane, samples: list[_Sample], closed: bool) -> Curve:
@@ -325,8 +303,6 @@ def _points(plane: Plane, samples: list[_Sample], closed: bool) -> tuple[PlanePo
 
 def _precision(plane: Plane, sample: _Sample) -> Pair:
     """How well a special point is located."""
-    if sample.off is not None:
-        return sample.off
     problem, arc, orbit = sample.curve.problem, sample.arc, sample.orbit
     condition = problem.conditions[1]
     if arc is not None and arc.border is not None:

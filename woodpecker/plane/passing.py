@@ -27,7 +27,6 @@ BESIDE = (2.0**-24, 2.0**-20, 2.0**-28, 2.0**-34, 2.0**-40)  # scaled: where a c
 ROOTED = 10.0  # times the derivatives before it those at the end of a root are larger
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
 CLEAR = 1e-11  # scaled: nearer to a border slopes are made of rounding
-KNOWN = 1e-13  # scaled: as near a cycle on a border is known to lie to it
 NO_CURVE = "no curve beyond"
 
 
@@ -225,7 +224,7 @@ def _round_corner(plane: Plane, arc: Arc, own: OnBorder, code: int) -> Passed:
         return _lost(outer, meeting)
     if not arc.curve.problem.same(inner.value, outer.value, SAME):
         return Passed(meeting, cause=BorderKind.JUMP.value)
-    codes = _vanishing(plane, outer, orbit, i)
+    codes = outer.codes[outer.tied(x, p)].tolist()
     ahead = {each: units(outer.gradients[[outer.place(each)]] * plane.scale)[0] for each in codes}
     shared = min(codes, key=lambda each: float(ahead[each] @ second), default=-1)
     rest = [each for each in codes if each != shared]
@@ -240,18 +239,6 @@ def _round_corner(plane: Plane, arc: Arc, own: OnBorder, code: int) -> Passed:
     parallel = float(np.linalg.norm(np.cross(ahead[following], first))) <= PARALLEL
     smooth = parallel and _agree(plane, orbit, i, outer, way)
     return Passed(None if smooth else meeting, curve, on)
-
-
-def _vanishing(plane: Plane, image: Image, orbit: Orbit, i: int) -> list[int]:
-    """The margins of a piece that vanish where a cycle meets its border.
-
-    A steep one may be farther from zero than rounding of its terms says: its border is as near as
-    a cycle on it is known.
-    """
-    size = np.linalg.norm(image.gradients * plane.scale, axis=1)
-    near = np.abs(image.margins) <= KNOWN * size
-    codes: list[int] = image.codes[near | image.tied(orbit.x[i], orbit.p)].tolist()
-    return codes
 
 
 def _agree(plane: Plane, orbit: Orbit, i: int, outer: Image, way: Floats) -> bool:
@@ -269,8 +256,7 @@ def _agree(plane: Plane, orbit: Orbit, i: int, outer: Image, way: Floats) -> boo
 def _onward(curve: Curve, there: Orbit, like: Floats, i: int, codes: list[int]) -> Sample | None:
     """The first sample beyond a border, right at it or beside it; None if there is none.
 
-    What is looked at along folds and flips are derivatives of slopes, which say nothing right at a
-    border: there they may be those of a root.
+    Right at a border slopes may be those of a root: folds and flips go on beside it.
 
     Parameters
     ----------

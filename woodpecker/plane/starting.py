@@ -128,8 +128,6 @@ def _solved(plane: Plane, guess: Orbit, condition: Condition, axis: int) -> Orbi
     """The cycle near a guess that obeys a condition, with its minimal period; None if none."""
     problem = plane.cycles(axis).with_(condition)
     solution = solve(problem, guess)
-    if solution.converged:  # a guess at a border may have images that are known to rounding only
-        solution = solve(problem, solution.orbit)
     way = np.abs(problem.step_between(guess, solution.orbit))
     near = float(way[[0, -1]].max()) <= plane.first.beside
     if not (solution.converged and near):
