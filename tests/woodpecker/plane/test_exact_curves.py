@@ -153,7 +153,7 @@ def test_skew_tent_folds_and_flips_at_its_border() -> None:
 
 
 def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
-    """At x = q/7 both pieces are p, but for rounding; the slope of the right one is -4 q/3 + q/35."""
+    """At x = q/7 both pieces are p, but for rounding; the right one has the slope -4 q/3 + q/35."""
     away = X - Q / 7
     left, right = P + Q * away / 3, P - 4 * Q * away / 3 + X * away / 5
     family = family_from_sympy(sympy.Piecewise((left, away < 0), (right, True)), X, (P, Q))
