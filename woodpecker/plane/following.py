@@ -27,7 +27,7 @@ from woodpecker.plane.nodes import (
     curve_of,
     inside,
 )
-from woodpecker.plane.passing import mirrored, passed, sharpened
+from woodpecker.plane.passing import known, mirrored, passed, sharpened
 from woodpecker.plane.starting import located
 from woodpecker.plane.switching import Seed, starts_at
 
@@ -172,7 +172,7 @@ def _leg(plane: Plane, start: _Sample, origin: Sample | None) -> tuple[list[_Sam
             break
         arc = sharpened(plane, at.curve.follow(at.own, step, origin=origin))
         step = max(arc.step, plane.first.again)
-        samples += [_Sample(each, at.curve) for each in arc.samples[1:]]
+        samples += [_Sample(each, at.curve) for each in known(arc)[1:]]
         met, on = _met(plane, replace(samples[-1], arc=arc), arc)
         samples[-1] = met
         if on is None:

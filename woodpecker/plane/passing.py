@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Arc, Curve, Sample
+from woodpecker.engine.curves import Arc, Curve, Sample, Stop
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.engine.newton import Problem, across, solve
@@ -100,6 +100,18 @@ def sharpened(plane: Plane, arc: Arc) -> Arc:
     images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
     last = arc.curve.start(replace(orbit, images=images), before.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
+
+
+def known(arc: Arc) -> Sequence[Sample]:
+    """The samples of an arc but those at its end that are made of rounding, beside a border."""
+    count = len(arc.samples)
+    if is_steep(arc.curve) and arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+        while count > 1:
+            near = _nearest_margin(arc.curve.problem, arc.samples[count - 1].orbit)
+            if near is None or near[2] >= CLEAR:
+                break
+            count -= 1
+    return arc.samples[:count]
 
 
 def mirrored(plane: Plane, arc: Arc) -> Passed | None:
