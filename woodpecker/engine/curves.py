@@ -89,6 +89,7 @@ class Stop(Enum):
     PD = "the multiplier is -1"
     NS = "a pair of multipliers lies on the unit circle"
     BP = "another branch crosses"
+    SPECIAL = "a test function of the curve's own vanishes"
     CLOSED = "the branch closes"
     OTHER_PIECE = "the map takes another piece"
     SHORT = "steps become too short"
@@ -189,6 +190,8 @@ class Arc:
         The sample after the end, where the curve does not end there.
     condition
         The equation that its end obeys besides those of the curve; None if there is none.
+    test
+        The test function that vanishes at its end, if one does.
     """
 
     samples: tuple[Sample, ...]
@@ -199,6 +202,7 @@ class Arc:
     condition: Condition | None = None
     step: float = math.inf
     width: float = 0.0
+    test: TestFunction | None = None
 
     @property
     def precision(self) -> float:
@@ -248,6 +252,10 @@ class TestFunction:
         The margin, if it is one.
     rate
         How fast the value grows along the curve, at a sample; None if it is not known.
+    name
+        What it is called, if it is one of a curve's own.
+    noise
+        Values that are no larger are made of rounding: if both are, nothing is said to vanish.
     """
 
     stop: Stop
@@ -255,6 +263,8 @@ class TestFunction:
     condition: Condition | None = None
     border: tuple[int, int] | None = None
     rate: Callable[[Sample], float] | None = None
+    name: str = ""
+    noise: float = 0.0
 
 
 class End(NamedTuple):
@@ -285,6 +295,8 @@ class Curve:
         Margins, by image and code, that vanish all along it.
     tests
         Which multipliers are looked at: of LP, PD, NS, BP.
+    own
+        Other functions that are looked at, ``SPECIAL`` where they vanish.
     """
 
     map: PiecewiseMap
@@ -292,6 +304,7 @@ class Curve:
     settings: CurveSettings
     ignored: frozenset[tuple[int, int]] = frozenset()
     tests: tuple[Stop, ...] = MULTIPLIERS
+    own: tuple[TestFunction, ...] = ()
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
@@ -370,8 +383,13 @@ class Curve:
         square = 2.0 * b.tangent + a.tangent - 3.0 * mean
         return np.asarray(distance * part * (square + part * cubic))
 
-    def follow(self, start: Sample, first: float = math.inf, halt: Halt | None = None) -> Arc:
+    def follow(
+        self, start: Sample, first: float = math.inf, halt: Halt | None = None,
+        origin: Sample | None = None,
+    ) -> Arc:  # fmt: skip
         """Follow the curve from a sample to what ends it; the first step may be a shorter one.
+
+        It closes where it comes back to its origin: the start, if no other sample is given.
 
         Each turn of the loop either keeps a sample, of which there are ``max_samples``, or shortens
         the step, of which ``min_step`` is the end.
@@ -421,12 +439,14 @@ class Curve:
                 test = end.test
                 return Arc(
                     (*samples, end.sample), test.stop, self, test.border, beyond, test.condition,
-                    step, end.width,
+                    step, end.width, test,
                 )  # fmt: skip
             if to_end is not None:
                 return Arc((*samples, to_end), Stop.SPAN, self)
-            if len(samples) > 2 and self._closes(start, last, found, step):
-                return Arc((*samples, start), Stop.CLOSED, self)
+            home = start if origin is None else origin
+            is_away = len(samples) > 2 or home is not start
+            if is_away and self._closes(home, last, found, step):
+                return Arc((*samples, home), Stop.CLOSED, self)
             samples.append(found)
             bent = turned * settings.max_turn
             growth = min(2.0 if grows else 1.0, KEPT_TURN / max(turned, 1e-3))
@@ -485,6 +505,8 @@ class Curve:
             before, after = test.value(a), test.value(b)
             if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
                 continue
+            if max(abs(before), abs(after)) <= test.noise:
+                continue
             if starts and abs(before) <= BEGINS * abs(after):
                 continue  # the curve begins where it vanishes, but for rounding
             if test.stop is Stop.LP and found:
@@ -534,8 +556,11 @@ class Curve:
         orbit = sample.orbit
         columns, low, high, stops = self._limits(orbit)
         at = orbit.unknowns[columns]
+        held = {each.column for each in self.problem.conditions if isinstance(each, Held)}
         for k in np.flatnonzero((at < low) | (at > high)).tolist():
             column = int(columns[k])
+            if column in held:
+                continue
             end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
             condition: Condition = Held(column, float(end))
             if stops[k] is Stop.SHARE and orbit.x.shape[1] == 1:
@@ -607,7 +632,8 @@ class Curve:
         return bool(image.tied(a.orbit.x[a.orbit.place(i)], a.orbit.p)[image.place(code)])
 
     def _special(self, orbit: Orbit) -> Iterator[TestFunction]:
-        """Folds, flips, pairs on the unit circle, branch points."""
+        """Folds, flips, pairs on the unit circle, branch points, and functions of its own."""
+        yield from self.own
         one = len(self.problem.free) == 1
         for stop in self.tests:
             condition = Multiplier(stop.name) if orbit.outer is None else None
@@ -707,6 +733,13 @@ class Curve:
         if orbit.outer is not None and orbit.x.shape[1] == 1:
             wide[-1] = _rate_of_share(orbit, wide)
         return wide
+
+    def limits(self, sample: Sample) -> tuple[float, float, float]:
+        """How fast both limits of a jump crossing in R^1, and its first point, grow along it."""
+        orbit, motion = sample.orbit, self._wide(sample)
+        last = motion[len(orbit.x) - 1 : -1]
+        inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])
+        return inner, outer, float(motion[0])
 
     def rate_of_share(self, sample: Sample) -> float:
         """How fast the share of a jump crossing grows along the curve."""

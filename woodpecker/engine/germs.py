@@ -9,6 +9,7 @@ these must be the sides of their pieces. No orbit is looked for at a distance.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -24,6 +25,7 @@ from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
+KINKED = 1e-5  # relative: rates of two limits along a border that differ by less are one
 PATHS = 256  # of one orbit at most: eight of its points on borders
 SECTORS = 16  # pieces that meet in one point at most
 PARALLEL = 1e-4  # normals of borders that differ by a smaller angle are those of one [rad]
@@ -240,7 +242,10 @@ def _crossings(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Itera
     """
     for begin in _between(base, all_, x, p):
         orbit = begin.sample.orbit
-        if not 0.0 < orbit.share < 1.0 or _meets_another(orbit, begin.curve.ignored):
+        inner, outer = orbit.taken[-2:]
+        vanishes = base.problem.same(inner.value, outer.value, SAME)
+        inside = 0.0 < orbit.share < 1.0 and not _meets_another(orbit, begin.curve.ignored)
+        if vanishes or not inside:
             yield from _both_ways(begin.order, begin.curve, orbit)
 
 
@@ -277,6 +282,9 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
         if problem.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
+            opens = _opening(base, one, other, head, p) if problem.same(one.end, x, SAME) else None
+            if opens is not None:
+                yield opens
             continue
         if _steepness(one.images[head - 1]) > _steepness(other.images[head - 1]):
             one, other = other, one  # where a root ends at a jump, the other side locates it
@@ -292,6 +300,27 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
         found = joined(base, one.images[: head - 1], sides, one.x[:head], p, share)
         if found is not None:
             yield found
+
+
+def _opening(base: Curve, one: Path, other: Path, head: int, p: Floats) -> Beginning | None:
+    """The jump crossing whose jump vanishes right at its start; None if nothing jumps there.
+
+    In R^1: along the border the limits move away from each other, and from the first point. The
+    share has a limit, that of their rates.
+    """
+    if len(one.x[0]) > 1 or len(base.problem.free) > 1:
+        return None
+    sides = one.images[head - 1 :], other.images[head - 1 :]
+    found = joined(base, one.images[: head - 1], sides, one.x[:head], p, 0.5)
+    if found is None:
+        return None
+    orbit = found.sample.orbit
+    inner, outer, first = found.curve.limits(found.curve.start(orbit))
+    apart = outer - inner
+    share = (first - inner) / apart if abs(apart) > KINKED * abs(first) else math.nan
+    if not SAME < share < 1.0 - SAME:
+        return None
+    return replace(found, sample=Sample(replace(orbit, share=share), np.empty(0)))
 
 
 def joined(

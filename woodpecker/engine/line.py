@@ -7,7 +7,7 @@ itself: which distance it was proposed at does not matter then.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
@@ -125,31 +125,51 @@ class LineMap(NamedTuple):
         return _image(self.own.at(float(x[0]), float(p[0])))
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
-        """The image of a point under the piece that the map takes infinitesimally beside it.
+        """The image of a point under the piece that the map takes infinitesimally beside it."""
+        return proposed(self, x, p, direction, (self.x_scale, self.p_scale))
 
-        If no proposal is accepted the image has a reason: the map has no value right beside the
-        point, or its pieces accumulate there.
-        """
-        scale = np.array([self.x_scale, self.p_scale])
-        length = float(np.abs(direction / scale).max())
-        if length == 0.0:
-            return replace(self.at(x, p), reason=ACCUMULATE)
-        unit, seen = direction / length, set[Hashable]()
-        lost, around = "", None
-        for distance in DISTANCES:
-            proposal = self.at(x + distance * unit[:1], p + distance * unit[1:])
-            if distance == NEAREST:
-                lost = proposal.reason
-            if proposal.reason or proposal.piece.key in seen:
-                continue
-            seen.add(proposal.piece.key)
-            image = limit(proposal, x, p, unit)
-            if image.reason or not image.begins_along(x, p, unit):
-                continue
-            if image.tied(x, p).any():
-                return image
-            around = around or image  # its border is elsewhere: a thinner piece may begin here
-        return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
+
+class Evaluated(Protocol):
+    """A map that is known by its images only."""
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The image of a point under the piece that the map takes there."""
+
+
+def proposed(
+    map_: Evaluated, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
+) -> Image:
+    """The image of a point (1,) under the piece that a map takes infinitesimally beside it.
+
+    If no proposal is accepted the image has a reason: the map has no value right beside the point,
+    or its pieces accumulate there.
+
+    Parameters
+    ----------
+    map_, x, p, direction
+        As :meth:`woodpecker.engine.maps.PiecewiseMap.beside` has them.
+    scale
+        Lengths of x and of the k parameters that count as 1.
+    """
+    length = float(np.abs(direction / np.array(scale)).max())
+    if length == 0.0:
+        return replace(map_.at(x, p), reason=ACCUMULATE)
+    unit, seen = direction / length, set[Hashable]()
+    lost, around = "", None
+    for distance in DISTANCES:
+        proposal = map_.at(x + distance * unit[:1], p + distance * unit[1:])
+        if distance == NEAREST:
+            lost = proposal.reason
+        if proposal.reason or proposal.piece.key in seen:
+            continue
+        seen.add(proposal.piece.key)
+        image = limit(proposal, x, p, unit)
+        if image.reason or not image.begins_along(x, p, unit):
+            continue
+        if image.tied(x, p).any():
+            return image
+        around = around or image  # its border is elsewhere: a thinner piece may begin here
+    return around or replace(map_.at(x, p), reason=lost or ACCUMULATE)
 
 
 def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:

@@ -337,13 +337,19 @@ def _noise(problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROU
 
 def uncertainty(problem: Problem, orbit: Orbit) -> float:
     """How far the first free parameter of a solution may be off, by rounding of the map."""
-    matrix = problem.matrix(orbit)
+    return float(uncertainties(problem, orbit)[0])
+
+
+def uncertainties(problem: Problem, orbit: Orbit) -> Floats:
+    """How far all free parameters of a solution may be off, by rounding of the map."""
+    matrix, first, count = problem.matrix(orbit), orbit.x.size, len(problem.free)
     noise = _noise(problem, orbit, matrix, BLUR)
     try:
-        back = np.abs(np.linalg.inv(matrix))[orbit.x.size]
+        back = np.abs(np.linalg.inv(matrix))[first : first + count]
     except np.linalg.LinAlgError:
-        return math.inf
-    return float(back @ noise) * problem.p_scale[problem.free[0]]
+        return np.full(count, math.inf)
+    found: Floats = (back @ noise) * np.array(problem.p_scale)[list(problem.free)]
+    return found
 
 
 def cycles(free: Sequence[int], x_scale: Sequence[float], p_scale: Sequence[float]) -> Problem:

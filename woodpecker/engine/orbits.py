@@ -9,6 +9,7 @@ and s = 1 it is a cycle that meets the border.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -21,6 +22,8 @@ from woodpecker.engine.maps import Chain, Image, Piece, chained
 
 INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border beyond it
 STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
+CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
+SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,9 +274,13 @@ class Multiplier:
     ----------
     kind
         "LP", "PD" or "NS".
+    scale
+        d + k lengths of a point and of the parameters that count as 1; by default how large they
+        are, and at least 1.
     """
 
     kind: str
+    scale: tuple[float, ...] = ()
 
     def value(self, orbit: Orbit) -> float:
         """det(M - 1), det(M + 1), or the product of mu_i mu_j - 1 over all pairs i < j."""
@@ -292,13 +299,57 @@ class Multiplier:
 
     def rows(self, orbit: Orbit) -> Floats:
         """(1, ...) its derivatives, by central differences: pieces are smooth."""
-        at = orbit.unknowns
-        row = np.zeros((1, len(at)))
-        for column in range(len(at) - 1):
-            h = STEP * max(1.0, abs(float(at[column])))
-            ahead, behind = (self.value(shifted(orbit, column, sign * h)) for sign in (1.0, -1.0))
-            row[0, column] = (ahead - behind) / (2.0 * h)
+        row = np.zeros((1, len(orbit.unknowns)))
+        for i in range(len(orbit.x)):
+            row += orbit.columns(i, self._gradient(orbit, i))
         return row
+
+    def _gradient(self, orbit: Orbit, i: int) -> Floats:
+        """Its derivatives (d + k,) as one piece changes with its point and the parameters.
+
+        Differences are taken across the nearest border and along it. Beside a root slopes change
+        fast across a border, and along it only as its curvature changes how far away it is.
+        """
+        image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
+        scale = np.array(self.scale) if self.scale else np.maximum(1.0, np.abs(at))
+        rows = image.gradients * scale
+        size = np.linalg.norm(rows, axis=1)
+        known = np.isfinite(size) & (size > 0.0)
+        margins, rows, size = np.abs(image.margins[known]), rows[known], size[known]
+        ways, most = np.eye(len(at)), STEP
+        if len(size):
+            nearest = int((margins / size).argmin())
+            ways = np.linalg.qr(np.column_stack((rows[nearest], ways)))[0].T
+            most = min(most, math.sqrt(CLEAR * margins[nearest] / size[nearest]))
+        found = np.zeros(len(at))
+        for way in ways:
+            rates = np.abs(rows @ way)
+            away = (margins[rates > 0.0] / rates[rates > 0.0]).min(initial=math.inf)
+            h = max(min(most, CLEAR * away), SHORTEST)
+            found += self._difference(orbit, i, h * way * scale) / h * way / scale
+        return found
+
+    def _difference(self, orbit: Orbit, i: int, step: Floats) -> float:
+        """By how much it changes as one piece does in a step (d + k,) of its point and parameters.
+
+        Where the piece has an end the difference is taken to the other side of it.
+        """
+        image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
+        d = orbit.x.shape[1]
+
+        def value(part: float) -> float:
+            to = at + part * step
+            there = image.piece.at(to[:d], to[d:])
+            if there.reason:
+                return math.nan
+            images = (*orbit.images[:i], there, *orbit.images[i + 1 :])
+            return self.value(replace(orbit, images=images))
+
+        ahead, behind = value(1.0), value(-1.0)
+        if not math.isnan(ahead + behind):
+            return 0.5 * (ahead - behind)
+        side = -1.0 if math.isnan(ahead) else 1.0
+        return 0.5 * side * (4.0 * value(side) - 3.0 * self.value(orbit) - value(2.0 * side))
 
 
 def _pairs(matrix: Floats) -> Floats:
@@ -308,13 +359,6 @@ def _pairs(matrix: Floats) -> Floats:
     a = matrix[np.ix_(first, first)] * matrix[np.ix_(second, second)]
     b = matrix[np.ix_(first, second)] * matrix[np.ix_(second, first)]
     return np.asarray(a - b)
-
-
-def shifted(orbit: Orbit, column: int, by: float) -> Orbit:
-    """An orbit with one of its unknowns moved, under the same pieces."""
-    to = orbit.unknowns.copy()
-    to[column] += by
-    return placed(orbit, to)
 
 
 def held_at(orbit: Orbit, column: int, value: float) -> Orbit:

@@ -152,6 +152,8 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
             if at.before is not None:  # it starts with a root
                 samples.append(at.sample)
                 arc = at.curve.follow(at.sample, step, halt)
+        if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
+            samples = [begin.sample]  # none of it is inside
         arc = _at_nearest(arc)
         step = AGAIN * arc.step
         arc, outer = _settled(arc)

@@ -128,8 +128,6 @@ class Numerics:
         Part of the way to a border that a step over it has: to first order it lies there.
     both
         Times as closely as a border is located other margins may vanish there too.
-    hugs
-        Part of a step: a curve of folds or flips that is closer to a border is led along it.
     split
         Part of a way that is tried first where its far end is lost, or the near one steep.
     uneven
@@ -236,7 +234,6 @@ class Numerics:
     third_of_slope: float = 0.5
     ahead: float = 1.25
     both: float = 16.0
-    hugs: float = 0.01
     split: float = 0.125
     uneven: float = 16.0
     short: float = 2.0**-4

@@ -11,43 +11,53 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
+from woodpecker.engine.curves import Arc, Sample, Stop
+from woodpecker.engine.curves import Curve as Followed
+from woodpecker.engine.maps import ACCUMULATE
+from woodpecker.engine.newton import across, uncertainties
+from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit
 from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair
-from woodpecker.plane.nodes import Node, code_of, node_at, tests_of
-from woodpecker.plane.passing import passed
-from woodpecker.plane.places import Along, Equation, Locus, Place, Plane, held, precision, tangent
-from woodpecker.plane.starting import located
-from woodpecker.plane.stepping import (
-    CLOSED,
-    MANY,
-    Event,
-    Stepper,
-    Steps,
-    follow,
-    given_up,
-    turned_round,
+from woodpecker.plane.maps import Plane, pair
+from woodpecker.plane.nodes import (
+    border_in,
+    border_of,
+    code_of,
+    curve_of,
+    inside,
 )
+from woodpecker.plane.passing import known, mirrored, passed, sharpened
+from woodpecker.plane.starting import located
 from woodpecker.plane.switching import Seed, starts_at
 
-TRIES = 4  # steps for each sample that a curve may have; most are accepted
-LEGS = 150  # words that a curve takes each way: where it goes back and forth it is left
+LEGS = 400  # arcs of a curve each way: where it goes back and forth it is left
+CROWD, WITHIN = 8, 1e-5  # so many special points within this distance, scaled, are without end
 LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
+SPAN, CLOSED = "end of the span", "the curve closes"
+SHORT, MANY = "steps become too short", "as many samples as allowed"
 Spans = tuple[Pair, Pair]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sample:
-    """A node with what it obeys, and with what happens there."""
+    """A sample with its curve, and with what happens there."""
 
-    node: Node
-    locus: Locus
-    event: Event | None = None
+    own: Sample
+    curve: Followed
+    arc: Arc | None = None  # that ends here
     kind: PlaneKind | None = None
     cause: str = ""
-    off: Pair | None = (
-        None  # how far away both parameters may be, if that is not for rounding to say
-    )
+
+    @property
+    def orbit(self) -> Orbit:
+        """Its cycle."""
+        return self.own.orbit
+
+    @property
+    def values(self) -> Pair:
+        """Both parameters."""
+        return pair(self.orbit.p)
 
 
 def curve_through(
@@ -109,19 +119,19 @@ def curve_through(
     plane = Plane(family, (replace(settings, span=spans[0]), replace(settings, span=spans[1])))
     if isinstance(point, PlanePoint):
         seed = _seed(point, kind)
-        place, locus = seed.place, seed.locus
-        return _curve(plane, *_one_way(plane, place, locus, seed))
+        own = curve_of(plane, seed.condition, seed.orbit)
+        return _curve(plane, *_leg(plane, _Sample(Sample(seed.orbit, seed.along), own), None))
     if axis not in (0, 1):
         raise ValueError(f"axis must be 0 or 1, got {axis}")
     if other is None:
         raise ValueError(
             f"a special point over {family.names[axis]} needs a value of {family.names[1 - axis]}"
         )
-    place, locus = located(plane, point, other, axis)
-    for name, value, (low, high) in zip(family.names, place.values, spans, strict=True):
+    orbit, condition = located(plane, point, other, axis)
+    for name, value, (low, high) in zip(family.names, pair(orbit.p), spans, strict=True):
         if not low <= value <= high:
             raise ValueError(f"span must hold {name} = {value}, got ({low}, {high})")
-    return _curve(plane, *_both_ways(plane, place, locus))
+    return _curve(plane, *_both_ways(plane, orbit, curve_of(plane, condition, orbit)))
 
 
 def _seed(point: PlanePoint, kind: PointKind | str | None) -> Seed:
@@ -135,131 +145,133 @@ def _seed(point: PlanePoint, kind: PointKind | str | None) -> Seed:
     return seeds[names.index(wanted)]
 
 
-def _both_ways(plane: Plane, place: Place, locus: Locus) -> tuple[list[_Sample], bool]:
-    """Samples through a place, and whether they close.
+def _both_ways(plane: Plane, orbit: Orbit, curve: Followed) -> tuple[list[_Sample], bool]:
+    """Samples through a cycle, and whether they close.
 
-    The second parameter rises at the place itself, or the first where the second does not change.
+    The second parameter rises at the cycle itself, or the first where the second does not change.
     """
-    along = tangent(plane, place, locus)
+    start = curve.start(orbit)
+    along = start.tangent
     if not np.isfinite(along).all():
         raise ValueError("the equations are singular at this point: no curve leads on from it")
-    start = node_at(plane, locus, place, along)
     if along[-1] < -LEVEL or (along[-1] <= LEVEL and along[-2] < 0.0):
-        start = turned_round(start)
-    forward, closed = _leg(plane, start, locus, start)
+        start = start.turned
+    forward, closed = _leg(plane, _Sample(start, curve), start)
     if closed:
         return forward, True
-    backward, _ = _leg(plane, turned_round(start), locus, None)
-    turned = [replace(each, node=turned_round(each.node)) for each in backward[:0:-1]]
-    return [*turned, *forward], False
+    backward, _ = _leg(plane, _Sample(start.turned, curve), None)
+    return [*backward[:0:-1], *forward], False
 
 
-def _one_way(plane: Plane, place: Place, locus: Locus, seed: Seed) -> tuple[list[_Sample], bool]:
-    """Samples from a seed on."""
-    return _leg(
-        plane,
-        Node(place, seed.along)
-        if locus.border is None
-        else node_at(plane, locus, place, seed.along),
-        locus,
-        None,
-    )
-
-
-def _leg(
-    plane: Plane, start: Node, locus: Locus, origin: Node | None
-) -> tuple[list[_Sample], bool]:
-    """Samples from a node to where the curve ends, through borders at which it goes on."""
-    samples, step, most = [_Sample(start, locus)], math.inf, plane.first.max_samples
-    steps = Steps(TRIES * most)
+def _leg(plane: Plane, start: _Sample, origin: Sample | None) -> tuple[list[_Sample], bool]:
+    """Samples from a place to where the curve ends, through borders at which it goes on."""
+    samples, step, most = [start], math.inf, plane.first.max_samples
+    at = start
     for _ in range(LEGS):
         if len(samples) > most:
             break
-        stepper = Stepper(plane, locus, len(start.place))
-        arc = follow(stepper, samples[-1].node, steps, step, origin)
-        happened = dict(arc.events)
-        for k, node in enumerate(arc.nodes[1:], start=1):
-            event = happened.get(k)
-            samples.append(
-                _Sample(
-                    node, locus, event, event.kind if event else None, event.cause if event else ""
-                )
-            )
-        end, samples[-1] = (
-            arc.end,
-            replace(samples[-1], event=arc.end, kind=arc.end.kind, cause=arc.end.cause),
-        )
-        if arc.beyond is not None:
-            samples.append(_Sample(arc.beyond, locus))
-            step = plane.first.again
-            continue
-        if end.margin is None or end.kind is not None:
-            return samples, end.cause == CLOSED
-        on = passed(plane, locus, arc.nodes[-1], end.margin)
-        if on.node is None or on.locus is None:
-            why = f"{end.cause}: {on.cause}" if on.cause else end.cause
-            samples[-1] = replace(samples[-1], kind=on.kind, cause=why)
+        arc = sharpened(plane, at.curve.follow(at.own, step, origin=origin))
+        step = max(arc.step, plane.first.again)
+        samples += [_Sample(each, at.curve) for each in known(arc)[1:]]
+        met, on = _met(plane, replace(samples[-1], arc=arc), arc)
+        samples[-1] = met
+        if on is None:
+            return samples, arc.stop is Stop.CLOSED
+        if _crowded(samples):
+            samples[-1] = replace(met, cause=f"{met.cause or arc.stop.value}: {ACCUMULATE}")
             return samples, False
-        samples[-1] = (
-            replace(samples[-1], kind=on.kind)
-            if on.kind
-            else _at_word_change(plane, samples[-1], on.node)
-        )
-        samples.append(_Sample(on.node, on.locus))
-        locus, step = on.locus, max(arc.step, plane.first.again)
-    last = given_up(samples[-1].node, MANY)
-    return [*samples[:-1], replace(samples[-1], event=last, kind=last.kind, cause=MANY)], False
+        at = on
+        away = np.abs(on.curve.problem.step_between(met.orbit, on.orbit)).max()
+        if away > 0.0:
+            samples.append(on)
+    last = replace(samples[-1], kind=PlaneKind.END, cause=MANY)
+    return [*samples[:-1], last], False
 
 
-def _at_word_change(plane: Plane, sample: _Sample, beyond: Node) -> _Sample:
-    """A sample on a border where a word changes, with the test that changes its sign right there.
+def _crowded(samples: list[_Sample]) -> bool:
+    """Whether special points lie so close together that there is no end of them.
 
-    Beside a root in the map slopes change fast: a multiplier may pass through -1 before the first
-    node beyond, which then is what tells how well the place is known.
+    Beside where a motion comes to rest in infinitely many impacts there is a copy of them, ever
+    smaller, for each impact.
     """
-    on_border = sample.locus.border is not None
-    for test in tests_of(plane, sample.locus, len(sample.node.place)) if on_border else ():
-        before, after = test.value(sample.node), test.value(beyond)
-        if before * after < 0.0:
-            away = np.abs(beyond.place.point - sample.node.place.point)[-2:].tolist()
-            cause = f"{test.kind.meaning}; {sample.cause}"
-            return replace(sample, kind=test.kind, cause=cause, off=(away[0], away[1]))
-    return sample
+    marked = [each for each in samples if each.kind is not None][-CROWD:]
+    if len(marked) < CROWD or marked[-1] is not samples[-1]:
+        return False
+    first, last = marked[0], marked[-1]
+    away = np.abs(last.curve.problem.step_between(first.orbit, last.orbit)).max()
+    return bool(away <= WITHIN)
+
+
+def _met(plane: Plane, end: _Sample, arc: Arc) -> tuple[_Sample, _Sample | None]:
+    """What an arc comes to, and where the curve goes on; None if it ends."""
+    if arc.stop is Stop.SPECIAL and arc.test is not None:
+        kind = PlaneKind(arc.test.name)
+        folds = arc.curve.problem.conditions[1] == Multiplier("LP", plane.scale)
+        ends = folds and kind is PlaneKind.GENERALISED_FLIP
+        on = None if ends or arc.beyond is None else _Sample(arc.beyond, arc.curve)
+        return replace(end, kind=kind), on
+    if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+        over = mirrored(plane, arc)
+        if over is not None and over.sample is not None and over.curve is not None:
+            return replace(end, cause=over.cause), _Sample(over.sample, over.curve)
+    if arc.border is None:
+        return replace(end, kind=PlaneKind.END, cause=_why(plane, arc)), None
+    i, code = arc.border
+    cause = end.orbit.images[i].piece.cause(code)
+    beyond = passed(plane, arc)
+    if beyond.sample is None or beyond.curve is None:
+        why = f"{cause}: {beyond.cause}" if beyond.cause else cause
+        return replace(end, kind=beyond.kind, cause=why), None
+    onward = _Sample(beyond.sample, beyond.curve)
+    return replace(end, kind=beyond.kind, cause=cause), onward
+
+
+def _why(plane: Plane, arc: Arc) -> str:
+    """Why a curve ends that meets nothing, or is given up."""
+    if arc.stop is Stop.SPAN:
+        settings, values = plane.settings, pair(arc.samples[-1].orbit.p)
+        names = zip(plane.family.names, values, settings, strict=True)
+        return next(f"{SPAN} of {name}" for name, value, each in names if value in each.span)
+    if arc.stop is Stop.CLOSED:
+        return CLOSED
+    if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
+        return SHORT
+    return MANY if arc.stop is Stop.MANY else arc.stop.value
 
 
 def _curve(plane: Plane, samples: list[_Sample], closed: bool) -> Curve:
     """What samples show."""
-    first = samples[0]
-    codes = [code_of(plane, each.locus, each.node) for each in samples]
-    index = first.locus.border.index if first.locus.border is not None else -1
-    beyond = [each.node.beyond(index) for each in samples]
-    borders = [each.node.kind(plane.first) for each in samples]
-    cause = first.node.border.cause if first.node.border is not None else ""
+    first, on = samples[0], [border_in(each.curve) for each in samples]
+    codes = [code_of(plane, each.curve, each.orbit) for each in samples]
+    index = -1 if on[0] is None else on[0].image
+    met = [border_of(plane, each.orbit, own) for each, own in zip(samples, on, strict=True) if own]
+    beyond = [each.beyond for each in met] or [math.nan] * len(samples)
     return Curve(
         kind=PointKind.BC if index >= 0 else codes[0][0],
         names=plane.family.names,
-        order=len(first.node.place),
-        values=np.array([each.node.place.values for each in samples]),
-        x=np.array([each.node.orbit.x for each in samples]),
+        order=len(first.orbit.x),
+        values=np.array([each.values for each in samples]),
+        x=np.array([each.orbit.x[:, 0] for each in samples]),
         border_index=index,
-        multipliers=np.column_stack([[each.node.inside for each in samples], beyond]),
-        gaps=np.array([each.node.gap for each in samples]),
-        borders=tuple(each for each in borders if each is not None),
+        multipliers=np.column_stack([[inside(each.orbit) for each in samples], beyond]),
+        gaps=np.array([each.gap for each in met] or np.zeros(len(samples))),
+        borders=tuple(each.kind for each in met),
         codes=tuple(code for code, _ in codes),
         notes=tuple(note for _, note in codes),
-        words=_words(samples),
+        words=_words(plane, samples),
         points=_points(plane, samples, closed),
         closed=closed,
-        cause=cause,
+        cause=met[0].border.cause if met else "",
     )
 
 
-def _words(samples: list[_Sample]) -> tuple[PlaneStretch, ...]:
+def _words(plane: Plane, samples: list[_Sample]) -> tuple[PlaneStretch, ...]:
     """Where words change: on either side of a border."""
     found, last, cause = list[PlaneStretch](), None, ""
     for k, each in enumerate(samples):
-        border = each.node.border
-        words = " | ".join(each.node.orbit.words), border.outer.piece.word if border else ""
+        on = border_in(each.curve)
+        border = None if on is None else border_of(plane, each.orbit, on).border
+        words = each.orbit.word, border.outer.piece.word if border else ""
         if words != last:
             found.append(PlaneStretch(k, *words, cause))
         last, cause = words, each.cause
@@ -275,14 +287,15 @@ def _points(plane: Plane, samples: list[_Sample], closed: bool) -> tuple[PlanePo
     kinds = [each.kind or PlaneKind.END for _, each in kept]
     found = []
     for (k, each), kind, name in zip(kept, kinds, numbered(kinds), strict=True):
-        status = each.event.status if each.event is not None else PointStatus.LOCATED
-        seeds = starts_at(plane, each.node, each.locus, each.event)
+        is_open = each.cause == MANY or (each.arc is not None and each.arc.stop.is_open)
+        seeds = () if each.arc is None else starts_at(plane, each.arc)
         found.append(
             PlanePoint(
-                id=name, kind=kind, values=each.node.place.values,
-                x=tuple(each.node.orbit.x.tolist()), sample=k, cause=each.cause or kind.meaning,
-                precision=_precision(plane, each) if status is PointStatus.LOCATED else OPEN,
-                status=status, starts=tuple(seed.kind for seed in seeds), seed=seeds,
+                id=name, kind=kind, values=each.values, x=tuple(each.orbit.x[:, 0].tolist()),
+                sample=k, cause=each.cause or kind.meaning,
+                precision=OPEN if is_open else _precision(plane, each),
+                status=PointStatus.OPEN if is_open else PointStatus.LOCATED,
+                starts=tuple(seed.kind for seed in seeds), seed=seeds,
             )
         )  # fmt: skip
     return tuple(found)
@@ -290,13 +303,17 @@ def _points(plane: Plane, samples: list[_Sample], closed: bool) -> tuple[PlanePo
 
 def _precision(plane: Plane, sample: _Sample) -> Pair:
     """How well a special point is located."""
-    if sample.off is not None:
-        return sample.off
-    node, locus, event = sample.node, sample.locus, sample.event
-    scale = plane.scales(len(node.place))
-    extra: Equation = Along(node.place.point, node.tangent, 0.0, scale)
-    if event is not None and event.margin is not None:
-        extra = held(event.margin, plane)
-    elif sample.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER) and locus.border is not None:
-        extra = held(1.0 if sample.kind is PlaneKind.FOLD_BORDER else -1.0, plane)
-    return precision(plane, node.place, [*locus.equations(plane), extra])
+    problem, arc, orbit = sample.curve.problem, sample.arc, sample.orbit
+    condition = problem.conditions[1]
+    if arc is not None and arc.border is not None:
+        problem = problem.with_(OnBorder(*arc.border))
+    elif (
+        sample.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER)
+        and isinstance(condition, OnBorder)
+    ):  # fmt: skip
+        kind = "LP" if sample.kind is PlaneKind.FOLD_BORDER else "PD"
+        problem = problem.with_(Multiplier(kind, plane.scale))
+    else:
+        problem = problem.with_(across(problem, orbit, sample.own.tangent, 0.0))
+    one, other = uncertainties(problem, orbit).tolist()
+    return one, other

@@ -1,50 +1,33 @@
-"""From a special point over one parameter to a place on its curve over two."""
+"""From a special point over one parameter to a cycle on its curve over two."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, SpecialPoint
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.germs import once, paths
+from woodpecker.engine.newton import solve
+from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
 from woodpecker.piecewise.borders import BorderKind
-from woodpecker.piecewise.branch_points import Multiplier
-from woodpecker.piecewise.crossings import border_at
-from woodpecker.piecewise.margins import nearest_code
-from woodpecker.piecewise.orbits import (
-    Closed,
-    Condition,
-    Coordinate,
-    Margin,
-    Orbit,
-    minimal_period,
-    scales,
-    solve,
-)
-from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.settings import Settings
-from woodpecker.plane.places import Locus, Place, Plane, Unknown
+from woodpecker.plane.maps import Plane
+from woodpecker.plane.nodes import border_of
 
 T = TypeVar("T")
-MULTIPLIERS = {PointKind.LP: 1.0, PointKind.PD: -1.0}
+MULTIPLIERS = (PointKind.LP, PointKind.PD)
 COLLISIONS = (PointKind.BC, PointKind.FF)
 AT_EDGE = "end of the window"
 PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LOST,
              BorderKind.SMOOTH)  # fmt: skip
+RETURNS = 1e-3  # scaled: an orbit through a cycle comes back that close, where slopes are steep
+Found = tuple[Orbit, Condition]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Candidate:
-    """An orbit that might be the cycle that collides, and where it might lie on a border."""
-
-    orbit: Orbit
-    margin: Margin
-
-
-def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> tuple[Place, Locus]:
-    """The place of a special point, found anew, and what its curve obeys.
+def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> Found:
+    """The cycle at a special point, found anew, and what its curve obeys.
 
     Parameters
     ----------
@@ -65,14 +48,14 @@ def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> t
             f"a curve starts at LP, PD, BC or FF, or at an end of the window, got {point.id}, "
             f"{point.kind.label}"
         )
-    p, settings = point.parameter, plane.settings[axis]
-    map_ = plane.map(_both(p, other, axis), axis)
+    p = point.parameter
+    values = np.array(_both(p, other, axis))
     if point.kind is PointKind.EP:
-        found = _leaving(map_, point, settings)
+        found = _leaving(plane, point, values, axis)
     elif point.kind in MULTIPLIERS:
-        found = _turning(map_, point, settings)
+        found = _turning(plane, point, values, axis)
     else:
-        found = _colliding(map_, point, settings)
+        found = _colliding(plane, point, values, axis)
     if found is None:
         over, held = _both(*plane.family.names, axis)
         raise ValueError(
@@ -80,8 +63,7 @@ def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> t
             f"{held} = {other:.12g}: expected a special point of a diagram over {over} "
             "with all other parameters as they are now"
         )
-    orbit, locus = found
-    return plane.place(orbit.pieces, orbit.x, _both(orbit.p, other, axis)), locus
+    return found
 
 
 def has_curve(point: SpecialPoint) -> bool:
@@ -95,105 +77,73 @@ def _both(over: T, held: T, axis: int) -> tuple[T, T]:
     return (over, held) if axis == 0 else (held, over)
 
 
-def _from_start(map_: PiecewiseMap, point: SpecialPoint) -> Orbit | None:
+def _from_start(plane: Plane, point: SpecialPoint, p: Floats) -> Orbit | None:
     """The orbit from a point, as long as its cycle; None if it ends before."""
-    x, images = [point.x], [map_.at(point.x, point.parameter)]
+    x, map_ = [np.array([point.x])], plane.map
+    images = [map_.at(x[0], p)]
     while len(images) < point.order and not images[-1].reason:
         x.append(images[-1].value)
-        images.append(map_.at(x[-1], point.parameter))
-    return None if images[-1].reason else Orbit(np.array(x), point.parameter, tuple(images))
+        images.append(map_.at(x[-1], p))
+    return None if images[-1].reason else Orbit(np.array(x), p, 0.0, tuple(images))
 
 
-def _leaving(
-    map_: PiecewiseMap, point: SpecialPoint, settings: Settings
-) -> tuple[Orbit, Locus] | None:
+def _leaving(plane: Plane, point: SpecialPoint, p: Floats, axis: int) -> Found | None:
     """The cycle of which a point lies on an end of the window."""
-    guess = _from_start(map_, point)
+    guess, window = _from_start(plane, point, p), plane.first.window
     if guess is None:
         return None
-    away = np.abs(guess.x[:, None] - np.array(settings.window))
+    away = np.abs(guess.x - np.array(window))
     index, end = (int(k) for k in np.unravel_index(away.argmin(), away.shape))
-    edge = settings.window[end]
-    found = _solved(guess, (Closed(), Coordinate(index, edge)), settings)
-    return None if found is None else (found, Locus(Unknown(index, edge)))
+    held = Held(index, window[end])
+    found = _solved(plane, guess, held, axis)
+    return None if found is None else (found, held)
 
 
-def _turning(
-    map_: PiecewiseMap, point: SpecialPoint, settings: Settings
-) -> tuple[Orbit, Locus] | None:
+def _turning(plane: Plane, point: SpecialPoint, p: Floats, axis: int) -> Found | None:
     """The cycle of a fold or a flip."""
-    guess, value = _from_start(map_, point), MULTIPLIERS[point.kind]
+    guess = _from_start(plane, point, p)
     if guess is None:
         return None
-    found = _solved(guess, (Closed(), Multiplier(value, settings, settings.nearest)), settings)
-    return None if found is None else (found, Locus(value))
+    condition = Multiplier(point.kind.value, plane.scale)
+    found = _solved(plane, guess, condition, axis)
+    return None if found is None else (found, condition)
 
 
-def _colliding(
-    map_: PiecewiseMap, point: SpecialPoint, settings: Settings
-) -> tuple[Orbit, Locus] | None:
+def _colliding(plane: Plane, point: SpecialPoint, p: Floats, axis: int) -> Found | None:
     """The cycle of a border collision, and the margin that vanishes; as the diagram names it."""
     best, rank = None, (2, len(PREFERRED), 0.0)
-    away = settings.beside
-    while best is None and away >= settings.nearest:
-        for each in _candidates(map_, point, away * settings.x_scale, settings):
-            found = _solved(each.orbit, (Closed(), each.margin), settings)
-            if found is None:
-                continue
-            border = border_at(map_, found, each.margin, settings)
-            named = border.cause == point.cause
-            own = (
-                0 if named else 1,
-                PREFERRED.index(border.kind(settings)),
-                abs(found.images[each.margin.index].slope),
-            )
-            if own < rank:
-                best, rank = (found, Locus(each.margin)), own
-        away *= settings.numerics.restart
+    for guess, on in _candidates(plane, point, p):
+        found = _solved(plane, guess, on, axis)
+        if found is None:
+            continue
+        met = border_of(plane, found, on)
+        named = met.border.cause == point.cause
+        own = 0 if named else 1, PREFERRED.index(met.kind), abs(met.border.inner.slope)
+        if own < rank:
+            best, rank = (found, on), own
     return best
 
 
-def _solved(
-    guess: Orbit, conditions: tuple[Condition, Condition], settings: Settings
-) -> Orbit | None:
-    """The orbit near a guess that obeys two conditions, with its minimal period; None if none."""
-    solution = solve(guess, conditions, settings)
-    way = (solution.orbit.point - guess.point) / scales(len(guess), settings)
-    near = float(np.abs(way[[0, -1]]).max()) <= settings.beside
+def _solved(plane: Plane, guess: Orbit, condition: Condition, axis: int) -> Orbit | None:
+    """The cycle near a guess that obeys a condition, with its minimal period; None if none."""
+    problem = plane.cycles(axis).with_(condition)
+    solution = solve(problem, guess)
+    way = np.abs(problem.step_between(guess, solution.orbit))
+    near = float(way[[0, -1]].max()) <= plane.first.beside
     if not (solution.converged and near):
         return None
-    return solution.orbit if minimal_period(solution.orbit, settings) == len(guess) else None
+    period = len(once(solution.orbit, problem).x)
+    return solution.orbit if period == len(guess.x) else None
 
 
-def _candidates(
-    map_: PiecewiseMap, point: SpecialPoint, away: float, settings: Settings
-) -> Iterator[_Candidate]:
-    """Orbits from a point that come back to it, by all pieces that meet next to theirs."""
-    p = point.parameter
-
-    def extended(x: list[float], images: list[Image], sides: list[int]) -> Iterator[_Candidate]:
-        left, right = (map_.at(x[-1] + side * away, p) for side in (-1, 1))
-        on_border = left.piece.key != right.piece.key
-        for piece_of, side in ((left, 1), (right, -1))[: 2 if on_border else 1]:
-            image = piece_of.piece.at(x[-1], p) if not piece_of.reason else piece_of
-            if image.reason:
+def _candidates(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[tuple[Orbit, OnBorder]]:
+    """Orbits from a point that come back to it, by all pieces that meet where it goes."""
+    x, problem = np.array([point.x]), plane.cycles()
+    for order in range(1, point.order + 1):
+        for path in paths(plane.map, x, p, order):
+            if not problem.same(path.end, x, RETURNS):
                 continue
-            own, met = [*images, image], [*sides, side if on_border else 0]
-            if abs(image.value - x[0]) <= _slack(own, settings):
-                orbit = Orbit(np.array(x), p, tuple(own))
-                for i, towards in enumerate(met):
-                    code = nearest_code(orbit.images[i], towards) if towards else -1
-                    if code >= 0:
-                        yield _Candidate(orbit, Margin(i, code))
-            elif len(own) < point.order:
-                yield from extended([*x, image.value], own, met)
-
-    yield from extended([point.x], [], [])
-
-
-def _slack(images: list[Image], settings: Settings) -> float:
-    """How far from its start an orbit may come back: its start is known to rounding only."""
-    steepest = 1.0
-    for image in images:
-        steepest *= max(1.0, min(abs(image.slope), settings.numerics.steep))
-    return min(settings.beside * steepest, settings.near) * settings.x_scale
+            orbit = Orbit(path.x, p, 0.0, path.images)
+            for i, image in enumerate(orbit.images):
+                for code in image.codes[image.tied(orbit.x[i], p)].tolist():
+                    yield orbit, OnBorder(i, code)

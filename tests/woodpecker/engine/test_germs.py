@@ -14,7 +14,7 @@ from woodpecker.engine.germs import beginnings
 from woodpecker.engine.maps import Chain
 from woodpecker.engine.network import connected
 from woodpecker.engine.newton import cycles
-from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, shifted
+from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, placed
 
 x, y, z, p = sympy.symbols("x y z p")
 LINES = expression_map(
@@ -63,13 +63,28 @@ def test_rows_of_conditions(condition: Closed) -> None:
     at = orbit.unknowns
 
     def residual(u: np.ndarray) -> np.ndarray:
-        moved = orbit
-        for k in range(len(u)):
-            moved = shifted(moved, k, u[k] - moved.unknowns[k])
-        return condition.residual(moved)
+        return condition.residual(placed(orbit, u))
 
     tolerance = 1e-8 if isinstance(condition, Multiplier) else 1e-9
     assert condition.rows(orbit) == pytest.approx(differences(residual, at), abs=tolerance)
+
+
+def test_derivatives_of_multipliers_beside_a_root() -> None:
+    """(x - p^2 - q)^(4/3): its slope changes by 4/9 h^(-2/3) (1, -2 p, -1), along the border by 0.
+
+    Rounding leaves 1e-5 of the distance h, and 1e-2 of differences over a thousandth of it; along
+    the border they are taken over its root, where that is 1e-8 of the whole.
+    """
+    q = sympy.symbols("q")
+    h = x - p**2 - q
+    map_ = expression_map((x,), (p, q), {"R": (h ** sympy.Rational(4, 3),)}, {"R": {"h = 0": h}})
+    place, values = 0.7**2 + 0.3 + 1e-11, np.array([0.7, 0.3])
+    orbit = orbit_of(map_.pieces, np.array([[place]]), values)
+    row, away = Multiplier("PD").rows(orbit)[0, :3], float(orbit.images[0].margins[0])
+    exact = 4.0 / 9.0 * away ** (-2.0 / 3.0) * np.array([1.0, -1.4, -1.0])
+    assert row == pytest.approx(exact, rel=0.05)
+    along = np.array([[1.4, 1.0, 0.0], [1.0, 0.0, 1.0]])
+    assert along @ row / exact[0] == pytest.approx(0.0, abs=1e-7)
 
 
 def test_products_of_multipliers_in_three_dimensions() -> None:

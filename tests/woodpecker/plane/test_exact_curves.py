@@ -152,6 +152,16 @@ def test_skew_tent_folds_and_flips_at_its_border() -> None:
             assert curve.borders[k] is BorderKind.KINK
 
 
+def test_a_kink_whose_limits_differ_by_rounding_only() -> None:
+    """At x = q/7 both pieces are p, but for rounding; the right one has the slope -4 q/3 + q/35."""
+    away = X - Q / 7
+    left, right = P + Q * away / 3, P - 4 * Q * away / 3 + X * away / 5
+    family = family_from_sympy(sympy.Piecewise((left, away < 0), (right, True)), X, (P, Q))
+    curve = through(family, (0.0, 0.9), 0.9 / 7, 1, ((-1.0, 1.0), (0.3, 2.0)))
+    assert [point.kind for point in curve.points] == ["EP", "PDB", "EP"]
+    assert curve.points[1].values == pytest.approx((15 / 137, 105 / 137), abs=ROUNDED)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False])
 def test_tongue_of_a_contracted_rotation(first: bool) -> None:

@@ -1,0 +1,182 @@
+"""A family of maps of the line as one map of R^1 with two parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import Curve, CurveSettings
+from woodpecker.engine.line import LinePiece, proposed
+from woodpecker.engine.maps import Image
+from woodpecker.engine.newton import Problem, cycles
+from woodpecker.engine.orbits import Condition
+from woodpecker.piecewise import pieces
+from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.piecewise.settings import Settings
+from woodpecker.plane.families import Family, Pair
+
+
+class FamilyPiece(NamedTuple):
+    """A piece of the maps of a family.
+
+    Attributes
+    ----------
+    family
+        The family.
+    own
+        The piece, as one of any of its maps.
+    """
+
+    family: Family
+    own: pieces.Piece
+
+    @property
+    def key(self) -> Hashable:
+        """That of the piece."""
+        return self.own.key
+
+    @property
+    def word(self) -> str:
+        """That of the piece."""
+        return self.own.word
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """Its image of a point, also where the map takes another piece."""
+        return _both(self.family, self.over_first(float(x[0]), pair(p)), float(x[0]), pair(p))
+
+    def over_first(self, x: float, values: Pair) -> pieces.Image:
+        """Its image with the derivatives in the first parameter only."""
+        return self.family.carried(self.own, self.family.over(0, values)).at(x, values[0])
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+        return self.own.cause(code)
+
+
+class FamilyMap(NamedTuple):
+    """The maps of a family as one with two parameters.
+
+    Attributes
+    ----------
+    family
+        The family.
+    scale
+        Lengths of x and of both parameters that count as 1.
+    """
+
+    family: Family
+    scale: tuple[float, float, float]
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The image of a point under the piece that the map takes there."""
+        values = pair(p)
+        first = self.family.over(0, values).at(float(x[0]), values[0])
+        return _both(self.family, first, float(x[0]), values)
+
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+        """The image of a point under the piece that the map takes infinitesimally beside it."""
+        return proposed(self, x, p, direction, self.scale)
+
+
+def pair(p: Floats) -> Pair:
+    """Two parameters as numbers."""
+    first, second = p.tolist()
+    return first, second
+
+
+def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> Image:
+    """An image over the first parameter, with the derivatives in the second one.
+
+    What rounding makes of it decides whether a view has a margin that begins right there: its
+    derivative in the second parameter is nan if only the first view does.
+    """
+    second = first
+    if not first.reason:
+        second = family.carried(first.piece, family.over(1, values)).at(x, values[1])
+    if second.reason:
+        unknown = np.full((1, 3), math.nan)
+        return Image(
+            unknown[0, :1], unknown, np.empty(0), np.empty((0, 3)), np.empty(0, dtype=np.int64),
+            FamilyPiece(family, first.piece), second.reason,
+        )  # fmt: skip
+    if np.array_equal(first.causes, second.causes):
+        rates = second.gradients[:, 1]
+    else:
+        rates = np.array([second.gradient(code)[1] for code in first.causes.tolist()])
+    return Image(
+        np.array([first.value]), np.array([[first.slope, first.d_parameter, second.d_parameter]]),
+        first.margins, np.column_stack([first.gradients, rates]), first.causes,
+        FamilyPiece(family, second.piece),
+    )  # fmt: skip
+
+
+def over_first(image: Image) -> pieces.Image:
+    """An image as one of the line over the first parameter; nan if it has no value."""
+    piece = image.piece
+    assert isinstance(piece, FamilyPiece | LinePiece)
+    value, (slope, rate) = float(image.value[0]), image.jacobian[0, :2].tolist()
+    if image.reason:
+        value = slope = rate = math.nan
+    return pieces.Image(
+        value, slope, rate, image.margins, image.gradients[:, :2], image.codes,
+        cast("pieces.Piece", piece.own), image.reason,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plane:
+    """A family of maps, with how far and how finely to look over each of its parameters.
+
+    Attributes
+    ----------
+    family
+        The family.
+    settings
+        Over each of its parameters.
+    known
+        What is known of the borders that cycles lie on.
+    """
+
+    family: Family
+    settings: tuple[Settings, Settings]
+    known: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def first(self) -> Settings:
+        """Those over the first parameter; both have the same window and the same tolerances."""
+        return self.settings[0]
+
+    @property
+    def scale(self) -> tuple[float, float, float]:
+        """Units of x and of both parameters."""
+        one, other = self.settings
+        return one.x_scale, one.p_scale, other.p_scale
+
+    @property
+    def map(self) -> FamilyMap:
+        """The map with two parameters."""
+        return FamilyMap(self.family, self.scale)
+
+    def over(self, values: Pair, axis: int = 0) -> PiecewiseMap:
+        """The map over one of the parameters, the other one held."""
+        return self.family.over(axis, values)
+
+    def cycles(self, *axes: int) -> Problem:
+        """Cycles of which some parameters may change."""
+        return cycles(axes, self.scale[:1], self.scale[1:])
+
+    def curve(self, condition: Condition) -> Curve:
+        """Cycles in both parameters that obey a condition."""
+        one, other = self.settings
+        followed = CurveSettings(
+            spans=(one.span, other.span), window=(one.window,), step=one.step,
+            min_step=one.min_step, max_step=one.max_step, max_turn=one.max_turn,
+            max_samples=one.max_samples,
+        )  # fmt: skip
+        problem = self.cycles(0, 1).with_(condition)
+        return Curve(self.map, problem, followed, tests=())
