@@ -102,11 +102,11 @@ ALLOWED = {
     "checkpoint.VERSION", "iterates.RETURN", "margins.DEPTH", "margins.DIP", "margins.FIRST",
     "margins.NEAREST", "margins.REACH", "partition.NOWHERE", "reaches.INSIDE", "reaches.NO_VALUE",
     # mathematics, and what doubles can hold
-    "corners.ALMOST", "margins.FAR", "margins.FLAT", "margins.IN_X", "margins.ROUNDED",
+    "margins.FAR", "margins.FLAT", "margins.IN_X", "margins.ROUNDED",
     "network.TINY", "orbits.SPACING", "search.GOLDEN",
     # bounds of loops that end before, or that another method finishes: work, and no result
     "bracketing.NEWTON", "margins.CUBIC_STEPS", "monotone.DEEPEST", "reaches.ROOT_STEPS",
-    "cycle_branches.SETTLING", "reaches.MOST", "slices.MOST",
+    "reaches.MOST", "slices.MOST",
     # of iterates: what is cut is reported, as of pieces more than ``Settings.max_pieces``
     "itineraries.OF_ITERATE", "itineraries.PAIRS",
     # differences in place of derivatives that a map lacks, and their check: known before any run

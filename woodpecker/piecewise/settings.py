@@ -26,9 +26,6 @@ class Numerics:
     noise
         Newton's method: times ``Settings.converged`` below which steps that shrink slowly are
         rounding; also roundings that may be left of an equation. Two bits above the shortest step.
-    held
-        Part of a distance by which Newton's method may move an orbit that was asked for at it, from
-        a border or from a corner: one that lies elsewhere is off by all of it.
     blur
         Relative rounding of the images and margins of a map, which says how well a special point is
         located: 20 spacings of doubles, what a return of the toy loses over its events.
@@ -38,10 +35,6 @@ class Numerics:
     at_flip
         In x, a part of the window: a flip and the fold of the doubled cycle this close are one
         point, if their parameters are as close as its square. As far again above ``doubled``.
-    together
-        Part of the rate at which points of a cycle come together to which it may drop in a step at
-        whose end they coincide: on its own branch it hardly changes, on that of a cycle of smaller
-        period, passed several times over, rounding is left of it.
     linked
         Fold-flip points in a chain that tell that it has no end: four at each of the two places
         that they approach, so that three distances shrink by two ratios.
@@ -87,12 +80,6 @@ class Numerics:
     exponent
         By how much the power of the distance with which a slope grows may differ from 1/2, that of
         a square root: half of the way to a pole or a kink.
-    sharpest
-        Largest angle [rad] between the tangents of neighbouring samples, however close they are:
-        more would hide what lies between them.
-    right_before
-        Part of a step by which a jump is looked at before it meets something: whether it still
-        crosses the diagonal there.
     retry
         Part of a step that is tried next if the map takes another piece at its end.
     crossing
@@ -143,29 +130,9 @@ class Numerics:
     starts, continued
         A piece is continued to a point from at most so many known ones, and the way is halved at
         most so often before it is said to have no value there.
-    bisections
-        Halvings, of its logarithm, of the distance beyond a border of a limit between ``nearest``
-        and ``beside``: twelve lead from six decades to within a hundredth.
-    fan
-        Points of the circle about a border at which a piece inside of it is looked for that may be
-        a wedge; those of the half outside, and the two on the border, are not asked.
-    sector
-        Angle [rad] between neighbouring points of the circle about a corner at most: margins say
-        where its sectors end, and what bends so much that they do not is seen from an eighth of it.
-    most_sectors
-        Points of such a circle at most: where there are more sectors borders accumulate.
-    narrow
-        Angle [rad] between two points of the circle from which the border between them is solved
-        for.
-    aside
-        Part of it by which a point that lies on a border is turned: what a map does just where two
-        events coincide is no sector.
     torn
         Part by which a multiplier changes beyond a border only if the slopes differ: over the
         distance of a restart it changes by some 1e-4.
-    fastest
-        abs(dx/dp), scaled, at most, of a branch beyond a place where borders accumulate: a steeper
-        one is another branch.
     repeats
         In x, a part of the window: an orbit that has settled repeats itself so closely.
     longest
@@ -182,18 +149,16 @@ class Numerics:
     Examples
     --------
     >>> from woodpecker import Numerics, Settings
-    >>> Numerics().bisections
-    12
-    >>> settings = Settings(numerics=Numerics(bisections=200))
+    >>> Numerics().longest
+    64
+    >>> settings = Settings(numerics=Numerics(longest=200))
     """
 
     contraction: float = 2.0
     noise: float = 64.0
-    held: float = 0.1
     blur: float = 20.0 * 2.0**-52
     doubled: float = 1e-5
     at_flip: float = 1e-4
-    together: float = 0.1
     linked: int = 8
     alike: float = 0.25
     drawn: float = 1e-7
@@ -210,8 +175,6 @@ class Numerics:
     probe: float = 1e-4
     farthest: float = 0.2
     exponent: float = 0.25
-    sharpest: float = 0.5
-    right_before: float = 2.0**-10
     retry: float = 0.25
     crossing: float = 1e-6
     difference: float = 2.0**-17
@@ -233,14 +196,7 @@ class Numerics:
     edge: float = 0.02
     starts: int = 4
     continued: int = 8
-    bisections: int = 12
-    fan: int = 16
-    sector: float = 0.25 * math.pi
-    most_sectors: int = 64
-    narrow: float = 1e-4
-    aside: float = 0.1
     torn: float = 0.01
-    fastest: float = 10.0
     repeats: float = 1e-6
     longest: int = 64
     looked: float = 0.01

@@ -130,9 +130,9 @@ def test_settings_are_positive_and_finite(value: float) -> None:
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"held": 1.0}, "held must be less than 1, got 1.0"),
+        ({"thin": 1.0}, "thin must be less than 1, got 1.0"),
         ({"contraction": 0.5}, "contraction must be more than 1, got 0.5"),
-        ({"most_sectors": 0.5}, "most_sectors must be a whole number of at least 1, got 0.5"),
+        ({"longest": 0.5}, "longest must be a whole number of at least 1, got 0.5"),
     ],
 )
 def test_numerics_refuse(options: dict[str, Any], sentence: str) -> None:
