@@ -453,7 +453,7 @@ def test_lines_that_are_refused(
 
 
 def test_a_run_keeps_all_of_its_settings(tmp_path: Path) -> None:
-    numerics = Numerics(thin=2e-3, strays=0.5, longest=16)
+    numerics = Numerics(thin=2e-3, apart=0.02, longest=16)
     settings = Settings(span=SPAN, window=WINDOW, max_turn=0.05, numerics=numerics)
     kept = json.loads(json.dumps(about(Toy(), "eps_n1", settings, SPAN)))
     assert settings_of(kept["settings"]) == settings
