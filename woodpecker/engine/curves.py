@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -326,7 +326,9 @@ class Curve:
             orbit = self._along_border(last, distance, way)
         else:
             at_distance = across(self.problem, last.orbit, last.tangent, distance)
-            guess = pulled_inside(self.problem.moved(last.orbit, way), last.orbit)
+            guess = self.problem.moved(last.orbit, way)
+            if not guess.is_defined:
+                guess = pulled_inside(guess, last.orbit)
             found = solve(self.problem.with_(at_distance), guess)
             orbit = found.orbit if found.converged else None
         if orbit is None or not orbit.is_defined:
@@ -604,16 +606,8 @@ class Curve:
 
     def _limits(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
-        (n, d), settings = orbit.x.shape, self.settings
-        columns = [*range(n * d), *(n * d + each for each in self.problem.free)]
-        ends = [*settings.window * n, *settings.spans]
-        stops = [Stop.WINDOW] * (n * d) + [Stop.SPAN] * len(settings.spans)
-        if orbit.outer is not None:
-            columns.append(n * d + len(orbit.p))
-            ends.append((0.0, 1.0))
-            stops.append(Stop.SHARE)
-        low, high = np.array(ends).T
-        return np.array(columns), low, high, stops
+        n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
+        return _limits(self.settings, n, self.problem.free, share)
 
     def _borders(self, sample: Sample) -> Iterator[TestFunction]:
         """Margins that are negative at a sample, by more than rounding."""
@@ -873,6 +867,23 @@ class Curve:
             and aside <= step * self.settings.max_turn
             and float(start.tangent @ b.tangent) > math.cos(2.0 * self.settings.max_turn)
         )
+
+
+@lru_cache
+def _limits(
+    settings: CurveSettings, n: int, free: tuple[int, ...], share: int
+) -> tuple[Ints, Floats, Floats, list[Stop]]:
+    """The bounds of n points, the free parameters, and the share in a column, if not negative."""
+    points = n * len(settings.window)
+    columns = [*range(points), *(points + each for each in free)]
+    ends = [*settings.window * n, *settings.spans]
+    stops = [Stop.WINDOW] * points + [Stop.SPAN] * len(settings.spans)
+    if share >= 0:
+        columns.append(share)
+        ends.append((0.0, 1.0))
+        stops.append(Stop.SHARE)
+    low, high = np.array(ends).T
+    return np.array(columns), low, high, stops
 
 
 def _rate_of_share(orbit: Orbit, motion: Floats) -> float:

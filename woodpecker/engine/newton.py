@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -48,7 +48,7 @@ class Problem:
     x_scale: tuple[float, ...]
     p_scale: tuple[float, ...]
 
-    def columns(self, orbit: Orbit) -> Ints:
+    def columns(self, orbit: Orbit) -> slice | Ints:
         """Which of an orbit's unknowns may move: its points, free parameters, and the share.
 
         In R^1 the share is none: it follows from where the border is.
@@ -67,7 +67,8 @@ class Problem:
 
     def with_(self, *conditions: Condition) -> Problem:
         """The same with more conditions."""
-        return replace(self, conditions=(*self.conditions, *conditions))
+        every = (*self.conditions, *conditions)
+        return Problem(every, self.free, self.x_scale, self.p_scale)
 
     def residual(self, orbit: Orbit) -> Floats:
         """What is left of all equations."""
@@ -89,6 +90,8 @@ class Problem:
 
         There a square root is infinitely steep; along it is not.
         """
+        if float(np.abs(rows).max()) <= STEEP:
+            return
         first = 0
         for condition, count in zip(self.conditions, counts, strict=True):
             if isinstance(condition, OnBorder):
@@ -130,8 +133,10 @@ class Problem:
 
 
 @lru_cache
-def _columns(points: int, k: int, free: tuple[int, ...], shares: bool) -> Ints:
+def _columns(points: int, k: int, free: tuple[int, ...], shares: bool) -> slice | Ints:
     found = [*range(points), *(points + each for each in free), *([points + k] if shares else [])]
+    if found == list(range(len(found))):
+        return slice(len(found))
     columns = np.array(found, dtype=np.int64)
     columns.setflags(write=False)
     return columns
