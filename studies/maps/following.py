@@ -101,9 +101,12 @@ def miscounted(
 
 
 def changes(network: Network, order: int) -> list[tuple[list[float], bool]]:
-    """Between which parameters cycles change their word, and whether the map is smooth there."""
+    """Between which parameters cycles change their word, and whether the map is smooth there.
+
+    One of the two is the place.
+    """
     return [
-        (sorted(curve.parameter[mark.sample : mark.sample + 2].tolist()), mark.smooth)
+        (curve.parameter[mark.sample : mark.sample + 2].tolist(), mark.smooth)
         for curve in network.curves
         for mark in curve.marks
         if curve.order == order

@@ -85,7 +85,7 @@ class Change(NamedTuple):
     Attributes
     ----------
     sample
-        Index of the sample at the border; the word changes after it.
+        The word changes after this one, as an index; it or the next lies at the border.
     cause
         A sentence on what happens there.
     smooth
