@@ -102,11 +102,6 @@ def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
     return *orbit.keys[:-1], frozenset(sides)
 
 
-def word_of(orbit: Orbit) -> str:
-    """The words of all pieces."""
-    return " | ".join(orbit.words)
-
-
 def word_at(curve: Curve, k: int) -> Word:
     """Which pieces a branch takes at a sample."""
     return curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1]

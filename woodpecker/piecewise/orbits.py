@@ -237,25 +237,6 @@ class Coordinate:
         return row
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Distance:
-    """The orbit lies at a distance from a base along a direction, in scaled unknowns."""
-
-    base: Floats
-    direction: Floats
-    distance: float
-    scale: Floats
-
-    def residual(self, orbit: Orbit) -> float:
-        """The projection less the distance."""
-        away = (orbit.point - self.base) / self.scale
-        return float(self.direction @ away) - self.distance
-
-    def row(self, orbit: Orbit) -> Floats:
-        """The direction."""
-        return self.direction / self.scale
-
-
 def scales(n: int, settings: Settings) -> Floats:
     """Units (n + 1,) of the unknowns of an orbit; not to be written to."""
     return _units(n, settings.x_scale, settings.p_scale)

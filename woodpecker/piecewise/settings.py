@@ -92,9 +92,6 @@ class Numerics:
     clear
         Part of the distance from the nearest border over which they are compared at most: a map may
         have a root or a pole there.
-    vertical
-        dp/dx, scaled, below which a branch leaves a branch point in x alone: more than differences
-        tell.
     worth
         A margin that falls, between two samples, below this part of its smaller end is looked at
         there: a cubic is well within that.
@@ -179,7 +176,6 @@ class Numerics:
     crossing: float = 1e-6
     difference: float = 2.0**-17
     clear: float = 2.0**-10
-    vertical: float = 1e-6
     worth: float = 0.25
     bent: float = 10.0
     third: float = 2.0
@@ -211,11 +207,6 @@ class Numerics:
             if isinstance(each.default, float):
                 _part_or_factor(each.name, checked, part=each.default < 1.0)
             object.__setattr__(self, each.name, checked)
-
-    @property
-    def farther(self) -> float:
-        """Times a distance from a place where borders accumulate that is tried next."""
-        return 1.0 / self.nearer
 
 
 def _checked(settings: Any, each: Field[Any]) -> Any:

@@ -10,9 +10,9 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.branch_points import Multiplier
 from woodpecker.piecewise.curves import Curve, Followed
 from woodpecker.piecewise.ends import End
+from woodpecker.piecewise.multipliers import Multiplier
 from woodpecker.piecewise.orbits import (
     Closed,
     Condition,

@@ -34,9 +34,10 @@ from maps import (
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, slices_at, solutions
-from woodpecker.piecewise.branch_points import closes, saddle
+from woodpecker.engine.newton import branch_point
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.diagrams import cycle_near, whole_diagram
+from woodpecker.piecewise.lines import base_of, to_engine
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import orbit_of
 from woodpecker.piecewise.search import Search
@@ -137,10 +138,15 @@ def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
 
 def test_no_cycle_closes_between_branches_that_come_close() -> None:
     map_, settings = pitchfork(1e-9), Settings(span=(0.0, 1.9))
-    found = saddle(orbit_of(map_.pieces, np.array([1e-4]), 1.0), settings)
-    assert found is not None
-    assert found.point == pytest.approx([0.0, 1.0], abs=LOCATED)
-    assert not closes(found, settings)
+    base = base_of(map_, settings)
+    near = to_engine(orbit_of(map_.pieces, np.array([1e-4]), 1.0))
+    assert branch_point(base.problem, near) is None
+    exact = branch_point(
+        base_of(pitchfork(0.0), settings).problem,
+        to_engine(orbit_of(pitchfork(0.0).pieces, np.array([1e-4]), 1.0)),
+    )
+    assert exact is not None
+    assert [exact.x[0, 0], exact.p[0]] == pytest.approx([0.0, 1.0], abs=LOCATED)
 
 
 # --- Flips ----------------------------------------------------------------------------------------
