@@ -20,7 +20,7 @@ from woodpecker.engine.curves import Arc, Curve, Sample, Stop
 from woodpecker.engine.newton import STEEP, across, solve
 from woodpecker.engine.orbits import Multiplier
 
-BENT = 2.0**-26  # angle between two tangents that says to which side a curve turns [rad]
+BENT = 0.1  # of the largest turn between samples: how much a curve turns at least in a bend
 CLOSEST = 2.0**-48  # scaled: how far across the other arm is looked for at first
 DOUBLINGS = 16  # of that
 FINEST = 1e-15  # of the distance across: where a fold or a flip is
@@ -34,7 +34,7 @@ def rounded(arc: Arc) -> Arc | None:
     it.
     """
     curve, last = arc.curve, arc.samples[-1]
-    way = _across(arc.samples)
+    way = _across(arc.samples, BENT * curve.settings.max_turn)
     if way is None or last.orbit.outer is not None or len(curve.problem.free) > 1:
         return None
     for doublings in range(DOUBLINGS):
@@ -83,14 +83,14 @@ def _flips(sample: Sample) -> float:
     return Multiplier("PD").value(sample.orbit)
 
 
-def _across(samples: Sequence[Sample]) -> Floats | None:
-    """Unit vector across a curve, to the side to which it turns; None if to none."""
+def _across(samples: Sequence[Sample], least: float) -> Floats | None:
+    """Unit vector across a curve, to the side to which it turns; None if by less than an angle."""
     if len(samples) < 2:
         return None
     one, other = samples[-2].tangent, samples[-1].tangent
     way: Floats = float(one @ other) * other - one
     length = float(np.linalg.norm(way))
-    return way / length if length > BENT else None
+    return way / length if length > least else None
 
 
 def _beside(curve: Curve, last: Sample, way: Floats, away: float) -> Sample | None:

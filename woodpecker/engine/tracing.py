@@ -159,7 +159,8 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
                 arc = at.curve.follow(at.sample, step, halt)
         if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
             samples = [begin.sample]  # none of it is inside
-        bend = rounded(arc) if arc.stop is Stop.SHORT else None
+        is_bend = arc.stop is Stop.SHORT and _at_flip(at, arc) is None
+        bend = rounded(arc) if is_bend else None
         if bend is not None and bend.stop is Stop.SHORT:
             samples += bend.samples[1:]
             at, step = replace(at, sample=bend.samples[-1], before=None), math.inf
