@@ -702,6 +702,8 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
     at = code % len(own)
     point, way = _arriving(curve, sample, own[:at])
     if at == 0:  # on this side of the jump
+        if own[0].place(code // len(own)) < 0:
+            return None  # a root has come to its end
         way = across(own[0], code // len(own), x, p, curve.problem.lengths)
     other = curve.map.beside(point, p, way)
     if other.reason or not curve.problem.same(other.value, own[at].value, SAME):

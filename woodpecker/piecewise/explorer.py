@@ -177,7 +177,7 @@ def _of_start(start: Start) -> _Place:
     orbit = begin.sample.orbit
     kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
     return _Place(
-        kind, begin.order, of_engine(orbit), closing_of(orbit),
+        kind, begin.order, of_engine(orbit), closing_of(begin.curve, orbit),
         keys_of_engine(orbit, begin.curve.problem), Tasks.ahead, start,
     )  # fmt: skip
 

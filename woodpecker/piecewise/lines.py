@@ -13,7 +13,7 @@ from woodpecker.engine import maps, orbits
 from woodpecker.engine.curves import Curve, CurveSettings, Sample
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
 from woodpecker.engine.line import LineMap, LinePiece
-from woodpecker.engine.maps import Chain
+from woodpecker.engine.maps import Chain, length_of
 from woodpecker.engine.newton import Problem, cycles
 from woodpecker.engine.tracing import Arrival, Change
 from woodpecker.piecewise import curves
@@ -49,14 +49,13 @@ def of_engine(orbit: orbits.Orbit) -> Orbit:
     return Orbit(orbit.x[:, 0], p, tuple(images))
 
 
-def closing_of(orbit: orbits.Orbit) -> Condition:
-    """The equation of the line that closes an orbit, see :func:`of_engine`."""
+def closing_of(curve: Curve, orbit: orbits.Orbit) -> Condition:
+    """The equation of the line that closes an orbit of a curve, see :func:`of_engine`."""
     if orbit.outer is None:
         return Closed()
-    last = orbit.images[-1]
-    length = len(last.piece.pieces) if isinstance(last.piece, Chain) else 1
-    zero = last.codes[last.tied(orbit.x[-1], orbit.p)]
-    return Margin(len(orbit.x) - 1, int(zero[zero % length == 0][0]) // length)
+    border, length = curve.problem.conditions[-1], length_of(orbit.images[-1])
+    assert isinstance(border, orbits.OnBorder)
+    return Margin(len(orbit.x) - 1, border.code // length)
 
 
 def _image(image: maps.Image) -> Image:
