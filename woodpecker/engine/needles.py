@@ -37,9 +37,11 @@ def rounded(arc: Arc) -> Arc | None:
     way = _across(arc.samples, BENT * curve.settings.max_turn)
     if way is None or last.orbit.outer is not None or len(curve.problem.free) > 1:
         return None
+    along = last.tangent  # it turns by less than a right angle from one distance to the next
     for doublings in range(DOUBLINGS):
         away = CLOSEST * 2.0**doublings
-        other = _beside(curve, last, way, away)
+        other = _beside(curve, last, way, away, along)
+        along = along if other is None else other.tangent
         if other is not None and curve.agrees(other.orbit) and _leads_on(curve, other):
             break
     else:
@@ -93,14 +95,14 @@ def _across(samples: Sequence[Sample], least: float) -> Floats | None:
     return way / length if length > least else None
 
 
-def _beside(curve: Curve, last: Sample, way: Floats, away: float) -> Sample | None:
+def _beside(curve: Curve, last: Sample, way: Floats, away: float, along: Floats) -> Sample | None:
     """The cycle at a distance across the arm of a needle; None if there is none."""
     problem = curve.problem
     guess = problem.moved(last.orbit, away * way)
     if not guess.is_defined:
         return None
     found = solve(problem.with_(across(problem, last.orbit, way, away)), guess)
-    sample = curve.start(found.orbit, way)
+    sample = curve.start(found.orbit, along)
     return sample if found.converged and np.isfinite(sample.tangent).all() else None
 
 
@@ -111,7 +113,7 @@ def _located(
     found = [last]
 
     def value(distance: float) -> float:
-        sample = last if distance == 0.0 else _beside(curve, last, way, distance)
+        sample = last if distance == 0.0 else _beside(curve, last, way, distance, way)
         if sample is None:
             return 0.0  # no closer than this
         found.append(sample)
