@@ -35,7 +35,7 @@ LEGS = 400  # arcs of a curve each way: where it goes back and forth it is left
 CROWD, WITHIN = 8, 1e-5  # so many special points within this distance, scaled, are without end
 LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
 SPAN, CLOSED = "end of the span", "the curve closes"
-SHORT, MANY = "steps become too short", "as many samples as allowed"
+MANY = Stop.MANY.value
 Spans = tuple[Pair, Pair]
 
 
@@ -234,9 +234,8 @@ def _why(plane: Plane, arc: Arc) -> str:
         return next(f"{SPAN} of {name}" for name, value, each in names if value in each.span)
     if arc.stop is Stop.CLOSED:
         return CLOSED
-    if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-        return SHORT
-    return MANY if arc.stop is Stop.MANY else arc.stop.value
+    stop = Stop.SHORT if arc.stop is Stop.OTHER_PIECE else arc.stop
+    return str(stop.value)
 
 
 def _curve(plane: Plane, samples: list[_Sample], closed: bool) -> Curve:
