@@ -152,7 +152,8 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     changes, at, step, short = list[Change](), begin, math.inf, 0
     for _ in range(MOST_ARCS):
         arc = at.curve.follow(at.sample, step, halt)
-        if arc.stop is Stop.SHORT and len(arc.samples) == 1 and at.before is None:
+        is_stuck = arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
+        if is_stuck and at.before is None:
             at = beside(at)
             if at.before is not None:  # it starts with a root
                 samples.append(at.sample)
@@ -350,24 +351,35 @@ def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
     codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
     if not codes:
         return None
-    d, problem = at.x.shape[1], curve.problem
-    inward = outer.gradients[outer.place(codes[0]), :d]
-    images = (*at.images[:i], outer, *at.images[i + 1 :])
+    start = replace(at, images=(*at.images[:i], outer, *at.images[i + 1 :]))
     for distance in BESIDE:
-        x = at.x.copy()
-        x[i] += distance * np.sign(inward) * problem.x_scale
-        guess = placed(replace(at, images=images), np.concatenate((x.ravel(), at.p, (0.0,))))
-        place = guess.images[i].place(codes[0])
-        if not guess.is_defined or place < 0:
-            continue
-        margin = OnBorder(i, codes[0], float(guess.images[i].margins[place]))
-        found = solve(problem.with_(margin), guess)
-        if found.converged and curve.agrees(found.orbit):
-            way = problem.step_between(at, found.orbit)
-            sample = curve.start(found.orbit, way)
-            if float(np.abs(way).max()) <= FARTHEST and np.isfinite(sample.tangent).all():
-                return Beginning(begin.order, curve, sample, arc.samples[-1])
+        found = _off_border(curve, start, i, codes[0], distance)
+        if found is not None:
+            return Beginning(begin.order, curve, found, arc.samples[-1])
     return None
+
+
+def _off_border(curve: Curve, at: Orbit, i: int, code: int, distance: float) -> Sample | None:
+    """The cycle beside one at a border that has come as far from it as a point at a distance.
+
+    The distance is scaled. None if there is no such cycle.
+    """
+    problem, d = curve.problem, at.x.shape[1]
+    inward = at.images[i].gradients[at.images[i].place(code), :d]
+    x = at.x.copy()
+    x[i] += distance * np.sign(inward) * problem.x_scale
+    guess = placed(at, np.concatenate((x.ravel(), at.p, (0.0,))))
+    place = guess.images[i].place(code)
+    if not guess.is_defined or place < 0:
+        return None
+    margin = OnBorder(i, code, float(guess.images[i].margins[place]))
+    found = solve(problem.with_(margin), guess)
+    if not found.converged or not curve.agrees(found.orbit):
+        return None
+    way = problem.step_between(at, found.orbit)
+    sample = curve.start(found.orbit, way)
+    is_near = float(np.abs(way).max()) <= FARTHEST
+    return sample if is_near and np.isfinite(sample.tangent).all() else None
 
 
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
@@ -427,16 +439,26 @@ def _changes_stability(before: Floats, after: Floats) -> bool:
 
 
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
-    """A beginning with its first sample beside the point where it starts, if there is one."""
-    best = begin
+    """A beginning with its first sample beside the point where it starts, if there is one.
+
+    It lies at a distance along the curve, or of a cycle at a border from that: where a piece
+    begins with a root only that leads off.
+    """
+    best, curve, orbit = begin, begin.curve, begin.sample.orbit
+    tied = list[tuple[int, int]]()
+    if not begin.is_crossing:
+        for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True)):
+            tied += [(i, code) for code in image.codes[image.tied(x, orbit.p)].tolist()]
     for distance in distances:
-        found = begin.curve.advance(begin.sample, distance)
-        if found is None or not is_inside(begin.curve, found):
-            continue
-        there = replace(begin, sample=found, before=begin.sample)
-        if begin.is_crossing or _on_same_sides(begin.sample, found):
-            return there
-        best = there if best is begin else best
+        ways = [curve.advance(begin.sample, distance)]
+        ways += [_off_border(curve, orbit, *margin, distance) for margin in tied[:1]]
+        for found in ways:
+            if found is None or not is_inside(curve, found):
+                continue
+            there = replace(begin, sample=found, before=begin.sample)
+            if begin.is_crossing or _on_same_sides(begin.sample, found):
+                return there
+            best = there if best is begin else best
     return best
 
 
