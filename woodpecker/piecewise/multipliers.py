@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.engine.orbits import CLEAR, STEP
 from woodpecker.piecewise.orbits import Orbit, moved, scales
 from woodpecker.piecewise.settings import Settings
 
@@ -73,5 +74,4 @@ def _steps(orbit: Orbit, settings: Settings, finest: float) -> Floats:
             own = np.abs(image.margins[:, None] / image.gradients)
         x, p = np.fmin.reduce(own, axis=0, initial=math.inf).tolist()
         away[i], away[-1] = x, min(p, float(away[-1]))
-    most, clear = settings.numerics.difference, settings.numerics.clear
-    return np.maximum(np.minimum(most * scale, clear * away), finest * scale)
+    return np.maximum(np.minimum(STEP * scale, CLEAR * away), finest * scale)

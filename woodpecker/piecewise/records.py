@@ -9,6 +9,10 @@ from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.settings import Settings
 
+# Part of the largest step to which a branch point is located: there the equations are singular, and
+# rounding moves an orbit by its root.
+AT_BRANCH_POINT = 1e-6
+
 
 def stretches(curve: Curve) -> tuple[Stretch, ...]:
     """Stretches of a curve with one word, each with the cause of the change that begins it.
@@ -44,7 +48,7 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
     if end.kind is PointKind.PD and len(curve.parameter) > 1:
         return max(least, _missed(curve, k))
     if end.kind is PointKind.BP:
-        return settings.numerics.crossing * settings.max_step * settings.p_scale
+        return AT_BRANCH_POINT * settings.max_step * settings.p_scale
     return 0.0 if end.p in settings.span else least
 
 

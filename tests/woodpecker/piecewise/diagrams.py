@@ -10,6 +10,7 @@ import pytest
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.piecewise.curves import Curve
+from woodpecker.piecewise.network import AT_FLIP
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Tasks
@@ -98,7 +99,7 @@ def assert_sound(diagram: Diagram, settings: Settings) -> None:
         for end, sample in zip(branch.ends, (0, -1), strict=True):
             point = diagram.point(end)
             assert branch.id in point.branches
-            near = settings.numerics.at_flip if point.kind is PointKind.PD else settings.same
+            near = AT_FLIP if point.kind is PointKind.PD else settings.same
             away = abs(branch.parameter[sample] - point.parameter) / settings.p_scale
             assert away <= settings.same
             assert abs(branch.x[sample] - point.x) / settings.x_scale <= near

@@ -257,7 +257,7 @@ def test_steps_are_parts_of_the_scales() -> None:
         ({"max_turn": 0}, "max_turn must be positive and finite, got 0"),
         ({"finest": -0.1}, "finest must be positive and finite, got -0.1"),
         ({"max_samples": 0}, "max_samples must be a whole number of at least 1, got 0"),
-        ({"newton": True}, "newton must be a whole number of at least 1, got True"),
+        ({"max_pieces": True}, "max_pieces must be a whole number of at least 1, got True"),
     ],
 )
 def test_settings_refuse(options: dict[str, object], message: str) -> None:
