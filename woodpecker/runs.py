@@ -89,7 +89,9 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     """
     run_of, entries = read_record(run)
     if unknown := unknown_settings(run_of):
-        raise ValueError(f"{run}, line 1: there are no settings {', '.join(unknown)} any more")
+        raise ValueError(
+            f"{run}, line 1: expected settings of this version, got {', '.join(unknown)} too"
+        )
     try:
         parameter, fixed = run_of["parameter"], run_of["toy"]
         toy = Toy(**{name: _number(value) for name, value in fixed.items()})

@@ -465,7 +465,7 @@ def test_a_run_with_settings_that_are_gone_is_refused(tmp_path: Path) -> None:
     run = about(Toy(), "eps_n1", settings, SPAN)
     run["settings"] |= {"newton": 12, "numerics": {"thin": 1e-3}}
     Record(path, run).close()
-    gone = r"run\.jsonl, line 1: there are no settings newton, numerics any more"
+    gone = r"run\.jsonl, line 1: expected settings of this version, got newton, numerics too"
     with pytest.raises(ValueError, match=gone):
         saved_diagram(path)
     resumed = r"cannot resume .*: there newton of settings is 12, now there is none"

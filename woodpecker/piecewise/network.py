@@ -32,7 +32,9 @@ TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
 # In x, a part of the window: a flip and the fold of the doubled cycle this close are one point, if
 # their parameters are as close as its square. As far again above what makes points of a cycle one.
 AT_FLIP = 1e-4
-SHORT_BRANCH = 0.01  # and this part of a branch: short ones that follow each other are not the same
+# Part of a branch: ends of the same branch are closer, too, for short ones that follow each other
+# are not one.
+SHORT_BRANCH = 0.01
 # Places at which two branches with the same ends are compared: one may have passed over a piece
 # that the other has at some of them.
 COMPARED = 7
